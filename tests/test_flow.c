@@ -682,6 +682,46 @@ static void the_examples_begin(void **state) {
     example("drum.yaml", 0.06);
 }
 
+/* penetration.yaml with fewer and larger grains, in less time: the sphere stands while they come,
+ * falls freely, and rests in the bed, deeper than its surface, which bears it. */
+static void a_sphere_comes_to_rest_in_a_bed(void **state) {
+    (void)state;
+    const gn_override smaller[] = {{"run.threads", "1"},
+                                   {"sources.feed.total", "400"},
+                                   {"sources.feed.mean_radius", "3 mm"},
+                                   {"sources.feed.rate", "4000"},
+                                   {"sources.feed.velocity", "[0, 0, -1]"},
+                                   {"stages.fill.end.time", "0.2"},
+                                   {"time.end", "1"}};
+    char path[4096];
+    gn_scene scene;
+    gn_run run;
+    gneiss_error error = {0};
+    snprintf(path, sizeof path, "%s/scenes/penetration.yaml", test_source());
+    ok(gn_scene_load(path, smaller, sizeof smaller / sizeof *smaller, &scene, &error), &error);
+    ok(gn_run_create(&scene, &run, &error), &error);
+    gn_world *w = &run.world;
+    while (w->time < 0.25) ok(gn_run_steps(&run, 1, &error), &error);
+    double fallen = w->time - w->stages[1].time, weight = 0.0, top = 0.0, count = 0.0;
+    assert_near(pos_of(w, 0)[2], 0.1 - 0.5 * 9.81 * fallen * fallen, 1e-4);
+    for (int id = 1; id <= 400; id++) top = fmax(top, pos_of(w, id)[2]);
+    while (w->time < 0.6) ok(gn_run_steps(&run, 1, &error), &error);
+    gn_energy e = measured_step(w);
+    for (int id = 0; id <= 400; id++) weight += 9.81 * mass_of(w, id);
+    for (int id = 1; id <= 400; id++) count += pos_of(w, id)[2] > pos_of(w, 0)[2] - 8e-3;
+    print_message("# sphere at %.3g m, bed up to %.3g m, %g of %zu grains higher than its lowest "
+                  "point, floor %.4g of %.4g N, residual %.2g\n",
+                  pos_of(w, 0)[2], top, count, w->dem.particles.soa.count - 1,
+                  -w->boundary.walls[0].force[2], weight, gn_energy_residual(&e));
+    assert_int_equal(w->dem.particles.soa.count, 401);
+    assert_true(pos_of(w, 0)[2] > 8e-3 && pos_of(w, 0)[2] < top);
+    assert_true(count > 40.0);
+    assert_true(length3(vel_of(w, 0)) < 0.02);
+    assert_near(-w->boundary.walls[0].force[2], weight, 0.2 * weight); /* sides hold the rest */
+    assert_true(fabs(gn_energy_residual(&e)) < 0.005);
+    gn_run_free(&run);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_source_keeps_its_rate_and_nothing_overlaps),
@@ -709,6 +749,7 @@ int main(void) {
         cmocka_unit_test(slips_are_refused_where_they_stand),
         cmocka_unit_test(a_specimen_wholly_in_a_sink_is_told),
         cmocka_unit_test(the_examples_begin),
+        cmocka_unit_test(a_sphere_comes_to_rest_in_a_bed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,6 +70,24 @@ def what_came_is_there_or_has_gone_in_every_row(folder):
 
 
 @fact
+def a_plan_counts_the_steps_that_grains_will_need(folder):
+    """By Hertz's law steps become shorter once grains touch, and there are none at first."""
+    scene = {
+        "dimension": 3, "materials": [{"name": "m", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.3, "restitution": 0.5}],
+        "law": {"stiffness": "hertz"}, "gravity": [0, 0, -9.81],
+        "walls": [{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1]}],
+        "sources": [{"name": "rain", "box": {"size": [20e-3, 20e-3, 5e-3]}, "origin": [0, 0, 40e-3], "rate": 1000, "total": 60,
+                     "mean_radius": 1e-3}],
+        "domain": {"min": [-1, -1, -0.1], "max": [1, 1, 0.2]}, "time": {"end": 0.3}, "output": {"snapshots": 0}, "run": {"threads": 1}}
+    path = write_scene(folder, scene)
+    said = gneiss("plan", path).stdout
+    steps = float(re.search(r"^  steps +(\d+) to", said, re.M)[1])
+    run(path, os.path.join(folder, "out"))
+    took = summary(os.path.join(folder, "out"))["steps"]
+    assert "60 particles" in said and 0.7 < steps / took < 1.4, (steps, took, said)
+
+
+@fact
 def the_summary_counts_them(folder):
     said = summary(reference())
     source, sink = said["sources"][0], said["sinks"][0]

@@ -93,8 +93,9 @@ static void a_written_scene_comes_back_bit_for_bit(void **state) {
                                         "scenes/stages.yaml",       "scenes/bending.yaml",
                                         "scenes/triaxial.yaml",     "scenes/hydrostatic.yaml",
                                         "scenes/shear.yaml",        "scenes/hopper.yaml",
-                                        "scenes/drum.yaml",         "tests/scenes/flow.yaml",
-                                        "scenes/simple-shear.yaml", "scenes/periodic-box.yaml"};
+                                        "scenes/drum.yaml",         "scenes/penetration.yaml",
+                                        "tests/scenes/flow.yaml",   "scenes/simple-shear.yaml",
+                                        "scenes/periodic-box.yaml"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
         gn_scene scene = loaded(files[k]);
         comes_back(&scene);

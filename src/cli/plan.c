@@ -7,6 +7,7 @@
 #include "cli/plan_convert.h"
 #include "cli/plan_couple.h"
 #include "cli/plan_elements.h"
+#include "cli/plan_flow.h"
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
@@ -213,6 +214,12 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
         GN_TRY(gn_first_break_start(w, NULL, &found, error));
         before = gn_now() - start;
     }
+    if (w->scene.source_count) {
+        gn_plan_flow flow;
+        GN_TRY(gn_plan_flow_try(w, &flow, error));
+        *seconds = flow.seconds;
+        return GNEISS_OK;
+    }
     double steps = gn_plan_steps(w);
     GN_TRY(time_steps(w, &per_step, error));
     *seconds = before + steps * per_step;
@@ -246,6 +253,12 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     print_step(w);
     GN_TRY(gn_print_sleepers(w, error));
     GN_TRY(find_start(w, error));
+    if (w->scene.source_count) {
+        gn_plan_flow flow;
+        GN_TRY(gn_plan_flow_try(w, &flow, error));
+        gn_print_plan_flow(w, &flow);
+        return GNEISS_OK;
+    }
     double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
     GN_TRY(time_steps(w, &per_step, error));
@@ -362,8 +375,10 @@ static void print_overlap(const gn_world *w, const gn_overlap *overlap, const ch
 static void print_on_walls(const gn_world *w, size_t body, int *warnings) {
     const double *g = w->scene.gravity;
     double most = 2.0 * w->boundary.bodies[body].mass * sqrt(gn_dot3(g, g));
-    if (w->scene.bodies[body].free && w->scene.wall_count && w->effects & GN_FX_HERTZ)
-        printf("  body %-12s passes through walls: by Hertz's law it has no stiffness\n",
+    if (w->scene.bodies[body].free && w->effects & GN_FX_HERTZ &&
+        !(w->scene.bodies[body].stiffness > 0.0) &&
+        (w->scene.wall_count || w->scene.body_count > 1))
+        printf("  body %-12s passes through walls and bodies without a stiffness, as it has none\n",
                w->scene.bodies[body].name);
     for (size_t n = 0; n < w->scene.wall_count; n++) {
         gn_body_overlap o = gn_body_walls_overlap(w, body, n);

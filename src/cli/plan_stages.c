@@ -42,7 +42,8 @@ double gn_plan_steps(const gn_world *w) {
 void gn_print_stages(const gn_world *w, double per_step) {
     char text[192], time[32];
     if (!w->scene.stage_count) return;
-    printf("stages (the most that each may take, with the step of the first)\n");
+    printf("stages (the most that each may take, with the step of the first%s)\n",
+           w->scene.source_count ? ", as far as it was tried" : "");
     for (size_t k = 0; k < w->scene.stage_count; k++) {
         const gn_stage *e = &w->scene.stages[k];
         double steps = steps_of(w, e);

@@ -463,21 +463,30 @@ static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
              w->scene.membrane.ramp);
 }
 
-/* Bodies that others are near to, and could meet but for their shape. */
-static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
+static void warn_of_passing(const gn_run *run, gn_warnings *list,
+                            bool (*passes)(const gn_world *, size_t), const char *name,
+                            const char *why) {
     const gn_world *w = &run->world;
     size_t count = 0, first = 0;
     for (size_t k = w->scene.body_count; k-- > 0;)
-        if (gn_body_passes_bodies(w, k)) {
+        if (passes(w, k)) {
             count++;
             first = k;
         }
     if (!count) return;
-    gn_warning *to = add(list, "bodies_pass");
-    snprintf(to->text, sizeof to->text,
-             "%zu bod%s, as '%.60s', pass%s through other bodies: a surface that is not closed and "
-             "convex meets particles and walls only",
-             count, count == 1 ? "y" : "ies", w->scene.bodies[first].name, count == 1 ? "es" : "");
+    gn_warning *to = add(list, name);
+    snprintf(to->text, sizeof to->text, "%zu bod%s, as '%.60s', pass%s through %s", count,
+             count == 1 ? "y" : "ies", w->scene.bodies[first].name, count == 1 ? "es" : "", why);
+}
+
+/* Bodies that walls and others are near to, and could meet but for their shape or stiffness. */
+static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
+    warn_of_passing(run, list, gn_body_passes_bodies, "bodies_pass",
+                    "other bodies: a surface that is not closed and convex meets particles and "
+                    "walls only");
+    warn_of_passing(run, list, gn_body_lacks_stiffness, "bodies_without_stiffness",
+                    "walls or other bodies: by Hertz's law those are rigid, and a free body meets "
+                    "them by its own stiffness, kratio and friction only");
 }
 
 /* What the springs of bodies cannot hold. */

@@ -464,7 +464,7 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
     GN_TRY(gn_check_side(c, s, "",
                          (gn_side_keys){wall->stiffness, wall->kratio, wall->friction,
                                         wall->rolling_friction, wall->twisting_friction,
-                                        wall->material}));
+                                        wall->material, false}));
     if (wall->servo.active && moves(&wall->motion))
         return gn_check_fail(c, "servo", "expected motion or servo, found both");
     return gn_check_plane_motion(c, s, &wall->motion);

@@ -67,6 +67,7 @@ gneiss_status gn_check_hertz_material(const check *c, const gn_material *m);
 typedef struct gn_side_keys {
     double stiffness, kratio, friction, rolling, twisting;
     const char *material;
+    bool body; /* with Hertz's law it may have a stiffness besides */
 } gn_side_keys;
 gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
                             gn_side_keys side);

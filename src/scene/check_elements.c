@@ -131,7 +131,8 @@ static gneiss_status check_whole(const check *c, const gn_scene *s) {
     if (e->has_contact)
         GN_TRY(gn_check_side(c, s, "elements.contact.",
                              (gn_side_keys){e->contact.stiffness, e->contact.kratio,
-                                            e->contact.friction, 0.0, 0.0, e->contact.material}));
+                                            e->contact.friction, 0.0, 0.0, e->contact.material,
+                                            false}));
     if (e->has_contact && s->has_periodic)
         return gn_check_fail(c, "elements.contact",
                              "expected no periodic box beside it, found one");

@@ -43,6 +43,17 @@ static gneiss_status not_read(const check *c, const char *key, double value, con
     return gn_check_fail(c, key, "expected none %s, found %g", why, value);
 }
 
+/* A body meets walls and other bodies by a stiffness of its own. */
+static gneiss_status check_body_springs(const check *c, const gn_scene *s, gn_side_keys side) {
+    int m = *side.material ? gn_scene_find_material(s, side.material) : -1;
+    double friction = m >= 0 ? s->materials[m].friction : side.friction;
+    if (!(side.stiffness > 0))
+        return not_read(c, "kratio", side.kratio,
+                        "without a stiffness, by which a body meets walls and others");
+    return friction > 0 ? gn_check_need(c, side.kratio, "kratio", "by stiffness and friction")
+                        : GNEISS_OK;
+}
+
 /* With Hertz's law of a material or rigid, else of a stiffness. */
 gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
                             gn_side_keys side) {
@@ -61,12 +72,16 @@ gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefi
         return gn_check_fail(c, material, "expected law.stiffness hertz beside it, found another");
     }
     const char *why = "beside law.stiffness hertz, which has E and nu of the material";
-    GN_TRY(not_read(c, stiffness, side.stiffness, why));
-    GN_TRY(not_read(c, kratio, side.kratio, why));
-    if (!*side.material) return GNEISS_OK;
-    GN_TRY(gn_check_material_name(c, s, material, side.material));
-    GN_TRY(not_read(c, friction, side.friction, "beside a material, which has its own"));
-    const char *own = side.rolling > 0 ? "rolling_friction" : "twisting_friction";
-    return not_read(c, own, fmax(side.rolling, side.twisting),
-                    "beside a material, which has its own");
+    if (!side.body) {
+        GN_TRY(not_read(c, stiffness, side.stiffness, why));
+        GN_TRY(not_read(c, kratio, side.kratio, why));
+    }
+    if (*side.material) {
+        GN_TRY(gn_check_material_name(c, s, material, side.material));
+        GN_TRY(not_read(c, friction, side.friction, "beside a material, which has its own"));
+        const char *own = side.rolling > 0 ? "rolling_friction" : "twisting_friction";
+        GN_TRY(not_read(c, own, fmax(side.rolling, side.twisting),
+                        "beside a material, which has its own"));
+    }
+    return side.body ? check_body_springs(c, s, side) : GNEISS_OK;
 }

@@ -66,11 +66,14 @@ static const gn_key body_keys[] = {
         .text = "turns the shape about its origin first: axis times angle; in 2D one number"),
     KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .word = "none", .fallback = "none",
-        .text = "penalty stiffness k_n; needed by every law but hertz"),
+        .text =
+            "penalty stiffness k_n; needed by every law but hertz, where it is that of contacts "
+            "with walls and other bodies (without it a free body meets particles only)"),
     KEY("material", TEXT, gn_body_def, material, .fallback = "",
         PRESENT(TEXT, gn_body_def, material), .text = "with hertz, as of walls"),
     KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
-        .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
+        .fallback = "none",
+        .text = "k_n/k_t of the surface; needed with friction, with hertz beside stiffness only"),
     KEY("friction", REAL, gn_body_def, friction, .unit = GN_SLOPE, .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
     KEY("rolling_friction", REAL, gn_body_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,

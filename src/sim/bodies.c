@@ -99,37 +99,77 @@ static bool is_held(const gn_rigid *b) {
     return b->held[0] + b->held[1] + b->held[2] > 0.0;
 }
 
-/* The spin that a moment about the free axes of space would give in a second, or an angular
- * momentum has: I_FF w_F = L_F, where I_FF are the rows and columns of the inertia, as the body
- * stands, of the one or two free axes. What bearings do about the others is no moment about these.
- */
-static void turn_held(const gn_rigid *b, const double momentum[3], double spin[3]) {
-    double inertia[9];
-    int axis[3] = {0}, count = 0;
+/* Of the body as it stands, about the axes of space. */
+static void inertia_of(const gn_rigid *b, double inertia[9]) {
     for (int p = 0; p < 9; p++) {
         inertia[p] = 0.0;
         for (int k = 0; k < 3; k++)
             inertia[p] += b->axes[3 * (p / 3) + k] * b->inertia[k] * b->axes[3 * (p % 3) + k];
     }
+}
+
+/* The spin that a moment about the free axes of space would give in a second, or an angular
+ * momentum has: I_FF w_F = L_F - I_FP w_P, where F are the one or two free axes, and P those about
+ * which bearings lead the body with w_P, that of `led`. What they do there is no moment about F. */
+static void turn_held(const gn_rigid *b, const double momentum[3], const double led[3],
+                      double spin[3]) {
+    double inertia[9], left[3];
+    int axis[3] = {0}, count = 0;
+    inertia_of(b, inertia);
     for (int a = 0; a < 3; a++) {
-        spin[a] = 0.0;
+        left[a] = momentum[a];
+        for (int c = 0; c < 3; c++)
+            if (b->held[c] > 0.0) left[a] -= inertia[3 * a + c] * led[c];
+    }
+    for (int a = 0; a < 3; a++) {
+        spin[a] = b->held[a] > 0.0 ? led[a] : 0.0;
         if (!(b->held[a] > 0.0)) axis[count++] = a;
     }
     int p = axis[0], q = axis[count - 1];
     if (count == 1) {
-        spin[p] = momentum[p] / inertia[4 * p];
+        spin[p] = left[p] / inertia[4 * p];
         return;
     }
     double across = inertia[3 * p + q];
     double determinant = inertia[4 * p] * inertia[4 * q] - across * across;
-    spin[p] = (inertia[4 * q] * momentum[p] - across * momentum[q]) / determinant;
-    spin[q] = (inertia[4 * p] * momentum[q] - across * momentum[p]) / determinant;
+    spin[p] = (inertia[4 * q] * left[p] - across * left[q]) / determinant;
+    spin[q] = (inertia[4 * p] * left[q] - across * left[p]) / determinant;
+}
+
+/* N m s: w.I.v, v = `led` about the axes P and nothing about others. */
+static double along_led(const gn_rigid *b, const double spin[3], const double led[3]) {
+    double inertia[9], sum = 0.0;
+    inertia_of(b, inertia);
+    for (int a = 0; a < 3; a++)
+        for (int c = 0; c < 3; c++)
+            if (b->held[a] > 0.0) sum += led[a] * inertia[3 * a + c] * spin[c];
+    return sum;
+}
+
+/* Whether bearings turn it beside spins that are free. */
+static bool is_led(const gn_rigid *b, const double spin[3]) {
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += b->held[a] * fabs(spin[a]);
+    return sum > 0.0;
+}
+
+/* rad/s2, by a moment. */
+static void spin_up(const gn_rigid *b, const double moment[3], double turn[3]) {
+    const double none[3] = {0, 0, 0};
+    double local[3];
+    if (is_held(b)) {
+        turn_held(b, moment, none, turn);
+        return;
+    }
+    gn_rigid_local(b, moment, local);
+    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
+    gn_rigid_direct(b, local, turn);
 }
 
 double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
     double local[3], sum = 0.0;
     if (is_held(b)) {
-        turn_held(b, v, local);
+        spin_up(b, v, local);
         return gn_dot3(v, local);
     }
     gn_rigid_local(b, v, local);
@@ -139,10 +179,8 @@ double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
 
 double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double force[3],
                             const double moment[3], const double lever[3], const double n[3]) {
-    double local[3], turn[3], push[3], round[3], centre[3], sum = 0.0;
-    gn_rigid_local(b, moment, local);
-    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
-    gn_rigid_direct(b, local, turn);
+    double turn[3], push[3], round[3], centre[3], sum = 0.0;
+    spin_up(b, moment, turn);
     gn_cross3(turn, lever, push);
     gn_cross3(b->spin, lever, round);
     gn_cross3(b->spin, round, centre);
@@ -153,27 +191,44 @@ double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double f
     return sum;
 }
 
-/* Spin from the angular momentum at the present orientation. */
+/* Spin from the angular momentum at the present orientation, beside what bearings lead. */
 static void spin_from_momentum(gn_rigid *b) {
+    double local[3];
     if (is_held(b)) {
-        turn_held(b, b->momentum, b->spin);
+        memcpy(local, b->spin, sizeof local);
+        turn_held(b, b->momentum, local, b->spin);
         return;
     }
-    double local[3];
     gn_rigid_local(b, b->momentum, local);
     for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
     gn_rigid_direct(b, local, b->spin);
 }
 
-/* With the spin of the middle of the step: exact about one axis, of second order about two. */
-static void rotate_held(gn_rigid *b, double dt) {
+/* The spin of half a turn from here. */
+static void half_way(const gn_rigid *b, double dt, double spin[3]) {
     gn_rigid middle = *b;
     double part[3];
-    spin_from_momentum(&middle);
-    for (int a = 0; a < 3; a++) part[a] = 0.5 * dt * middle.spin[a];
+    for (int a = 0; a < 3; a++) part[a] = 0.5 * dt * spin[a];
     turn_by(&middle, part);
     spin_from_momentum(&middle);
-    for (int a = 0; a < 3; a++) part[a] = dt * middle.spin[a];
+    memcpy(spin, middle.spin, sizeof middle.spin);
+}
+
+/* With the spin of the middle of the step: exact about one axis, of second order about two. What
+ * bearings turn takes that of the middle to which it leads, so that it gains nothing in many turns:
+ * forth and back are alike. */
+static void rotate_held(gn_rigid *b, double dt) {
+    enum { MOST = 20 };
+    double spin[3], before[3], part[3];
+    spin_from_momentum(b);
+    memcpy(spin, b->spin, sizeof spin);
+    half_way(b, dt, spin);
+    for (int k = 0; k < MOST && is_led(b, spin); k++) {
+        memcpy(before, spin, sizeof before);
+        half_way(b, dt, spin);
+        if (spin[0] == before[0] && spin[1] == before[1] && spin[2] == before[2]) break;
+    }
+    for (int a = 0; a < 3; a++) part[a] = dt * spin[a];
     turn_by(b, part);
     spin_from_momentum(b);
 }
@@ -226,7 +281,7 @@ static void set_motion_at_start(const gn_body_def *def, gn_rigid *b) {
                              ? gn_table_at(&def->motion.velocity[a], 0.0)
                              : def->initial_velocity[a];
         b->spin[a] = !turns_freely(b)   ? gn_table_at(&def->motion.spin[a], 0.0)
-                     : b->held[a] > 0.0 ? 0.0
+                     : b->held[a] > 0.0 ? gn_table_at(&def->motion.spin[a], 0.0)
                                         : def->initial_spin[a];
     }
     if (!turns_freely(b)) return;
@@ -359,6 +414,8 @@ static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *led
             prescribed -= b->force[a] * b->velocity[a];
     }
     if (!turns_freely(b)) prescribed -= gn_dot3(b->moment, b->spin);
+    for (int a = 0; is_held(b) && a < 3; a++)
+        if (b->held[a] > 0.0) prescribed -= b->moment[a] * b->spin[a];
     ledger->work_walls += 0.5 * dt * prescribed;
     ledger->work_gravity += 0.5 * dt * weight;
 }
@@ -382,31 +439,61 @@ static void follow_change(const gn_world *w, const gn_rigid *b, double halves[2]
     }
 }
 
-void gn_bodies_kick(gn_world *w) {
+/* J: bearings take the momentum about their axes from step to step as w_P asks for. With M_P the
+ * moments of what touches, their work in a step is w_P.(l(+) - l(-)) less that of M_P, l the mean
+ * of the momenta L_P before and after a kick: the half that ends with a kick, or begins with it. */
+static double led_work(const gn_rigid *b, bool start, gn_half half) {
+    double spin[2][3], sum = 0.0;
+    const double *led = half == GN_HALF_BEFORE ? b->spin_past : b->spin;
+    if (!is_held(b) || !is_led(b, led)) return 0.0;
+    turn_held(b, b->momentum_past, b->spin_past, spin[0]);
+    turn_held(b, start ? b->momentum_past : b->momentum, start ? b->spin_past : b->spin, spin[1]);
+    for (int k = 0; k < 2; k++) sum += 0.5 * along_led(b, spin[k], led);
+    return half == GN_HALF_BEFORE ? sum : -sum;
+}
+
+static void kick(gn_world *w, size_t k, gn_rigid *b) {
     double interval = 0.5 * (w->dt_past + w->dt), middle = w->time + 0.5 * w->dt;
+    const gn_motion *motion = &w->scene.bodies[k].motion;
+    for (int a = 0; a < 3; a++) {
+        if (b->inverse_mass[a] > 0.0)
+            b->velocity[a] += interval * (b->force[a] * b->inverse_mass[a] + w->scene.gravity[a]);
+        else
+            b->velocity[a] = gn_control_of(w, w->scene.bodies[k].name, a) *
+                             gn_table_at(&motion->velocity[a], middle);
+        if (!turns_freely(b) || b->held[a] > 0.0)
+            b->spin[a] = gn_table_at(&motion->spin[a], middle);
+        else
+            b->momentum[a] += interval * b->moment[a];
+    }
+}
+
+void gn_bodies_kick(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
-        const gn_motion *motion = &w->scene.bodies[k].motion;
         memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
         memcpy(b->spin_past, b->spin, sizeof b->spin);
         memcpy(b->momentum_past, b->momentum, sizeof b->momentum);
-        for (int a = 0; a < 3; a++) {
-            if (b->inverse_mass[a] > 0.0)
-                b->velocity[a] +=
-                    interval * (b->force[a] * b->inverse_mass[a] + w->scene.gravity[a]);
-            else
-                b->velocity[a] = gn_control_of(w, w->scene.bodies[k].name, a) *
-                                 gn_table_at(&motion->velocity[a], middle);
-            if (turns_freely(b))
-                b->momentum[a] += b->held[a] > 0.0 ? 0.0 : interval * b->moment[a];
-            else
-                b->spin[a] = gn_table_at(&motion->spin[a], middle);
-        }
+        kick(w, k, b);
         if (!(w->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
         if (turns_freely(b)) spin_from_momentum(b);
         if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
             follow_change(w, b, w->dem.done.step_change);
+        if (w->dt_past > 0.0) w->energy.work_walls += led_work(b, false, GN_HALF_BEFORE);
     }
+}
+
+/* 1/2 w(-).I.w(+), with what bearings lead. */
+static double turning_energy(const gn_rigid *b, const double before[3], bool start) {
+    double first[3], second[3], inertia[9], led[3], sum = 0.0;
+    for (int a = 0; a < 3; a++)
+        led[a] = start ? 2.0 * b->spin_past[a] - b->spin[a] : b->spin_past[a];
+    turn_held(b, before, led, first);
+    if (!is_led(b, led) && !is_led(b, b->spin)) return 0.5 * gn_dot3(first, b->momentum);
+    turn_held(b, b->momentum, b->spin, second);
+    inertia_of(b, inertia);
+    for (int a = 0; a < 9; a++) sum += 0.5 * first[a / 3] * inertia[a] * second[a % 3];
+    return sum;
 }
 
 /* 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is what a full kick
@@ -423,8 +510,7 @@ void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation)
             before[a] = start ? 2.0 * b->momentum_past[a] - b->momentum[a] : b->momentum_past[a];
         }
         if (is_held(b)) {
-            turn_held(b, before, first);
-            *rotation += 0.5 * gn_dot3(first, b->momentum);
+            *rotation += turning_energy(b, before, start);
             continue;
         }
         gn_rigid_local(b, before, first);
@@ -433,9 +519,22 @@ void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation)
     }
 }
 
+/* rad/s: a free spin changes within the step; never beyond the largest that its momentum allows,
+ * with what bearings lead: |I_FP| is at most half of the difference of two moments of inertia. */
+static double fastest_turn(const gn_rigid *b) {
+    const double *i = b->inertia;
+    double most = fmax(b->inverse_inertia[0], fmax(b->inverse_inertia[1], b->inverse_inertia[2]));
+    double spin = most * sqrt(gn_dot3(b->momentum, b->momentum)), led = 0.0;
+    if (!is_held(b) || !is_led(b, b->spin)) return spin;
+    for (int a = 0; a < 3; a++) led += b->held[a] * b->spin[a] * b->spin[a];
+    double across = 0.5 * (fmax(i[0], fmax(i[1], i[2])) - fmin(i[0], fmin(i[1], i[2])));
+    return spin + sqrt(led) * (1.0 + most * across);
+}
+
 void gn_bodies_drift(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
+        w->energy.work_walls += led_work(b, !(w->dt_past > 0.0), GN_HALF_AFTER);
         double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
         for (int a = 0; a < 3; a++) {
             b->position[a] += w->dt * b->velocity[a];
@@ -445,14 +544,7 @@ void gn_bodies_drift(gn_world *w) {
             rotate_freely(b, w->dt, w->effects & GN_FX_SPACE);
         else
             turn_by(b, turn);
-        /* A free spin changes within the step; never beyond the largest that its momentum allows.
-         */
-        double spin = sqrt(gn_dot3(b->spin, b->spin));
-        if (turns_freely(b)) {
-            double most =
-                fmax(b->inverse_inertia[0], fmax(b->inverse_inertia[1], b->inverse_inertia[2]));
-            spin = most * sqrt(gn_dot3(b->momentum, b->momentum));
-        }
+        double spin = turns_freely(b) ? fastest_turn(b) : sqrt(gn_dot3(b->spin, b->spin));
         b->travel += w->dt * (speed + spin * b->reach);
     }
 }

@@ -11,10 +11,20 @@
 
 /* --- who meets whom --- */
 
+static bool yield(const gn_world *w, size_t a, size_t b) {
+    const gn_surface *s = w->boundary.surfaces;
+    return a != b && (gn_surface_yields(w, &s[a]) || gn_surface_yields(w, &s[b]));
+}
+
+static gn_body_spring spring_of(const gn_world *w, size_t a, size_t b) {
+    return gn_body_spring_of(&w->scene, w->scene.wall_count + a, w->scene.wall_count + b);
+}
+static gn_touch_side side_of(const gn_world *w, size_t a, size_t b) {
+    return spring_of(w, a, b).side;
+}
+
 static bool may_meet(const gn_world *w, size_t a, size_t b) {
-    const gn_boundary *q = &w->boundary;
-    return a != b && w->scene.bodies[a].stiffness > 0.0 && w->scene.bodies[b].stiffness > 0.0 &&
-           (gn_surface_yields(w, &q->surfaces[a]) || gn_surface_yields(w, &q->surfaces[b]));
+    return yield(w, a, b) && side_of(w, a, b).stiffness > 0.0;
 }
 
 bool gn_bodies_meet(const gn_world *w, size_t a, size_t b) {
@@ -42,21 +52,30 @@ static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double 
     return sqrt(gn_dot3(d, d)) <= a->reach + b->reach;
 }
 
+static bool are_near(const gn_world *w, size_t a, size_t b) {
+    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+    return reach_each_other(p, q, p->start, q->start) ||
+           reach_each_other(p, q, p->position, q->position);
+}
+
 bool gn_body_passes_bodies(const gn_world *w, size_t k) {
     const gn_convex *c = w->boundary.pairs.convex;
-    const gn_rigid *b = w->boundary.bodies;
     for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
-        if (may_meet(w, k, m) && (reach_each_other(&b[k], &b[m], b[k].start, b[m].start) ||
-                                  reach_each_other(&b[k], &b[m], b[k].position, b[m].position)))
-            return true;
+        if (may_meet(w, k, m) && are_near(w, k, m)) return true;
     return false;
+}
+
+bool gn_body_lacks_stiffness(const gn_world *w, size_t k) {
+    for (size_t m = 0; w->scene.bodies[k].free && m < w->scene.body_count; m++)
+        if (yield(w, k, m) && !(side_of(w, k, m).stiffness > 0.0) && are_near(w, k, m)) return true;
+    return gn_body_passes_walls(w, k);
 }
 
 gneiss_status gn_body_pairs_prepare(gn_world *w, gneiss_error *error) {
     gn_body_pairs *p = &w->boundary.pairs;
     size_t bodies = w->scene.body_count, planes = 0, polygons = 0;
     bool any = false;
-    for (size_t a = 0; a < bodies && !(w->effects & GN_FX_HERTZ); a++)
+    for (size_t a = 0; a < bodies && !any; a++)
         for (size_t b = 0; b < a && !any; b++) any = may_meet(w, a, b);
     if (!any) return GNEISS_OK;
     p->convex = gn_alloc_array(bodies, sizeof *p->convex);
@@ -131,17 +150,6 @@ gneiss_status gn_body_pairs_check(const gn_world *w, gneiss_error *error) {
 
 /* --- springs --- */
 
-/* Springs of both one behind the other, along and across; the smaller friction. */
-static gn_touch_side side_of(const gn_world *w, size_t a, size_t b) {
-    const gn_body_def *p = &w->scene.bodies[a], *q = &w->scene.bodies[b];
-    double sum = p->stiffness + q->stiffness;
-    gn_touch_side side = {.friction = fmin(p->friction, q->friction), .part = 1.0};
-    side.stiffness = p->stiffness * (q->stiffness / sum);
-    if (p->kratio > 0.0 && q->kratio > 0.0)
-        side.kratio = (p->kratio * q->stiffness + q->kratio * p->stiffness) / sum;
-    return side;
-}
-
 /* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them just
  * begins to lift; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
@@ -157,11 +165,12 @@ double gn_body_pair_square(const gn_world *w, size_t a, size_t b) {
  * have along their way. */
 void gn_body_pairs_rates(const gn_world *w, size_t body, double *stiff, double *damp) {
     const gn_body_pairs *p = &w->boundary.pairs;
-    double alpha = w->dem.damping_fraction / gn_world_nonviscous_share(w);
     for (size_t k = 0; k < p->count; k++) {
         size_t a = (size_t)p->pair[k].first, b = (size_t)p->pair[k].second;
         if (a != body && b != body) continue;
-        gn_touch_side side = side_of(w, a, b);
+        gn_body_spring spring = spring_of(w, a, b);
+        gn_touch_side side = spring.side;
+        double alpha = spring.damping / gn_world_nonviscous_share(w);
         double square = gn_body_pair_square(w, a, b), across = 0.0, whole = 0.0;
         double give = square / (stiffest * side.stiffness);
         if (side.friction > 0.0 && side.kratio > 0.0) across = side.stiffness / side.kratio * give;
@@ -292,6 +301,7 @@ typedef struct step {
     double size;                      /* of the gradient */
     gn_touch touch;
     gn_touch_side side;
+    double damping; /* of critical */
     bool pressed;
 } step;
 
@@ -381,8 +391,7 @@ static void rock(const gn_world *w, gn_body_pair *p, const step *s, const double
     double c = 0.0, across[3], spun[3], now[3] = {0, 0, 0};
     if (s->pressed && w->effects & GN_FX_CONTACT_DAMPING)
         c = s->size * s->size *
-            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, w->dem.damping_fraction,
-                       w->dt_past);
+            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, s->damping, w->dt_past);
     if (c > 0.0) {
         gn_cross3(n, s->turn, across);
         for (int k = 0; k < 3; k++) spun[k] = c * gn_dot3(spread + 3 * k, across);
@@ -454,7 +463,7 @@ static double other_acceleration(const gn_world *w, const gn_body_pair *p, const
 static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
     gn_contact_sums *sums = &w->boundary.pairs.sums;
     gn_touch_step of = {.dt = w->dt_past,
-                        .damping_fraction = w->dem.damping_fraction,
+                        .damping_fraction = s->damping,
                         .damping = w->effects & GN_FX_CONTACT_DAMPING,
                         .space = w->effects & GN_FX_SPACE,
                         .spins = true};
@@ -484,7 +493,11 @@ static bool holds_nothing(const gn_body_pair *p) {
 static void contact(gn_world *w, gn_body_pair *p) {
     size_t a = (size_t)p->first, b = (size_t)p->second;
     gn_convex_overlap o = {0};
-    step s = {.a = &w->boundary.bodies[a], .b = &w->boundary.bodies[b], .side = side_of(w, a, b)};
+    gn_body_spring spring = spring_of(w, a, b);
+    step s = {.a = &w->boundary.bodies[a],
+              .b = &w->boundary.bodies[b],
+              .side = spring.side,
+              .damping = spring.damping};
     s.pressed = meet(w, a, b, &w->boundary.pairs.room, &o);
     if (!s.pressed && holds_nothing(p)) return;
     if (s.pressed) {

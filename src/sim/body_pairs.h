@@ -54,6 +54,10 @@ bool gn_body_misses_bodies(const gn_world *world, size_t body);
 /* The same, where one that it misses is, or was at the start, as near as both reach. */
 bool gn_body_passes_bodies(const gn_world *world, size_t body);
 
+/* Whether a free body has no spring, by Hertz's law without a stiffness, towards walls or bodies
+ * that are, or were at the start, as near. */
+bool gn_body_lacks_stiffness(const gn_world *world, size_t body);
+
 /* Lists what is near. `first`: at the start, where what overlaps is not taken for what just met. */
 gneiss_status gn_body_pairs_find(gn_world *world, bool first, gneiss_error *error);
 /* Adds the forces of these contacts to those of particles and walls. */

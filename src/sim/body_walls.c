@@ -52,8 +52,19 @@ static void plane_parts(const gn_facet_set *s, size_t vertices, double *part) {
 }
 
 bool gn_body_meets_walls(const gn_world *w, size_t k) {
-    return w->scene.wall_count && w->scene.bodies[k].free && !(w->effects & GN_FX_HERTZ) &&
+    bool springs = !(w->effects & GN_FX_HERTZ) || w->scene.bodies[k].stiffness > 0.0;
+    return w->scene.wall_count && w->scene.bodies[k].free && springs &&
            gn_surface_yields(w, &w->boundary.surfaces[k]);
+}
+
+bool gn_body_passes_walls(const gn_world *w, size_t k) {
+    const gn_rigid *b = &w->boundary.bodies[k];
+    if (!w->scene.bodies[k].free || gn_body_meets_walls(w, k)) return false;
+    for (size_t n = 0; n < w->scene.wall_count; n++)
+        if (fmin(gn_wall_distance(&w->boundary.walls[n], b->position),
+                 gn_wall_distance(&w->boundary.walls[n], b->start)) <= b->reach)
+            return gn_surface_yields(w, &w->boundary.surfaces[k]);
+    return false;
 }
 
 /* Vertices of bodies stand in the order of the bodies. */
@@ -180,16 +191,14 @@ gneiss_status gn_body_walls_find(gn_world *w, bool first, gneiss_error *error) {
 
 /* --- springs --- */
 
-/* Springs of body and wall one behind the other, along and across; the smaller friction. */
-static gn_touch_side side_of(const gn_world *w, size_t body, size_t wall, double part) {
-    const gn_body_def *b = &w->scene.bodies[body];
-    const gn_wall_def *n = &w->scene.walls[wall];
-    double sum = b->stiffness + n->stiffness;
-    bool across = b->kratio > 0.0 && n->kratio > 0.0;
-    gn_touch_side side = {.friction = fmin(b->friction, n->friction), .part = 1.0};
-    if (!(sum > 0.0)) return side;
-    side.stiffness = part * (b->stiffness * (n->stiffness / sum));
-    if (across) side.kratio = (b->kratio * n->stiffness + n->kratio * b->stiffness) / sum;
+static gn_body_spring spring_of(const gn_world *w, size_t body, size_t wall) {
+    return gn_body_spring_of(&w->scene, w->scene.wall_count + body, wall);
+}
+
+/* Of one vertex. */
+static gn_touch_side side_of(const gn_body_spring *spring, double part) {
+    gn_touch_side side = spring->side;
+    side.stiffness *= part;
     return side;
 }
 
@@ -197,7 +206,9 @@ gn_body_wall gn_body_wall_at(const gn_world *w, size_t row) {
     const gn_wall_contacts *q = &w->boundary.body_contacts;
     gn_body_wall c = {.body = body_of_vertex(w, q->i[row]), .wall = (size_t)q->wall[row]};
     c.part = w->boundary.vertex_part[q->i[row]];
-    c.side = side_of(w, c.body, c.wall, c.part);
+    gn_body_spring spring = spring_of(w, c.body, c.wall);
+    c.side = side_of(&spring, c.part);
+    c.damping = spring.damping;
     gn_rigid_direct(&w->boundary.bodies[c.body], w->boundary.body_vertex + 4 * (int64_t)q->i[row],
                     c.lever);
     return c;
@@ -211,7 +222,7 @@ double gn_body_walls_bound(const gn_world *w) {
         for (size_t end = v + (size_t)w->boundary.body_shape[k][0]; v < end; v++)
             parts += w->boundary.vertex_part[v];
         for (size_t n = 0; parts > 0.0 && n < w->scene.wall_count; n++)
-            most = fmax(most, side_of(w, k, n, parts).stiffness *
+            most = fmax(most, parts * spring_of(w, k, n).side.stiffness *
                                   gn_surface_give(w, &w->boundary.surfaces[k]));
     }
     return most;
@@ -223,7 +234,8 @@ double gn_body_walls_bound(const gn_world *w) {
 typedef struct group {
     const gn_wall *wall;
     gn_rigid *body;
-    size_t body_at, wall_at, begin, end;
+    size_t wall_at, begin, end;
+    gn_body_spring spring;
     double part;              /* of those that press, or did */
     double inverse_mass;      /* 1/kg, along the normal where all of them press as one */
     double force[3], turn[3]; /* N, N m: on the body before these contacts */
@@ -235,8 +247,8 @@ static group group_at(gn_world *w, size_t begin) {
     size_t wall = (size_t)q->wall[begin];
     group g = {.wall = &w->boundary.walls[wall],
                .body = &w->boundary.bodies[body],
-               .body_at = body,
                .wall_at = wall,
+               .spring = spring_of(w, body, wall),
                .begin = begin,
                .end = begin + 1};
     while (g.end < q->soa.count && q->wall[g.end] == q->wall[begin] && (size_t)q->i[g.end] < past)
@@ -327,9 +339,9 @@ static void contact(gn_world *w, const group *g, size_t c) {
     bool pressed = presses(w, &s);
     memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
     if (!pressed && holds_nothing(q, c)) return;
-    gn_touch_side side = side_of(w, g->body_at, g->wall_at, part);
+    gn_touch_side side = side_of(&g->spring, part);
     gn_touch_step step = {.dt = w->dt_past,
-                          .damping_fraction = w->dem.damping_fraction,
+                          .damping_fraction = g->spring.damping,
                           .damping = w->effects & GN_FX_CONTACT_DAMPING,
                           .space = w->effects & GN_FX_SPACE,
                           .spins = true};
@@ -368,7 +380,7 @@ static double stiffness_of(const gn_world *w, size_t c, bool dashpots) {
     const double *n = w->boundary.walls[k.wall].normal;
     double inverse = compliance_at(b, k.lever, n), kn = k.side.stiffness;
     for (int a = 0; a < 3; a++) inverse += n[a] * n[a] * b->inverse_mass[a];
-    return dashpots ? kn + gn_dashpot(kn, inverse, w->dem.damping_fraction, w->dt) / w->dt : kn;
+    return dashpots ? kn + gn_dashpot(kn, inverse, k.damping, w->dt) / w->dt : kn;
 }
 
 double gn_body_walls_pressing(const gn_world *w, size_t wall, bool dashpots) {

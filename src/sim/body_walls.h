@@ -9,7 +9,7 @@
 #ifndef GN_SIM_BODY_WALLS_H
 #define GN_SIM_BODY_WALLS_H
 
-#include "kernels/law.h"
+#include "sim/body_springs.h"
 #include "sim/world.h"
 
 /* Parts of the stiffness of all vertices, from their places in the bodies' frames, into
@@ -17,8 +17,10 @@
 gneiss_status gn_body_walls_prepare(gn_world *world, gneiss_error *error);
 /* That no free body has its centre of mass behind a wall. */
 gneiss_status gn_body_walls_check(const gn_world *world, gneiss_error *error);
-/* Whether a body can touch walls: it is free, and contacts have a stiffness (not Hertz's). */
+/* Whether a body can touch walls: it is free and, by Hertz's law, has a stiffness of its own; and
+ * whether a free one cannot that was near one at the start, or is now. */
 bool gn_body_meets_walls(const gn_world *world, size_t body);
+bool gn_body_passes_walls(const gn_world *world, size_t body);
 
 /* Columns that these contacts have. */
 static inline gn_effects gn_body_wall_effects(const gn_world *w) {
@@ -37,6 +39,7 @@ typedef struct gn_body_wall {
     double part;        /* of the stiffness */
     double lever[3];    /* m, of the vertex from the body's reference point */
     gn_touch_side side; /* of this part */
+    double damping;     /* of critical */
 } gn_body_wall;
 gn_body_wall gn_body_wall_at(const gn_world *world, size_t row);
 

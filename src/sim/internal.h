@@ -78,7 +78,8 @@ gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_e
 /* What particles are by Hertz's law to each other and to what they touch (law.c). */
 gneiss_status gn_hertz_prepare(gn_world *world, gneiss_error *error);
 
-/* Damping fraction alpha of the contacts, 0 for none. */
+/* Damping fraction alpha of a restitution, and of the scene's contacts; 0: none. */
+double gn_restitution_fraction(double restitution);
 double gn_contact_damping_fraction(const gn_scene *scene);
 
 /* The scene of world->stage, relative to the origin, from world->given; room for what the stages

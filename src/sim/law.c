@@ -2,16 +2,21 @@
 #include "base/memory.h"
 #include "scene/sides.h"
 #include "sim/areas.h"
+#include "sim/body_springs.h"
 #include "sim/internal.h"
 
 #include <math.h>
 
-double gn_contact_damping_fraction(const gn_scene *scene) {
-    if (scene->restitution < 0.0) return scene->damping_fraction;
-    if (scene->restitution >= 1.0) return 0.0;
-    if (scene->restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
-    double l = log(scene->restitution);
+double gn_restitution_fraction(double restitution) {
+    if (restitution >= 1.0) return 0.0;
+    if (restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
+    double l = log(restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
+}
+
+double gn_contact_damping_fraction(const gn_scene *scene) {
+    return scene->restitution < 0.0 ? scene->damping_fraction
+                                    : gn_restitution_fraction(scene->restitution);
 }
 
 /* All pairs of materials that may meet. */
@@ -37,7 +42,7 @@ gneiss_status gn_hertz_prepare(gn_world *w, gneiss_error *error) {
             most = fmax(most, pair.damping);
             least = fmin(least, pair.damping);
         }
-    w->dem.damping_fraction = 0.5 * most;
+    w->dem.damping_fraction = fmax(0.5 * most, gn_body_damping_most(s));
     w->dem.damping_least = 0.5 * least;
     return GNEISS_OK;
 }

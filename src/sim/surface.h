@@ -22,7 +22,7 @@ typedef struct gn_rigid {
     double mass, inertia[3];              /* kg, kg m2 about the axes of the frame */
     double inverse_mass[3];               /* 1/kg along x y z; 0: prescribed */
     double inverse_inertia[3];            /* 1/(kg m2) about the axes of the frame; 0: prescribed */
-    double held[3]; /* 1: no spin about this axis of space, beside free ones; 0 */
+    double held[3]; /* 1: bearings give the spin about this axis of space, beside free ones; 0 */
     double volume;  /* m3, of a free body */
     double reach;   /* m, of the farthest vertex from the reference point */
     double travel;  /* m, bound on the path of any vertex since the lists were made */

@@ -84,18 +84,29 @@ double gn_surface_give(const gn_world *w, const gn_surface *s) {
 
 /* --- bodies that are light --- */
 
-/* 1/s2, of a body where it touches; by Hertz's law, where stiffnesses are not its own, over N/m. */
-static double square_of(const gn_world *w, size_t body) {
-    double stiffness = w->effects & GN_FX_HERTZ ? 1.0 : w->scene.bodies[body].stiffness;
+/* N/m: by Hertz's law the most of what a particle is pressed with by a hundredth of its radius. */
+static double hertz_stiffness(const gn_world *w) {
+    const size_t sides = gn_scene_sides(&w->scene);
+    const gn_particles *q = &w->dem.particles;
+    double modulus = 0.0, radius = 0.0;
+    for (size_t k = 0; k < w->scene.material_count * sides; k++)
+        modulus = fmax(modulus, w->dem.hertz[k].modulus);
+    for (size_t p = 0; p < q->soa.count; p++) radius = fmax(radius, q->pos[4 * p + 3]);
+    return 0.2 * modulus * radius;
+}
+
+/* 1/s2, of a body where it touches; `hertz`: of what touches it by that law, besides its own. */
+static double square_of(const gn_world *w, size_t body, double hertz) {
     const gn_surface *s = &w->boundary.surfaces[body];
+    double stiffness = fmax(hertz, w->scene.bodies[body].stiffness);
     return gn_surface_yields(w, s) ? stiffness * gn_surface_give(w, s) : 0.0;
 }
 
 /* The same of particles, on the stiffest of what they touch and among each other. */
-static double particle_square(const gn_world *w) {
+static double particle_square(const gn_world *w, double stiffness) {
     const gn_particles *q = &w->dem.particles;
     bool hertz = w->effects & GN_FX_HERTZ;
-    double stiffness = hertz ? 1.0 : 0.0, give = 0.0, bound = w->dem.limit.bound;
+    double give = 0.0, bound = w->dem.limit.bound;
     for (size_t k = 0; k < w->scene.body_count && !hertz; k++)
         stiffness = fmax(stiffness, w->scene.bodies[k].stiffness);
     for (size_t k = 0; k < w->scene.wall_count && !hertz; k++)
@@ -106,17 +117,17 @@ static double particle_square(const gn_world *w) {
 
 const char *gn_world_light_body(const gn_world *w, char *text, size_t size) {
     const double far = 1e3;
-    double particles = particle_square(w);
+    double hertz = w->effects & GN_FX_HERTZ ? hertz_stiffness(w) : 0.0;
+    double particles = particle_square(w, hertz);
     *text = '\0';
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        double square = square_of(w, k), others = particles;
+        double square = square_of(w, k, hertz), others = particles;
         for (size_t m = 0; m < w->scene.body_count; m++)
-            if (m != k) others = fmax(others, square_of(w, m));
+            if (m != k) others = fmax(others, square_of(w, m, hertz));
         if (!(others > 0.0) || !(square > far * far * others)) continue;
         const gn_body_def *def = &w->scene.bodies[k];
         char stiff[48] = "";
-        if (!(w->effects & GN_FX_HERTZ))
-            snprintf(stiff, sizeof stiff, " on %.4g N/m", def->stiffness);
+        if (def->stiffness > 0.0) snprintf(stiff, sizeof stiff, " on %.4g N/m", def->stiffness);
         snprintf(text, size,
                  "body '%.60s' of %.4g kg%s asks, where it touches, for steps %.1g times shorter "
                  "than all else: more mass, or less stiffness, makes the run shorter",
@@ -226,11 +237,11 @@ static void add_wall_contact(const gn_world *w, const gn_body_wall *c, bool acro
  * springs, with k of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue
  * is that much of the springs', which is k times the most by which one of them gives way. */
 typedef struct wall_damping {
-    double stiffness, most, whole;
+    double stiffness, most, whole, fraction;
 } wall_damping;
 
 static double damping_of(const gn_world *w, const wall_damping *d) {
-    double alpha = w->dem.damping_fraction / gn_world_nonviscous_share(w);
+    double alpha = d->fraction / gn_world_nonviscous_share(w);
     double least = d->whole > 0.0 ? d->whole : d->most;
     return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
 }
@@ -251,6 +262,7 @@ static double add_walls(const gn_world *w, int32_t body, body_block *block) {
         const gn_rigid *b = &w->boundary.bodies[body];
         d.most = fmax(d.most, give_along(b, &k, w->boundary.walls[wall].normal, &d.whole));
         d.stiffness += k.side.stiffness;
+        d.fraction = k.damping;
         add_wall_contact(w, &k, true, block);
     }
     return damping + damping_of(w, &d);
