@@ -981,6 +981,17 @@ def the_scenes_of_the_other_tests_give_their_readings(folder):
         out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
         value = readings(out)[reading]
         assert value is not None and value > least, (name, readings(out), absent(out))
+        if name == "concrete":  # whose pressure comes in a stage before
+            strains_count_from_the_last_stage(out, "lateral_strain", "volumetric_strain")
+
+
+def strains_count_from_the_last_stage(out, *names):
+    rows = history(out)
+    loads = rows["stage"] == rows["stage"].max()
+    peak = rows["stress"][loads].argmax()
+    for name in names:
+        grown, before = rows[name][loads][peak] - rows[name][loads][0], rows[name][loads][0]
+        assert abs(before) > 0.01 * abs(grown) and abs(readings(out)[name + "_at_peak"] - grown) < 1e-12, (name, grown, before)
 
 
 @fact
