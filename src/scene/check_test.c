@@ -3,6 +3,7 @@
 
 #include "base/names.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- ends ---- */
@@ -58,6 +59,41 @@ static gneiss_status check_sides(const check *c, const gn_scene *s, const char *
     return GNEISS_OK;
 }
 
+/* Cosine from which a wall counts as standing across a direction. */
+static const double across = 0.9;
+
+/* Two walls that are of different ends: they face each other along `way`, the lower one first.
+ * Other ends are where their particles, nodes and bodies are, which the world looks at. */
+static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
+                                     const gn_wall_def *upper, int way) {
+    const double low = lower->normal[way], high = upper->normal[way];
+    if (low * high > 1e-6)
+        return gn_check_fail(c, "test.upper",
+                             "expected a wall that faces the lower end along %c, found '%s', whose "
+                             "normal has the sense of that of '%s': both ends are on one side",
+                             "xyz"[way], upper -> name, lower -> name);
+    const bool both = fabs(low) > across && fabs(high) > across;
+    if (!both || upper->point[way] > lower->point[way]) return GNEISS_OK;
+    return gn_check_fail(c, "test.upper",
+                         "expected an end above the lower one along %c, found wall '%s' at %g m, "
+                         "where '%s' is at %g m",
+                         "xyz"[way], upper -> name, upper -> point[way], lower -> name,
+                         lower -> point[way]);
+}
+
+static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
+    for (size_t k = 0; way >= 0 && k < t->lower.count; k++)
+        for (size_t m = 0; m < t->upper.count; m++) {
+            int lower = gn_scene_find_wall(s, t->lower.name[k]),
+                upper = gn_scene_find_wall(s, t->upper.name[m]);
+            if (lower >= 0 && upper >= 0)
+                GN_TRY(check_two_walls(c, &s->walls[lower], &s->walls[upper], way));
+        }
+    return GNEISS_OK;
+}
+
 static gneiss_status check_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
@@ -69,7 +105,9 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
                            &t->opening.upper));
     for (int k = 0; k < 4; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    if (!gn_check_sound(c, "test") || s->stage_count) return GNEISS_OK;
+    if (!gn_check_sound(c, "test")) return GNEISS_OK;
+    GN_TRY(gn_check_keep(c, check_walls_of_ends(c, s)));
+    if (s->stage_count) return GNEISS_OK;
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "

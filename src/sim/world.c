@@ -5,6 +5,7 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "sim/coupling.h"
+#include "sim/ends.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
@@ -348,6 +349,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) GN_TRY(measure_elements(w, error));
+    GN_TRY(gn_ends_check(w, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
