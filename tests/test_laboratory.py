@@ -1009,6 +1009,42 @@ def ends_that_are_beside_each_other_may_be_right(folder):
 
 
 @fact
+def a_confinement_needs_what_confines(folder):
+    """Whatever presses or holds will do, in any stage; a wall that presses with a servo does not stand."""
+    def accepted(given):
+        expect(gneiss("check", write_scene(folder, given)), 0)
+    left, right = ({"name": n, "point": [x, 0], "normal": [s, 0], "stiffness": 1e9} for n, x, s in (("west", 0, 1), ("east", 0.016, -1)))
+    servo, none = {"servo": {"force": 1e3, "max_velocity": 0.1}}, "test.kind: expected something that presses on the specimen of a hydrostatic test"
+    hydrostatic = {"kind": "hydrostatic"}
+    for more in ({}, {"walls": [left, right]}, {"gravity": [0, -9.81]}, {"walls": [{**left, "motion": {"vx": 0}}]}, {"sets": [slab("a", "upper", vx=0)]},
+                 {"stages": [{"name": "one", "end": {"time": 1e-5}}, {"name": "two", "walls": {"west": {"motion": {"vx": 0}}}}], "walls": [left, right]}):
+        refused(folder, bonded(test=hydrostatic, **more), none)
+    for more in ({"membrane": {"pressure": 1e6}}, {"walls": [{**left, **servo}, right]}, {"walls": [{**left, "motion": {"vx": 0.1}}, right]},
+                 {"stages": [{"name": "one", "end": {"time": 1e-5}}, {"name": "two", "walls": {"west": servo}}], "walls": [left, right]}):
+        accepted(bonded(test=hydrostatic, **more))
+
+    plates = [plate("low", 0, 1), plate("up", 0.016, -1, motion={"vy": -0.1})]
+    sides, test = "test.kind: expected sides of the specimen that stand along x beside the ends of an oedometer test", ends("oedometer", "low", "up")
+    body = {"name": "tube", "polyline": [[-0.001, 0], [-0.001, 0.02]], "stiffness": 1e9, "motion": {"vx": 0}}
+    for more in ({}, {"walls": [left]}, {"walls": [left, {**right, **servo}]}, {"sets": [slab("a", "upper")]}, {"membrane": {"pressure": 1e6}}):
+        refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), sides)
+    for more in ({"walls": [left, right]}, {"bodies": [body]}, {"sets": [place("side", [0, 0], [2e-3, 0.02], vx=0)]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
+        accepted(bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}))
+
+
+@fact
+def it_is_told_where_shear_has_no_normal_stress(folder):
+    """By check and by the run; a constant height is a test of its own."""
+    for k, (more, told) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
+        sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
+        given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
+        checked = expect(gneiss("check", write_scene(folder, given)), 0).stdout
+        assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: test: nothing presses the ends together along y", checked)) == told, (more, checked)
+        out = run_scene(folder, given, name=f"out{k}")
+        assert ("no_normal_stress" in [w["name"] for w in summary(out)["warnings"]]) == told, (more, summary(out)["warnings"])
+
+
+@fact
 def stops_that_no_row_would_show_are_refused(folder):
     for stop in ("peak_drop", "strain", "unbalanced"):
         given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": 0})

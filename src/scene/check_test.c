@@ -2,6 +2,7 @@
 #include "scene/check.h"
 
 #include "base/names.h"
+#include "scene/acts.h"
 
 #include <math.h>
 #include <string.h>
@@ -235,6 +236,22 @@ static gneiss_status check_shear(const check *c, const gn_scene *s) {
     return t->kind == GN_TEST_SIMPLE_SHEAR ? check_simple_shear(c, s) : GNEISS_OK;
 }
 
+/* Held at both sides across the axis, or its stress is that of a compression test. */
+static gneiss_status check_oedometer(const check *c, const gn_scene *s) {
+    const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic"};
+    for (int k = 0; k < 5; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    for (int a = 0; a < (int)s->dimension; a++)
+        if (a != s->test.axis && !gn_scene_stands(s, a))
+            return gn_check_fail(
+                c, "test.kind",
+                "expected sides of the specimen that stand along %c beside the ends of an "
+                "oedometer test (walls that face each other, bodies, sets that are held there, a "
+                "periodic box), found none",
+                "xyz"[a]);
+    return GNEISS_OK;
+}
+
 static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
     for (size_t k = 0; k < end->count; k++) {
         int wall = gn_scene_find_wall(s, end->name[k]);
@@ -277,7 +294,7 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
     if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
     if (gn_test_in(t->kind, GN_TESTS_SHEARED)) return check_shear(c, s);
     if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
-    return GNEISS_OK;
+    return t->kind == GN_TEST_OEDOMETER ? check_oedometer(c, s) : GNEISS_OK;
 }
 
 /* What stands in it is read by whoever makes the runs; none of the scenes has it. */
@@ -327,6 +344,14 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+gneiss_status gn_check_pressed(const check *c, bool presses) {
+    if (presses || c->reader->scene->test.kind != GN_TEST_HYDROSTATIC) return GNEISS_OK;
+    return gn_check_fail(c, "test.kind",
+                         "expected something that presses on the specimen of a hydrostatic test (a "
+                         "membrane, a servo of walls or of a periodic box, walls or sides that "
+                         "move), found nothing");
+}
+
 /* A hydrostatic test has none of them: it is the mean pressure over the change of volume. */
 static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
@@ -340,7 +365,11 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
     if (!s->has_specimen)
         return gn_check_fail(c, "test.kind",
                              "expected particles, whose mean strain is read, found none");
-    return check_keys(c, t);
+    GN_TRY(gn_check_keep(c, check_keys(c, t)));
+    const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
+    for (int k = 0; k < 6; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, gn_scene_presses(s));
 }
 
 gneiss_status gn_check_test(const check *c, gn_scene *s) {

@@ -1,5 +1,6 @@
 /* Whether the two ends of a test are what its kind asks for: one below, one above. */
 #include "base/point.h"
+#include "scene/acts.h"
 #include "sim/bending.h"
 #include "sim/ends.h"
 #include "sim/laboratory.h"
@@ -158,6 +159,17 @@ static const char *wrong(const gn_world *w, int way, const reach *lower, const r
     if (pressed && (middle(lower) > w->lower[way]) == (middle(upper) > w->lower[way]))
         return "both on one side of the specimen";
     return NULL;
+}
+
+bool gn_shear_is_loose(const gn_world *w, char *text, size_t size) {
+    const gn_test *t = &w->scene.test;
+    if (!gn_scene_shears_loose(&w->scene)) return false;
+    snprintf(text, size,
+             "%s: nothing presses the ends together along %c, and one of them is free there: the "
+             "strength is that without a normal stress (a force of its set, a wall with a servo "
+             "or, for a constant height, v%c: 0)",
+             gn_scene_at(&w->scene, t->where, "test").text, "xyz"[t->normal], "xyz"[t->normal]);
+    return true;
 }
 
 gneiss_status gn_ends_check(const gn_world *w, gneiss_error *error) {
