@@ -1045,6 +1045,23 @@ def it_is_told_where_shear_has_no_normal_stress(folder):
 
 
 @fact
+def a_stage_of_more_steps_than_the_run_has_is_told_at_the_start(folder):
+    for steps, told in ((10**9, True), (100, False)):
+        given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=-0.01)], test=ends("compression", "low", "up"),
+                       stages=[{"name": "one", "end": {"steps": steps}}, {"name": "two"}])
+        done = expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, f"out{steps}"), "--quiet"), 0)
+        for text in (done.stderr, gneiss("check", write_scene(folder, given)).stdout):
+            assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: stages: stage 'one' ends by its steps alone", text)) == told, text
+
+
+@fact
+def a_membrane_may_end_a_stage(folder):
+    with open(os.path.join(ROOT, "scenes", "hydrostatic.yaml")) as file:
+        text = file.read() + "\nstages: [{name: load, end: {stress: 5 MPa}}, {name: on, end: {strain: 0.1 %}}]\n"
+    expect(gneiss("check", write_scene(folder, text), "--set", "specimen.particles=200"), 0)
+
+
+@fact
 def stops_that_no_row_would_show_are_refused(folder):
     for stop in ("peak_drop", "strain", "unbalanced"):
         given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": 0})

@@ -15,12 +15,17 @@ static bool moves(const gn_motion *motion) {
     return acts;
 }
 
+static bool pushed(const gn_set_def *set) {
+    return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
+}
+
 bool gn_scene_presses(const gn_scene *s) {
-    bool acts = s->has_membrane || s->elements.load_count > 0 || gn_scene_box_moves(s);
+    bool acts =
+        gn_table_acts(&s->membrane.pressure) || s->elements.load_count > 0 || gn_scene_box_moves(s);
     for (size_t k = 0; k < s->wall_count; k++)
         acts = acts || s->walls[k].servo.active || moves(&s->walls[k].motion);
     for (size_t k = 0; k < s->set_count; k++)
-        acts = acts || s->sets[k].has_force || moves(&s->sets[k].motion);
+        acts = acts || pushed(&s->sets[k]) || moves(&s->sets[k].motion);
     for (size_t k = 0; k < s->body_count; k++)
         acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
     for (size_t k = 0; k < s->elements.motion_count; k++)

@@ -369,7 +369,7 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
     for (int k = 0; k < 6; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, gn_scene_presses(s));
+    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, s->has_membrane || gn_scene_presses(s));
 }
 
 gneiss_status gn_check_test(const check *c, gn_scene *s) {
