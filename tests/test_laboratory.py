@@ -1045,6 +1045,28 @@ def it_is_told_where_shear_has_no_normal_stress(folder):
 
 
 @fact
+def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
+    """The same in results.h5 and summary.json; those of the last stage are those of the run."""
+    given = bonded(sets=[slab("low", "lower", vx=0, vy=0), slab("up", "upper", vx=0, vy=0)], test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"},
+                   stages=[{"name": "press", "sets": {"up": {"motion": {"vy": -0.01}}}, "end": {"time": 2e-5}},
+                           {"name": "push on", "sets": {"up": {"motion": {"vx": 0.05}}}, "end": {"time": 6e-5}}])
+    out = run_scene(folder, given)
+    stages, whole = summary(out)["stages"], summary(out)
+    assert [s["name"] for s in stages] == ["press", "push on"] and stages[-1]["readings"] == whole["readings"] and stages[-1]["absent"] == whole["absent"]
+    with results(out) as file:
+        names = set(file["readings"])
+        assert "shear_strength" in names and "young_modulus" not in names
+        for stage in stages:
+            group = file[f"stages/{stage['name']}/readings"]
+            assert set(group) == set(stage["readings"]) == names, stage
+            assert {n: text(d.attrs["absent"]) for n, d in group.items() if "absent" in d.attrs} == stage["absent"], stage
+            for name, data in group.items():
+                value = stage["readings"][name]
+                assert (np.isnan(data[0]) and name in stage["absent"]) if value is None else data[0] == value, (stage, name)
+    assert "another stage" in stages[0]["absent"]["fragments"] and stages[1]["readings"]["fragments"] == 1, stages
+
+
+@fact
 def a_stage_of_more_steps_than_the_run_has_is_told_at_the_start(folder):
     for steps, told in ((10**9, True), (100, False)):
         given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=-0.01)], test=ends("compression", "low", "up"),

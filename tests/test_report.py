@@ -127,10 +127,13 @@ def stages_are_those_of_the_history(folder):
     assert results.last_stage == ("load", slice(50, 200)), results.last_stage
     assert run_report(folder).returncode == 0
     with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
-        assert "Strain counts from the start of the stage." in file.read()
+        page = file.read()
+    assert "Strain counts from the start of the stage." in page
+    of_stages = page[page.index("Readings of the stages"):page.index("<h2>Parameters")]
+    assert re.findall("<t[hd].*?>(.*?)</t[hd]>", of_stages) == ["reading", "settle", "load", "largest stress", "60 MPa", "241 MPa"], of_stages
     make("disc", path)
     results = report.Results(path)
-    assert results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
+    assert report.stages_table(results) == "" and results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
 
 
 def curves_of_a_test_are_those_of_the_last_stage(folder):

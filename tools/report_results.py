@@ -50,7 +50,7 @@ FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "defl
 
 
 class Results:
-    """history, readings, energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
+    """history, readings, stage_readings (by the name of the stage), energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
     absent."""
 
     def __init__(self, path):
@@ -71,6 +71,8 @@ class Results:
         self.scene = _text(scene[()]) if isinstance(scene, h5py.Dataset) else ""
         self.history = _group(file, "history")
         self.readings = _group(file, "readings")
+        stages = file.get("stages")
+        self.stage_readings = ({name: _group(stages, f"{name}/readings") for name in stages} if isinstance(stages, h5py.Group) else {})
         self.energy = _group(file, "energy")
         self.particles = _group(file, "particles")
         self.bonds = _group(file, "bonds")

@@ -109,24 +109,36 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
     return GNEISS_OK;
 }
 
-static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,
-                                   gneiss_error *error) {
-    gn_history part;
-    GN_TRY(part_of(run, stage, &part, error));
-    compute(&run->world, &part, readings);
-    free(part.columns[part.column_count].value);
-    free(part.columns);
-    return GNEISS_OK;
-}
-
-/* --- of the run --- */
-
 /* The one whose readings are those of the run. */
 static size_t stage_read(const gn_run *run) {
     size_t stage = run->world.stage, begin;
     while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
     return stage;
 }
+
+/* What the world shows is of now. */
+static void leave_fragments(gn_readings *r) {
+    const gn_reading list[] = {GN_READING_fragments, GN_READING_largest_fragment};
+    for (size_t k = 0; k < 2; k++)
+        if (!r->reason[list[k]][0])
+            snprintf(r->reason[list[k]], GN_REASON_SIZE,
+                     "the pieces at the end of the run are "
+                     "counted, which is that of another stage");
+    r->fragments = r->largest_fragment = NAN;
+}
+
+static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,
+                                   gneiss_error *error) {
+    gn_history part;
+    GN_TRY(part_of(run, stage, &part, error));
+    compute(&run->world, &part, readings);
+    if (stage != stage_read(run)) leave_fragments(readings);
+    free(part.columns[part.column_count].value);
+    free(part.columns);
+    return GNEISS_OK;
+}
+
+/* --- of the run --- */
 
 static bool same(const state *a, const state *b) {
     return a->step == b->step && a->broken == b->broken && a->lost == b->lost &&
