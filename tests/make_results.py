@@ -185,6 +185,9 @@ def make(kind, path, packing=None):
     if kind == "stages":  # the second has no rows, the fourth has not begun
         writer.file.attrs["stages"] = "settle\nbond\nload\nunload"
         writer.put("history/stage", np.where(np.arange(rows) < rows // 4, 0.0, 2.0))
+        for name, largest in (("settle", 60e6), ("bond", float("nan")), ("load", 241e6)):
+            writer.put(f"stages/{name}/readings/largest_stress", largest, "Pa")
+            writer.put(f"stages/{name}/readings/peak_stress", float("nan"), "Pa", absent="no bond has broken")
     if packing:
         data = np.loadtxt(packing)
         position, radius = data[:, :3], data[:, 3]

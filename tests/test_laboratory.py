@@ -993,6 +993,160 @@ def what_a_kind_has_no_use_for_is_refused(folder):
     refused(folder, disc(3, 100, test={"axis": "z"}), "test.axis: expected x or y: the disc of a brazilian test stands across z, found z")
 
 
+def slab(name, side, axis="y", depth=1.5e-3, **motion):
+    return {"name": name, "select": {"end": {"axis": axis, "side": side, "depth": depth}}, "motion": motion}
+
+
+def bonded(cells=(8, 8), **more):
+    """Discs of 1 mm on a square lattice, the first centre at 1 mm; or spheres."""
+    kind = "square" if len(cells) == 2 else "cubic"
+    return scene(len(cells), specimen={"lattice": {"kind": kind, "radius": 1e-3, "cells": list(cells)}}, time={"end": 1e-4}, **more)
+
+
+def place(name, low, high, **motion):
+    return {"name": name, "select": {"box": {"min": low, "max": high}}, "motion": motion}
+
+
+def plate(name, y, normal, **more):
+    return {"name": name, "point": [0, y], "normal": [0, normal], "stiffness": 1e9, "passive": True, **more}
+
+
+def block_of(name, x, y, size=(4e-3, 1e-3)):
+    corners = [[x, y], [x + size[0], y], [x + size[0], y + size[1]], [x, y + size[1]]]
+    return {"name": name, "polygon": corners, "stiffness": 1e6, "motion": {"vy": 0}}
+
+
+def ends(kind, lower, upper, **more):
+    return {"kind": kind, "axis": "y", "lower": lower, "upper": upper, **more}
+
+
+@fact
+def two_ends_on_one_side_are_refused(folder):
+    """By walls, sets, bodies, motions of elements and lists of them, whatever the kind."""
+    alike = "test.upper: expected a wall that faces the lower end along y, found 'b', whose normal has the sense of that of 'a': both ends are on one side"
+    for walls, pattern in (([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0, 1)], alike),
+                           ([plate("a", 0, 1, motion={"vy": 0}), plate("b", 0.016, 1)], alike),
+                           ([plate("a", 0.016, -1, motion={"vy": 0}), plate("b", 0.017, -1)], alike),
+                           ([plate("a", 0.016, -1, motion={"vy": 0}), plate("b", 0, 1)], "test.upper: expected an end above the lower one along y, found wall 'b' at 0 m, where 'a' is at 0.016 m")):
+        for kind, more in (("compression", {}), ("oedometer", {}), ("shear", {"axis": "x", "normal": "y"}), ("biaxial", {})):
+            given = bonded(walls=walls, test={**ends(kind, "a", "b"), **more}, **({"membrane": {"pressure": 1e6}} if kind == "biaxial" else {}))
+            refused(folder, given, pattern)
+    above = "test.upper: expected an end above the lower one along y, found "
+    way, side = above + "them the other way round: lower is at 0.015 to 0.015 m, upper at 0.001 to 0.001 m", above + "both on one side of the specimen"
+    left, right = place("left", [0, 0.013], [6e-3, 0.02], vx=0, vy=0), place("right", [9e-3, 0.013], [0.02, 0.02], vx=0, vy=0)
+    for kind, more in (("compression", {}), ("tension", {}), ("shear", {"axis": "x", "normal": "y"}), ("biaxial", {}), ("brazilian", {})):
+        beside = {"membrane": {"pressure": 1e6}} if kind == "biaxial" else {}
+        tested = lambda lower, upper: {**ends(kind, lower, upper), **more}  # noqa: E731
+        for depth in (1.5e-3, 4e-3):
+            sets = [slab("a", "upper", depth=depth, vx=0, vy=0), slab("b", "upper", vx=0, vy=0)]
+            refused(folder, bonded(sets=sets, test=tested("a", "b"), **beside), "test.upper: expected another part of the specimen than the lower end, found 'a' and 'b' with 8 particles in common")
+        refused(folder, bonded(sets=[slab("a", "upper", vx=0, vy=0), slab("b", "lower", vx=0, vy=0)], test=tested("a", "b"), **beside), way)
+        if kind not in ("compression", "tension"):  # of which an end may be a grip beside which the other bends or pulls
+            refused(folder, bonded(sets=[left, right], test=tested("left", "right"), **beside), side)
+    for bodies in ([block_of("a", 0, -1e-3), block_of("b", 9e-3, -1e-3)], [block_of("a", 0, -1e-3), block_of("b", 0, -3e-3)]):
+        refused(folder, bonded(bodies=bodies, test=ends("compression", "a", "b")), above)
+    mesh = {"rectangle": {"size": [8e-3, 8e-3], "cells": [4, 4]}, "materials": [{"young": 30e9, "poisson": 0.2, "density": 2400}]}
+    moved = lambda *groups: {**mesh, "motions": [{"name": "ab"[k], "group": g, "motion": {"vy": 0}} for k, g in enumerate(groups)]}  # noqa: E731
+    for groups, pattern in ((("y_upper", "y_lower"), above + "them the other way round"), (("y_upper", "y_upper"), r"[^:]*: expected another part|.*")):
+        refused(folder, {"dimension": 2, "elements": moved(*groups), "test": ends("compression", "a", "b"), "time": {"end": 1e-5}}, pattern)
+
+
+@fact
+def supports_are_no_load_of_a_beam(folder):
+    given = beam(300)
+    for lower, upper, pattern in (("left", "right", "found supports and load side by side along the beam"), ("load", ["left", "right"], "found them the other way round"),
+                                  (["left", "right"], "left", "expected another end than lower, found 'left'")):
+        given["test"].update(lower=lower, upper=upper)
+        refused(folder, given, "test.upper: .*" + pattern)
+    half = beam(300, test={"lower": "right"})  # the other half is its mirror image
+    assert "inf" not in expect(gneiss("check", write_scene(folder, half)), 0).stdout
+
+
+@fact
+def ends_that_are_beside_each_other_may_be_right(folder):
+    """A cantilever that is clamped over its height and pushed down at its end; a block that a ring around a punch holds; a bar one particle high."""
+    for given in (bonded([12, 4], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
+                  bonded([12, 1], sets=[slab("clamp", "lower", "x", vx=0, vy=0), slab("tip", "upper", "x", vy=-0.01)], test=ends("compression", "clamp", "tip")),
+                  bonded([12, 8], sets=[place("west", [0, 0.014], [3e-3, 0.02], vy=0), place("east", [0.021, 0.014], [0.03, 0.02], vy=0),
+                                        place("anchor", [0.01, 0.008], [0.014, 0.012], vy=0.01)], test=ends("compression", "anchor", ["west", "east"]))):
+        expect(gneiss("check", write_scene(folder, given)), 0)
+
+
+@fact
+def a_confinement_needs_what_confines(folder):
+    """Whatever presses or holds will do, in any stage; a wall that presses with a servo does not stand."""
+    def accepted(given):
+        expect(gneiss("check", write_scene(folder, given)), 0)
+    left, right = ({"name": n, "point": [x, 0], "normal": [s, 0], "stiffness": 1e9} for n, x, s in (("west", 0, 1), ("east", 0.016, -1)))
+    servo, none = {"servo": {"force": 1e3, "max_velocity": 0.1}}, "test.kind: expected something that presses on the specimen of a hydrostatic test"
+    hydrostatic = {"kind": "hydrostatic"}
+    for more in ({}, {"walls": [left, right]}, {"gravity": [0, -9.81]}, {"walls": [{**left, "motion": {"vx": 0}}]}, {"sets": [slab("a", "upper", vx=0)]},
+                 {"stages": [{"name": "one", "end": {"time": 1e-5}}, {"name": "two", "walls": {"west": {"motion": {"vx": 0}}}}], "walls": [left, right]}):
+        refused(folder, bonded(test=hydrostatic, **more), none)
+    for more in ({"membrane": {"pressure": 1e6}}, {"walls": [{**left, **servo}, right]}, {"walls": [{**left, "motion": {"vx": 0.1}}, right]},
+                 {"stages": [{"name": "one", "end": {"time": 1e-5}}, {"name": "two", "walls": {"west": servo}}], "walls": [left, right]}):
+        accepted(bonded(test=hydrostatic, **more))
+
+    plates = [plate("low", 0, 1), plate("up", 0.016, -1, motion={"vy": -0.1})]
+    sides, test = "test.kind: expected sides of the specimen that stand along x beside the ends of an oedometer test", ends("oedometer", "low", "up")
+    body = {"name": "tube", "polyline": [[-0.001, 0], [-0.001, 0.02]], "stiffness": 1e9, "motion": {"vx": 0}}
+    for more in ({}, {"walls": [left]}, {"walls": [left, {**right, **servo}]}, {"sets": [slab("a", "upper")]}, {"membrane": {"pressure": 1e6}}):
+        refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), sides)
+    for more in ({"walls": [left, right]}, {"bodies": [body]}, {"sets": [place("side", [0, 0], [2e-3, 0.02], vx=0)]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
+        accepted(bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}))
+
+
+@fact
+def it_is_told_where_shear_has_no_normal_stress(folder):
+    """By check and by the run; a constant height is a test of its own."""
+    for k, (more, told) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
+        sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
+        given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
+        checked = expect(gneiss("check", write_scene(folder, given)), 0).stdout
+        assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: test: nothing presses the ends together along y", checked)) == told, (more, checked)
+        out = run_scene(folder, given, name=f"out{k}")
+        assert ("no_normal_stress" in [w["name"] for w in summary(out)["warnings"]]) == told, (more, summary(out)["warnings"])
+
+
+@fact
+def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
+    """The same in results.h5 and summary.json; those of the last stage are those of the run."""
+    given = bonded(sets=[slab("low", "lower", vx=0, vy=0), slab("up", "upper", vx=0, vy=0)], test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"},
+                   stages=[{"name": "push", "sets": {"up": {"motion": {"vx": 0.02}}}, "end": {"time": 3e-5}},
+                           {"name": "push on", "sets": {"up": {"motion": {"vx": 0.05}}}, "end": {"time": 6e-5}}])
+    out = run_scene(folder, given)
+    stages, whole = summary(out)["stages"], summary(out)
+    assert [s["name"] for s in stages] == ["push", "push on"] and stages[-1]["readings"] == whole["readings"] and stages[-1]["absent"] == whole["absent"]
+    with results(out) as file:
+        names = set(file["readings"])
+        assert "shear_strength" in names and "young_modulus" not in names
+        for stage in stages:
+            group = file[f"stages/{stage['name']}/readings"]
+            assert set(group) == set(stage["readings"]) == names, stage
+            assert {n: text(d.attrs["absent"]) for n, d in group.items() if "absent" in d.attrs} == stage["absent"], stage
+            for name, data in group.items():
+                value = stage["readings"][name]
+                assert (np.isnan(data[0]) and name in stage["absent"]) if value is None else data[0] == value, (stage, name)
+    assert "another stage" in stages[0]["absent"]["fragments"] and stages[1]["readings"]["fragments"] == 1, stages
+
+
+@fact
+def a_stage_of_more_steps_than_the_run_has_is_told_at_the_start(folder):
+    for steps, told in ((10**9, True), (100, False)):
+        given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=-0.01)], test=ends("compression", "low", "up"),
+                       stages=[{"name": "one", "end": {"steps": steps}}, {"name": "two"}])
+        done = expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, f"out{steps}"), "--quiet"), 0)
+        for text in (done.stderr, gneiss("check", write_scene(folder, given)).stdout):
+            assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: stages: stage 'one' ends by its steps alone", text)) == told, text
+
+
+@fact
+def a_membrane_may_end_a_stage(folder):
+    with open(os.path.join(ROOT, "scenes", "hydrostatic.yaml")) as file:
+        text = file.read() + "\nstages: [{name: load, end: {stress: 5 MPa}}, {name: on, end: {strain: 0.1 %}}]\n"
+    expect(gneiss("check", write_scene(folder, text), "--set", "specimen.particles=200"), 0)
+
+
 @fact
 def stops_that_no_row_would_show_are_refused(folder):
     for stop in ("peak_drop", "strain", "unbalanced"):
@@ -1045,6 +1199,17 @@ def the_scenes_of_the_other_tests_give_their_readings(folder):
         out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
         value = readings(out)[reading]
         assert value is not None and value > least, (name, readings(out), absent(out))
+        if name == "concrete":  # whose pressure comes in a stage before
+            strains_count_from_the_last_stage(out, "lateral_strain", "volumetric_strain")
+
+
+def strains_count_from_the_last_stage(out, *names):
+    rows = history(out)
+    loads = rows["stage"] == rows["stage"].max()
+    peak = rows["stress"][loads].argmax()
+    for name in names:
+        grown, before = rows[name][loads][peak] - rows[name][loads][0], rows[name][loads][0]
+        assert abs(before) > 0.01 * abs(grown) and abs(readings(out)[name + "_at_peak"] - grown) < 1e-12, (name, grown, before)
 
 
 @fact

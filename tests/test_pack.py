@@ -341,6 +341,28 @@ def a_scene_runs_the_particles_that_pack_writes(folder):
 
 
 @fact
+def a_specimen_may_come_from_the_folder_of_a_packing(folder):
+    """The bits and the volume of the scene that packs it, also after a stop; at rest, and without bonds of its own."""
+    own = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 200", "own.yaml")
+    path, _ = pack(folder, own)
+    other = scene_of_specimen(folder, f"from: {path}", "other.yaml")
+    runs = []
+    for name, given in (("one", own), ("two", other)):
+        runs.append(os.path.join(folder, name))
+        run(given, runs[-1], "--set", "origin=[0, 0, 0]", **cached(folder))
+    one, two = (summary(r) for r in runs)
+    assert one["state_hash"] == two["state_hash"] and one["volume"] == two["volume"], (one, two)
+    assert (one["volume_of"], two["volume_of"]) == ("the shape", "the shape that was packed")
+    shutil.rmtree(path)
+    resume(runs[1], "--set", "time.end=0.3 ms")
+    assert summary(runs[1])["volume_of"] == "the shape that was packed" and summary(runs[1])["volume"] == one["volume"]
+    path, _ = pack(folder, own)
+    place = r"other.yaml:\d+:\d+: specimen.from: "
+    expect(gneiss("check", other, "--set", "specimen.from_bonds=keep"), 2, place + "expected the folder of a run beside from_bonds: keep, found that of a packing")
+    expect(gneiss("check", scene_of_specimen(folder, f"from: {path}", "other.yaml", 2)), 2, place + "expected a packing of a 2D scene, found one of a 3D scene")
+
+
+@fact
 def a_scene_runs_without_a_cache(folder):
     scene = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 100")
     outs = [os.path.join(folder, name) for name in ("on", "off")]

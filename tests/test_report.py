@@ -23,6 +23,7 @@ import report_beside  # noqa: E402
 import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
 import report_packing  # noqa: E402
+import report_tests  # noqa: E402
 
 
 def run_report(folder):
@@ -126,10 +127,36 @@ def stages_are_those_of_the_history(folder):
     assert results.last_stage == ("load", slice(50, 200)), results.last_stage
     assert run_report(folder).returncode == 0
     with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
-        assert "Strain counts from the start of the stage." in file.read()
+        page = file.read()
+    assert "Strain counts from the start of the stage." in page
+    of_stages = page[page.index("Readings of the stages"):page.index("<h2>Parameters")]
+    assert re.findall("<t[hd].*?>(.*?)</t[hd]>", of_stages) == ["reading", "settle", "load", "largest stress", "60 MPa", "241 MPa"], of_stages
     make("disc", path)
     results = report.Results(path)
-    assert results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
+    assert report.stages_table(results) == "" and results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
+
+
+def curves_of_a_test_are_those_of_the_last_stage(folder):
+    """From the rows 50 to 199, ways and strains from the first of them."""
+    path = os.path.join(folder, "results.h5")
+    make("stages", path)
+    columns = {"volumetric_strain": 2.0, "lateral_strain": 3.0, "normal_stress": 4.0, "dilation": 5.0, "force": 6.0, "opening": 7.0}
+    with h5py.File(path, "r+") as file:
+        for name, value in columns.items():
+            file["history/" + name] = value + value * np.linspace(0, 1, 200)
+    results, drawn = report.Results(path), []
+    for module, plot in ((report_tests, "confined"), (report_tests, "shear"), (report_curves, "force_opening")):
+        kept, module.save = module.save, lambda figure, path: drawn.extend(line for axes in figure.axes for line in axes.lines)
+        assert report_tests.CURVES[plot](results, os.path.join(folder, "no.png"))
+        module.save = kept
+    assert len(drawn) == 6, drawn
+    names = ("stress", "volumetric_strain", "lateral_strain", "normal_stress", "dilation", "force")
+    for line, name in zip(drawn, names):
+        x, y = (np.asarray(values, float) for values in line.get_data())
+        rows = results.column(name)[50:]
+        assert len(x) == 150 and x[0] == 0, (name, x)
+        grown = np.ptp(rows) / np.ptp(y)  # the unit of the axis
+        assert np.allclose(y * grown, rows - (rows[0] if name in ("volumetric_strain", "lateral_strain", "dilation") else 0)), name
 
 
 def refused(folder, wanted):
@@ -379,7 +406,7 @@ def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, stages_are_those_of_the_history,
+        a_damaged_chunk_is_refused, stages_are_those_of_the_history, curves_of_a_test_are_those_of_the_last_stage,
         curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         bodies_are_cut_where_the_slice_is, of_bodies_the_folds_are_drawn, walls_are_where_they_have_come_to,

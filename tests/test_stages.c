@@ -992,6 +992,66 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
             "the run, found at least 1.4 s");
 }
 
+static void accepted(const char *stages) {
+    gn_scene scene;
+    gneiss_error error = {0};
+    char *given = joined(heap, "time: {end: 1 s}\n", stages);
+    if (gn_scene_parse(given, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK)
+        fail_msg("%s: %s", stages, error.message);
+    gn_scene_free(&scene);
+}
+
+/* What moves, presses or was left moving may bring any end; what stands still or parts does not. */
+static void a_stage_that_never_ends_is_refused(void **state) {
+    (void)state;
+    const char *nothing = "expected something that moves or acts in this stage, found nothing";
+    const char *closing = "s.yaml:18:%d: stages[%d].end.strain: expected ends that close";
+    char parting[128];
+    refused("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: 0}}}}\n",
+            nothing);
+    refused("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, 0]}}}\n",
+            nothing);
+    accepted("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, -1]}}}\n");
+    accepted("membrane: {pressure: 1 kPa}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n");
+    refused("membrane: {pressure: 0}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n", nothing);
+    accepted("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: [[0, 0], [1, "
+             "-1]]}}}}\n");
+    /* Held as it is, with what the stage before has left in it. */
+    accepted("stages:\n- {name: a, walls: {lid: {motion: {vz: -1}}}, end: {strain: 1 %}}\n"
+             "- {name: b, walls: {lid: {motion: {vz: 0}}}, end: {stress: 1 kPa}}\n");
+
+    snprintf(parting, sizeof parting, closing, 27, 0);
+    refused("stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {motion: {vz: 1}}}}\n", parting);
+    refused("stages:\n- {name: a, end: {strain: 0.1}, walls: {west: {motion: {vx: 1}}}}\n",
+            parting);
+    refused(
+        "stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {motion: {vz: [[0, 0], [1, 2]]}}, "
+        "floor: {motion: {vz: [[0, 0], [1, -2]]}}}}\n",
+        parting);
+    accepted("stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {motion: {vz: 1}}, floor: "
+             "{motion: {vz: 2}}}}\n");
+    accepted("stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {motion: {vz: [[0, 1], [1, "
+             "-1]]}}}}\n");
+    accepted(
+        "stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {servo: {force: 1, max_velocity: "
+        "1}}}}\n");
+    accepted("stages:\n- {name: a, end: {strain: 0.1, time: 1 ms}, walls: {lid: {motion: {vz: "
+             "1}}}}\n");
+}
+
+static void steps_that_outlast_the_run_are_refused(void **state) {
+    (void)state;
+    refused("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000001}}\n",
+            "s.yaml:18:46: stages[0].end.steps: expected an end before time.end, 1 s, which ends "
+            "the run, found 1.000001 s (steps of time.step, 1e-06 s): the stage would never end");
+    refused("stages:\n- {name: a, end: {steps: 10}}\n"
+            "- {name: b, time: {step: 1 us}, end: {steps: 100000000000000}}\n",
+            "s.yaml:19:46: stages[1].end.steps: expected an end before time.end");
+    accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000000}}\n");
+    accepted("stages:\n- {name: a, time: {step: 1 us}, end: {steps: 1000001, time: 0.1}}\n");
+    accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* of no known step */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_stage_has_the_bits_of_none),
@@ -1024,6 +1084,8 @@ int main(void) {
         cmocka_unit_test(overrides_reach_into_stages),
         cmocka_unit_test(what_is_said_last_takes_the_place_of_the_other),
         cmocka_unit_test(what_cannot_be_is_refused_with_its_place),
+        cmocka_unit_test(a_stage_that_never_ends_is_refused),
+        cmocka_unit_test(steps_that_outlast_the_run_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

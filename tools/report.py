@@ -53,6 +53,23 @@ def readings_table(results):
     return table(rows, ("reading", "value", "error (95 of 100)", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
 
 
+def stages_table(results):
+    """A column for each stage that has rows, what none of them gives left out; nothing where there is one stage alone."""
+    names = [name for name, _, rows in results.stages if rows and name in results.stage_readings]
+    listed = [results.stage_readings[name] for name in names]
+    if len(names) < 2:
+        return ""
+    rows = []
+    for reading in dict.fromkeys(key for readings in listed for key in readings):
+        columns = [readings.get(reading) for readings in listed]
+        if any(c is not None and np.isfinite(np.asarray(c.value, float)).all() for c in columns):
+            rows.append((reading.replace("_", " "), *((reading_text(reading, c) if c is not None else "–", "number") for c in columns)))
+    if not rows:
+        return ""
+    return ('<h2>Readings of the stages</h2>\n<p class="soft">Strains, ways and broken bonds count from the start of each. Why one is absent (–) '
+            "stands in <code>results.h5</code> and <code>summary.json</code>.</p>\n" + table(rows, ("reading", *names)))
+
+
 def count_rows(results):
     state = results.bond_state
     rows = [("particles", results.particle_count)] if results.particle_count or not results.element_count else []
@@ -214,6 +231,7 @@ def page(results, captions):
 {pictures or "<p>There are no particles to draw.</p>"}
 <h2>Readings</h2>
 {readings_table(results)}
+{stages_table(results)}
 <h2>Parameters</h2>
 {table(parameters(results)) if results.scene else "<p>The file holds no scene.</p>"}
 <h2>Run</h2>

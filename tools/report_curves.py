@@ -84,18 +84,15 @@ def peak_name(results):
 
 
 def plot_stress(results, path):
-    strain, stress = results.column("strain"), results.column("stress")
+    strain, stress = results.in_last_stage("strain"), results.in_last_stage("stress")
     if strain is None or stress is None:
         return None
     factor, unit = scale_of(stress, "Pa")
     words = results.words
-    stage, rows = results.last_stage
-    strain, stress = strain[rows] - (strain[rows][0] if stage else 0.0), stress[rows]
-    figure, axes = new_axes(f"Stress and strain{stage and ', stage ' + stage}", f"{words[0]} [%]", f"{words[1]} [{unit}]")
+    figure, axes = new_axes(f"Stress and strain{results.of_stage}", f"{words[0]} [%]", f"{words[1]} [{unit}]")
     for name, style in (("stress_lower", "--"), ("stress_upper", ":")):
-        end = results.column(name)
+        end = results.in_last_stage(name)
         if end is not None:
-            end = end[rows]
             axes.plot(100 * strain, end / factor, style, color=GREY, lw=1,
                       label=name.replace("stress_", "at the ") + " end")
     axes.plot(100 * strain, stress / factor, color=INK, label="in the specimen" if results.test_kind == "hydrostatic" else "mean of both ends", **style_for(stress))
@@ -115,7 +112,7 @@ def plot_stress(results, path):
     axes.legend(loc="best")
     save(figure, path)
     return (f"{words[1][0].upper() + words[1][1:]} over {words[0]}, both positive in the sense of the test."
-            + (" Strain counts from the start of the stage." if stage else ""))
+            + (" Strain counts from the start of the stage." if results.of_stage else ""))
 
 
 def plot_broken(results, path):
@@ -284,12 +281,12 @@ def plot_strains(results, path):
 
 def plot_force_over(results, path, way, caption):
     """The force of a test over a way of its history: what bending shows, where stress and strain are nominal."""
-    force, length = results.column("force"), results.column(way)
+    force, length = results.in_last_stage("force"), results.in_last_stage(way)
     if force is None or length is None:
         return None
     f_factor, f_unit = scale_of(force, "N")
     l_factor, l_unit = scale_of(length, "m")
-    figure, axes = new_axes(f"Force and {way}", f"{way} [{l_unit}]", f"force [{f_unit}]", 3.2)
+    figure, axes = new_axes(f"Force and {way}{results.of_stage}", f"{way} [{l_unit}]", f"force [{f_unit}]", 3.2)
     axes.plot(length / l_factor, force / f_factor, color=INK, **style_for(force))
     axes.margins(x=0.02)
     save(figure, path)

@@ -45,8 +45,12 @@ WORDS = {
 }
 
 
+# Counted since the start of the run in the history, since that of the last stage in readings and in what is drawn of it.
+FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "deflection", "opening")
+
+
 class Results:
-    """history, readings, energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
+    """history, readings, stage_readings (by the name of the stage), energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
     absent."""
 
     def __init__(self, path):
@@ -67,6 +71,8 @@ class Results:
         self.scene = _text(scene[()]) if isinstance(scene, h5py.Dataset) else ""
         self.history = _group(file, "history")
         self.readings = _group(file, "readings")
+        stages = file.get("stages")
+        self.stage_readings = ({name: _group(stages, f"{name}/readings") for name in stages} if isinstance(stages, h5py.Group) else {})
         self.energy = _group(file, "energy")
         self.particles = _group(file, "particles")
         self.bonds = _group(file, "bonds")
@@ -116,6 +122,19 @@ class Results:
         if column is None or not np.isfinite(column.value).any():
             return None
         return column.value
+
+    def in_last_stage(self, name):
+        """The same of the last stage alone, ways and strains from its start."""
+        stage, rows = self.last_stage
+        values = self.column(name)
+        if values is None or not np.isfinite(values[rows]).any():
+            return None
+        return values[rows] - (values[rows][0] if stage and name in FROM_START else 0.0)
+
+    @property
+    def of_stage(self):
+        """For titles: ", stage load"; "" without stages."""
+        return self.last_stage[0] and ", stage " + self.last_stage[0]
 
     def scalar(self, group, name):
         column = group.get(name)

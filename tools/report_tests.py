@@ -42,24 +42,25 @@ def cards_of(results):
 
 def plot_confined(results, path):
     """Deviator and loss of volume over the axial strain."""
-    strain, stress, volume = (results.column(n) for n in ("strain", "stress", "volumetric_strain"))
+    strain, stress, volume = (results.in_last_stage(n) for n in ("strain", "stress", "volumetric_strain"))
     if strain is None or stress is None or volume is None or results.test_kind == "hydrostatic":
         return None
     factor, unit = scale_of(stress, "Pa")
     figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
                                           gridspec_kw={"height_ratios": [2, 1]})
-    above.set_title("Deviator and volume")
+    above.set_title(f"Deviator and volume{results.of_stage}")
     above.plot(100 * strain, stress / factor, color=INK, **style_for(stress))
     above.set_ylabel(f"deviator [{unit}]")
     below.plot(100 * strain, 100 * volume, color=BLUE, label="volumetric", **style_for(volume))
-    lateral = results.column("lateral_strain")
+    lateral = results.in_last_stage("lateral_strain")
     if lateral is not None:
         below.plot(100 * strain, 100 * lateral, color=RED, label="lateral", **style_for(lateral))
     below.set_xlabel("axial strain [%]")
     below.set_ylabel("strain [%]")
     below.legend(loc="best")
     save(figure, path)
-    return "Deviator, loss of volume and lateral strain (averages of the specimen, compression positive) over the platen strain."
+    return ("Deviator, loss of volume and lateral strain (averages of the specimen, compression positive) over the platen strain."
+            + (" Strains count from the start of the stage." if results.of_stage else ""))
 
 
 def plot_opening(results, path):
@@ -68,12 +69,12 @@ def plot_opening(results, path):
 
 def plot_centre(results, path):
     """The stress about the middle of a disc, over the one that theory has there."""
-    stress = results.column("stress")
-    parts = [(n, results.column("centre_stress_" + n)) for n in ("xx", "yy")]
+    stress = results.in_last_stage("stress")
+    parts = [(n, results.in_last_stage("centre_stress_" + n)) for n in ("xx", "yy")]
     if stress is None or any(v is None for _, v in parts):
         return None
     factor, unit = scale_of(np.concatenate([stress] + [v for _, v in parts]), "Pa")
-    figure, axes = new_axes("The middle of the disc", f"2P/(πDt) [{unit}]", f"mean stress, tension positive [{unit}]")
+    figure, axes = new_axes(f"The middle of the disc{results.of_stage}", f"2P/(πDt) [{unit}]", f"mean stress, tension positive [{unit}]")
     top = np.nanmax(stress) / factor
     for slope, label in ((1, "across, between line loads"), (-3, "along, between line loads")):
         axes.plot([0, top], [0, slope * top], color=GREY, lw=1, dashes=(6, 2), label=label)
@@ -86,13 +87,13 @@ def plot_centre(results, path):
 
 
 def plot_shear(results, path):
-    strain, normal, dilation = (results.column(n) for n in ("strain", "normal_stress", "dilation"))
+    strain, normal, dilation = (results.in_last_stage(n) for n in ("strain", "normal_stress", "dilation"))
     if strain is None or normal is None or dilation is None:
         return None
     n_factor, n_unit = scale_of(normal, "Pa")
     d_factor, d_unit = scale_of(dilation, "m")
     figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 4.4), sharex=True, constrained_layout=True)
-    above.set_title("Normal stress and dilation")
+    above.set_title(f"Normal stress and dilation{results.of_stage}")
     above.plot(100 * strain, normal / n_factor, color=INK, **style_for(normal))
     above.set_ylabel(f"normal stress [{n_unit}]")
     below.plot(100 * strain, dilation / d_factor, color=BLUE, **style_for(dilation))
@@ -248,7 +249,7 @@ class At:
 
 def moments(results, folder):
     """[(title, results, file, time)]: the first snapshot, the nearest to the peak, the last."""
-    time, stress = results.column("time"), results.column("stress")
+    time, stress = results.in_last_stage("time"), results.in_last_stage("stress")
     taken = snapshots(folder)
     if time is None or stress is None or len(taken) < 3 or not results.particle_count:
         return []

@@ -4,6 +4,7 @@
 #include "cli/pack.h"
 #include "cli/plan.h"
 #include "cli/plan_accuracy.h"
+#include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep.h"
@@ -66,6 +67,8 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     if (*gn_world_light_body(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (gn_stage_is_overlong(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));
     GN_TRY(gn_print_beginning(o, run, error));

@@ -14,6 +14,7 @@
 #include "sim/bending.h"
 #include "sim/body_walls.h"
 #include "sim/conversion.h"
+#include "sim/ends.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
@@ -540,6 +541,10 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gn_conversion_turn_over(w);
     GN_TRY(status);
     if (gn_bending_doubts(w, doubts, sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
+    if (!w->scene.stage_count && gn_shear_is_loose(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }

@@ -39,6 +39,26 @@ double gn_plan_steps(const gn_world *w) {
     return w->scene.stage_count ? fmin(all, sum) : all;
 }
 
+/* A given step is looked at with the scene; one that is found may become shorter, so this is said
+ * and not refused. */
+bool gn_stage_is_overlong(const gn_world *w, char *text, size_t size) {
+    for (size_t k = w->stage; k < w->scene.stage_count; k++) {
+        const gn_stage *e = &w->scene.stages[k];
+        gn_stage other = *e;
+        other.steps = -1;
+        if (e->steps < 0 || gn_stage_has_end(&other) ||
+            (double)e->steps * w->dt <= w->scene.end * (1.0 + 1e-9))
+            continue;
+        snprintf(text, size,
+                 "%s: stage '%s' ends by its steps alone, which with the present step of %.3g s "
+                 "take %.4g s: time.end, %.4g s, comes before",
+                 gn_scene_at(&w->scene, e->where, "stages").text, e->name, w->dt,
+                 (double)e->steps * w->dt, w->scene.end);
+        return true;
+    }
+    return false;
+}
+
 void gn_print_stages(const gn_world *w, double per_step) {
     char text[192], time[32];
     if (!w->scene.stage_count) return;
@@ -51,6 +71,8 @@ void gn_print_stages(const gn_world *w, double per_step) {
         printf("  %-16s %12.0f steps, %s; until %s\n", e->name, steps,
                gn_format_seconds(per_step * steps, time, sizeof time), text);
     }
+    char overlong[GNEISS_MESSAGE_SIZE];
+    if (gn_stage_is_overlong(w, overlong, sizeof overlong)) printf("  warning: %s\n", overlong);
 }
 
 void gn_print_stages_done(const gn_run *run) {

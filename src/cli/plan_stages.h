@@ -6,6 +6,9 @@
 
 /* What stands before the first step; `per_step`, s of computing. Nothing without stages. */
 void gn_print_stages(const gn_world *world, double per_step);
+/* Whether a stage that ends by its steps alone would last longer than the run, with the present
+ * step; `text` then says which. */
+bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size);
 /* Steps up to the end of the run, at most, at their present length. */
 double gn_plan_steps(const gn_world *world);
 /* How each one went. */

@@ -209,12 +209,41 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
 }
 
 /* One that is absent is NaN and says why. */
-static gneiss_status put_reading(gn_h5 *file, const char *name, double value, const char *unit,
-                                 const char *text, const char *reason, gneiss_error *error) {
-    char path[160];
-    GN_TRY(put_scalar(file, "readings", name, value, unit, text, error));
-    snprintf(path, sizeof path, "readings/%s", name);
+static gneiss_status put_reading(gn_h5 *file, const char *group, const char *name, double value,
+                                 const char *unit, const char *text, const char *reason,
+                                 gneiss_error *error) {
+    char path[GN_NAME_SIZE + 160];
+    snprintf(path, sizeof path, "%s/%s", group, name);
+    GN_TRY(gn_h5_put(file, path, GN_F64, 1, 1, 0, &value, unit, text, error));
     return *reason ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
+}
+
+/* Those that belong to the test. */
+static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group,
+                               const gn_readings *r, gneiss_error *error) {
+    bool demanded = gn_h5_demand_finite(file, false);
+    gn_test_kind kind = run->world.scene.test.kind;
+#define X(name, unit, text)                                                                        \
+    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
+        GN_TRY(put_reading(file, group, #name, r->name, unit, text, r->reason[GN_READING_##name],  \
+                           error));
+    GN_READINGS(X)
+#undef X
+    gn_h5_demand_finite(file, demanded);
+    return GNEISS_OK;
+}
+
+/* Of all stages that have begun. */
+static gneiss_status put_stage_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; gn_run_staged(run) && k <= w->stage; k++) {
+        char group[GN_NAME_SIZE + 32];
+        gn_readings r;
+        GN_TRY(gn_run_stage_readings(run, k, &r, error));
+        snprintf(group, sizeof group, "stages/%s/readings", w->scene.stages[k].name);
+        GN_TRY(put_group(run, file, group, &r, error));
+    }
+    return GNEISS_OK;
 }
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -222,15 +251,9 @@ static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *
     const gn_budget *budget;
     GN_TRY(gn_run_readings(run, &r, error));
     GN_TRY(gn_run_budget(run, &budget, error));
-    bool demanded = gn_h5_demand_finite(file, false);
-    gn_test_kind kind = run->world.scene.test.kind;
-#define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
-        GN_TRY(put_reading(file, #name, r->name, unit, text, r->reason[GN_READING_##name], error));
-    GN_READINGS(X)
-#undef X
-    gn_h5_demand_finite(file, demanded);
-    return gn_budget_results(budget, r, file, error);
+    GN_TRY(put_group(run, file, "readings", r, error));
+    GN_TRY(gn_budget_results(budget, r, file, error));
+    return put_stage_readings(run, file, error);
 }
 
 static gneiss_status put_energy(gn_h5 *file, const gn_energy_figure *f, gneiss_error *error) {
@@ -327,12 +350,8 @@ static gneiss_status summary_warnings(const gn_run *run, gn_json *j, gneiss_erro
     return GNEISS_OK;
 }
 
-/* Numbers, null where one is absent, and why it is. */
-static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_error *error) {
-    const gn_readings *r;
-    const gn_budget *budget;
-    GN_TRY(gn_run_readings(run, &r, error));
-    GN_TRY(gn_run_budget(run, &budget, error));
+/* Numbers of those that belong to the test, null where one is absent, and why it is. */
+static void summary_of(const gn_run *run, const gn_readings *r, gn_json *j) {
     gn_json_object(j, "readings");
     gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
@@ -347,6 +366,14 @@ static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_erro
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
+}
+
+static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_error *error) {
+    const gn_readings *r;
+    const gn_budget *budget;
+    GN_TRY(gn_run_readings(run, &r, error));
+    GN_TRY(gn_run_budget(run, &budget, error));
+    summary_of(run, r, j);
     gn_budget_summary(budget, r, j);
     return GNEISS_OK;
 }
@@ -417,11 +444,7 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
         gn_json_text(
             j, "ended",
             gn_stage_reason(&w->scene.stages[k], (gn_stage_cause)s->ended, reason, sizeof reason));
-        gn_json_object(j, "readings");
-#define X(name, unit, text) gn_json_number(j, #name, r.name);
-        GN_READINGS(X)
-#undef X
-        gn_json_end(j);
+        summary_of(run, &r, j);
         gn_json_end(j);
     }
     gn_json_end(j);

@@ -68,35 +68,46 @@ static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
     return end - *begin;
 }
 
-static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,
-                                   gneiss_error *error) {
-    const gn_history *all = &run->history;
-    const gn_stage_state *s = &run->world.stages[stage];
-    size_t begin;
-    gn_history part = *all;
-    part.row_count = rows_of(run, stage, &begin);
-    part.columns = calloc(all->column_count + 1, sizeof *part.columns);
-    double *strain = calloc(part.row_count + 1, sizeof *strain);
-    if (!part.columns || !strain) {
-        free(part.columns);
-        free(strain);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
-    }
-    for (size_t c = 0; c < all->column_count; c++) {
-        part.columns[c] = all->columns[c];
-        part.columns[c].value += part.row_count ? begin : 0;
-        if (strcmp(all->columns[c].name, "strain") != 0) continue;
-        for (size_t r = 0; r < part.row_count; r++)
-            strain[r] = part.columns[c].value[r] - s->strain;
-        part.columns[c].value = strain;
-    }
-    compute(&run->world, &part, readings);
-    free(part.columns);
-    free(strain);
-    return GNEISS_OK;
+/* Counted since the start of the run in the history, since that of the stage in its readings:
+ * strains, ways of the ends and of the gauge, bonds that broke. */
+static bool counts_from_start(const char *name) {
+    static const char *const whole[] = {
+        "strain",    "volumetric_strain", "lateral_strain", "dilation",    "deflection",
+        "opening",   "strain_xx",         "strain_yy",      "strain_zz",   "strain_xy",
+        "strain_yz", "strain_xz",         "broken_tension", "broken_shear"};
+    for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
+        if (strcmp(name, whole[k]) == 0) return true;
+    return false;
 }
 
-/* --- of the run --- */
+/* The rows of a stage as a table of their own, the columns above less what its first row has. Such
+ * a row is of the instant of the change. */
+static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
+                             gneiss_error *error) {
+    const gn_history *all = &run->history;
+    size_t begin, rows = rows_of(run, stage, &begin), own = 0;
+    for (size_t c = 0; c < all->column_count; c++) own += counts_from_start(all->columns[c].name);
+    *part = *all;
+    part->row_count = rows;
+    part->columns = calloc(all->column_count + 1, sizeof *part->columns);
+    double *values = calloc(own * rows + 1, sizeof *values);
+    if (!part->columns || !values) {
+        free(part->columns);
+        free(values);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
+    }
+    part->columns[all->column_count].value = values;
+    for (size_t c = 0; c < all->column_count; c++) {
+        part->columns[c] = all->columns[c];
+        if (rows) part->columns[c].value += begin;
+        if (!rows || !counts_from_start(all->columns[c].name)) continue;
+        const double *from = part->columns[c].value;
+        for (size_t r = 0; r < rows; r++) values[r] = from[r] - from[0];
+        part->columns[c].value = values;
+        values += rows;
+    }
+    return GNEISS_OK;
+}
 
 /* The one whose readings are those of the run. */
 static size_t stage_read(const gn_run *run) {
@@ -104,6 +115,30 @@ static size_t stage_read(const gn_run *run) {
     while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
     return stage;
 }
+
+/* What the world shows is of now. */
+static void leave_fragments(gn_readings *r) {
+    const gn_reading list[] = {GN_READING_fragments, GN_READING_largest_fragment};
+    for (size_t k = 0; k < 2; k++)
+        if (!r->reason[list[k]][0])
+            snprintf(r->reason[list[k]], GN_REASON_SIZE,
+                     "the pieces at the end of the run are "
+                     "counted, which is that of another stage");
+    r->fragments = r->largest_fragment = NAN;
+}
+
+static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,
+                                   gneiss_error *error) {
+    gn_history part;
+    GN_TRY(part_of(run, stage, &part, error));
+    compute(&run->world, &part, readings);
+    if (stage != stage_read(run)) leave_fragments(readings);
+    free(part.columns[part.column_count].value);
+    free(part.columns);
+    return GNEISS_OK;
+}
+
+/* --- of the run --- */
 
 static bool same(const state *a, const state *b) {
     return a->step == b->step && a->broken == b->broken && a->lost == b->lost &&

@@ -5,6 +5,7 @@
 #include "sim/bending.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
+#include "sim/ends.h"
 
 #include <math.h>
 
@@ -524,6 +525,16 @@ static void warn_of_bending(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
+/* Of stages the last one is read. */
+static void warn_of_normal(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    char text[GNEISS_MESSAGE_SIZE];
+    if (gn_run_staged(run) && w->stage + 1 < w->scene.stage_count) return;
+    if (!gn_shear_is_loose(w, text, sizeof text)) return;
+    gn_warning *to = add(list, "no_normal_stress");
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+}
+
 /* A factor that goes from one of its bounds to the other and back is no control; one that goes back
  * beyond where the ends began unloads what is not there. */
 enum { SWINGS = 10 };
@@ -571,6 +582,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_depth(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);
+    warn_of_normal(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);
     warn_of_lost(run, list);

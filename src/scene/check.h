@@ -76,6 +76,8 @@ gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 
 /* The section `test` and the conditions that end one (check_test.c). */
 gneiss_status gn_check_test(const check *c, gn_scene *s);
+/* Of a hydrostatic test: whether anything presses, in any stage. */
+gneiss_status gn_check_pressed(const check *c, bool presses);
 /* The section `membrane`. */
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 

@@ -1,4 +1,5 @@
 /* Whether stages can begin and end. */
+#include "scene/acts.h"
 #include "scene/check.h"
 #include "scene/stages.h"
 #include "scene/stages_check.h"
@@ -82,22 +83,77 @@ static bool given(const gn_table table[3]) {
     return table[0].count || table[1].count || table[2].count;
 }
 
-static bool moves(const gn_motion *motion) {
+static bool prescribed(const gn_motion *motion) {
     return given(motion->velocity) || given(motion->spin);
 }
 
 /* Whether anything could change a specimen that is at rest. */
 static bool anything_acts(const gn_scene *s) {
-    bool acts = s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0;
-    for (size_t k = 0; k < s->wall_count; k++)
-        acts = acts || s->walls[k].servo.active || moves(&s->walls[k].motion);
+    bool acts = gn_scene_presses(s) || s->source_count || s->has_pulse || s->random_velocity != 0;
+    for (int a = 0; a < 3; a++) acts = acts || s->gravity[a] != 0;
     for (size_t k = 0; k < s->set_count; k++)
-        acts = acts || s->sets[k].has_force || moves(&s->sets[k].motion);
-    for (size_t k = 0; k < s->body_count; k++)
-        acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
+        acts = acts || s->sets[k].has_initial_velocity || s->sets[k].has_initial_spin;
+    return acts;
+}
+
+/* After a stage before it may still be on the move: what is held, too, has a reason to be there. */
+static bool anything_given(const gn_scene *s) {
+    bool any = anything_acts(s);
+    for (size_t k = 0; k < s->wall_count; k++) any = any || prescribed(&s->walls[k].motion);
+    for (size_t k = 0; k < s->set_count; k++) any = any || prescribed(&s->sets[k].motion);
+    for (size_t k = 0; k < s->body_count; k++) any = any || prescribed(&s->bodies[k].motion);
     for (size_t k = 0; k < s->elements.motion_count; k++)
-        acts = acts || moves(&s->elements.motions[k].motion);
-    return acts || s->elements.load_count > 0 || gn_scene_box_moves(s);
+        any = any || prescribed(&s->elements.motions[k].motion);
+    return any;
+}
+
+/* ---- ends that only part ---- */
+
+static double least(const gn_table *table) {
+    double found = table->count ? table->value[0] : 0.0;
+    for (size_t k = 1; k < table->count; k++) found = fmin(found, table->value[k]);
+    return found;
+}
+
+static double most(const gn_table *table) {
+    double found = table->count ? table->value[0] : 0.0;
+    for (size_t k = 1; k < table->count; k++) found = fmax(found, table->value[k]);
+    return found;
+}
+
+/* The velocity of a part of an end along the axis; NULL: it follows forces. */
+static const gn_table *velocity_of(const gn_scene *s, const char *name) {
+    const int axis = (int)s->test.axis, wall = gn_scene_find_wall(s, name),
+              body = gn_scene_find_body(s, name), set = gn_scene_find_set(s, name),
+              motion = gn_scene_find_element_motion(s, name);
+    const gn_motion *m = wall >= 0     ? &s->walls[wall].motion
+                         : body >= 0   ? &s->bodies[body].motion
+                         : set >= 0    ? &s->sets[set].motion
+                         : motion >= 0 ? &s->elements.motions[motion].motion
+                                       : NULL;
+    const bool stands =
+        wall >= 0 ? !s->walls[wall].servo.active : body >= 0 && !s->bodies[body].free;
+    return m && (stands || m->velocity[axis].count) ? &m->velocity[axis] : NULL;
+}
+
+/* The fastest that an end ever moves in the sense of `sign` along the axis; infinity where parts of
+ * it follow forces. */
+static double fastest(const gn_scene *s, const gn_test_end *end, double sign) {
+    double sum = 0.0;
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_table *velocity = velocity_of(s, end->name[k]);
+        if (!velocity) return INFINITY;
+        sum += sign > 0.0 ? most(velocity) : -least(velocity);
+    }
+    return sum / (double)end->count;
+}
+
+/* Whether the strain of a test whose ends are moved as given can never grow. */
+static bool never_strains(const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (t->kind == GN_TEST_NONE || t->kind == GN_TEST_HYDROSTATIC || t->has_control) return false;
+    const double sign = gn_test_sign(t->kind);
+    return fastest(s, &t->upper, sign) + fastest(s, &t->lower, -sign) <= 0.0;
 }
 
 static bool servo(const gn_scene *s) {
@@ -118,7 +174,26 @@ static const char *end_by_rows(const gn_stage *e) {
                                : NULL;
 }
 
-static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage) {
+static const char *strains_by(const gn_scene *s) {
+    return gn_test_in(s->test.kind, GN_TESTS_SHEARED) ? "shear the specimen"
+           : gn_test_sign(s->test.kind) < 0           ? "close"
+                                                      : "come apart";
+}
+
+/* Of a given step, which stays what it is. */
+static gneiss_status check_steps(const check *c, const gn_scene *s, const gn_stage *e) {
+    gn_stage other = *e;
+    other.steps = -1;
+    if (e->steps < 0 || gn_stage_has_end(&other) || !(s->step > 0)) return GNEISS_OK;
+    const double duration = (double)e->steps * s->step;
+    if (duration <= s->end * (1.0 + 1e-9)) return GNEISS_OK;
+    return gn_check_fail(c, "end.steps",
+                         "expected an end before time.end, %g s, which ends the run, found %.10g s "
+                         "(steps of time.step, %g s): the stage would never end",
+                         s->end, duration, s->step);
+}
+
+static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage, bool first) {
     const gn_stage *e = &s->stages[stage];
     if (s->history_rows == 0 && end_by_rows(e))
         return gn_check_fail(c, end_by_rows(e),
@@ -129,11 +204,18 @@ static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t sta
             c, "end.held",
             "expected a wall or a periodic box with a servo in this stage, found none: the stage "
             "would never end");
+    GN_TRY(check_steps(c, s, e));
     if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
-    if (!end_by_rows(e) || anything_acts(s)) return GNEISS_OK;
-    return gn_check_fail(c, end_by_rows(e),
-                         "expected something that moves or acts in this stage, found nothing: it "
-                         "would never end");
+    if (end_by_rows(e) && !(first ? anything_acts(s) : anything_given(s)))
+        return gn_check_fail(c, end_by_rows(e),
+                             "expected something that moves or acts in this stage, found nothing: "
+                             "it would never end");
+    if (e->strain > 0 && !(e->stress > 0) && !(e->peak_drop > 0) && never_strains(s))
+        return gn_check_fail(c, "end.strain",
+                             "expected ends that %s in this stage, found none that do: it would "
+                             "never end",
+                             strains_by(s));
+    return GNEISS_OK;
 }
 
 static unsigned channels(const gn_motion *motion) {
@@ -194,7 +276,7 @@ static gneiss_status check_kept(const check *c, const gn_scene *before, const gn
 gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const gn_scene *before,
                              const gn_scene *now, size_t stage) {
     check c = gn_check_element(reader, root, "stages", stage);
-    GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage)));
+    GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage, !before && !*now->specimen.from)));
     if (!before && now->specimen.from_bonds && now->bonds != GN_SWITCH_ON)
         return gn_check_keep(
             &c, gn_check_fail(&c, "name",

@@ -2,7 +2,9 @@
 #include "scene/check.h"
 
 #include "base/names.h"
+#include "scene/acts.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- ends ---- */
@@ -58,6 +60,41 @@ static gneiss_status check_sides(const check *c, const gn_scene *s, const char *
     return GNEISS_OK;
 }
 
+/* Cosine from which a wall counts as standing across a direction. */
+static const double across = 0.9;
+
+/* Two walls that are of different ends: they face each other along `way`, the lower one first.
+ * Other ends are where their particles, nodes and bodies are, which the world looks at. */
+static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
+                                     const gn_wall_def *upper, int way) {
+    const double low = lower->normal[way], high = upper->normal[way];
+    if (low * high > 1e-6)
+        return gn_check_fail(c, "test.upper",
+                             "expected a wall that faces the lower end along %c, found '%s', whose "
+                             "normal has the sense of that of '%s': both ends are on one side",
+                             "xyz"[way], upper -> name, lower -> name);
+    const bool both = fabs(low) > across && fabs(high) > across;
+    if (!both || upper->point[way] > lower->point[way]) return GNEISS_OK;
+    return gn_check_fail(c, "test.upper",
+                         "expected an end above the lower one along %c, found wall '%s' at %g m, "
+                         "where '%s' is at %g m",
+                         "xyz"[way], upper -> name, upper -> point[way], lower -> name,
+                         lower -> point[way]);
+}
+
+static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
+    for (size_t k = 0; way >= 0 && k < t->lower.count; k++)
+        for (size_t m = 0; m < t->upper.count; m++) {
+            int lower = gn_scene_find_wall(s, t->lower.name[k]),
+                upper = gn_scene_find_wall(s, t->upper.name[m]);
+            if (lower >= 0 && upper >= 0)
+                GN_TRY(check_two_walls(c, &s->walls[lower], &s->walls[upper], way));
+        }
+    return GNEISS_OK;
+}
+
 static gneiss_status check_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
@@ -69,7 +106,9 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
                            &t->opening.upper));
     for (int k = 0; k < 4; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    if (!gn_check_sound(c, "test") || s->stage_count) return GNEISS_OK;
+    if (!gn_check_sound(c, "test")) return GNEISS_OK;
+    GN_TRY(gn_check_keep(c, check_walls_of_ends(c, s)));
+    if (s->stage_count) return GNEISS_OK;
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "
@@ -197,6 +236,22 @@ static gneiss_status check_shear(const check *c, const gn_scene *s) {
     return t->kind == GN_TEST_SIMPLE_SHEAR ? check_simple_shear(c, s) : GNEISS_OK;
 }
 
+/* Held at both sides across the axis, or its stress is that of a compression test. */
+static gneiss_status check_oedometer(const check *c, const gn_scene *s) {
+    const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic"};
+    for (int k = 0; k < 5; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    for (int a = 0; a < (int)s->dimension; a++)
+        if (a != s->test.axis && !gn_scene_stands(s, a))
+            return gn_check_fail(
+                c, "test.kind",
+                "expected sides of the specimen that stand along %c beside the ends of an "
+                "oedometer test (walls that face each other, bodies, sets that are held there, a "
+                "periodic box), found none",
+                "xyz"[a]);
+    return GNEISS_OK;
+}
+
 static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
     for (size_t k = 0; k < end->count; k++) {
         int wall = gn_scene_find_wall(s, end->name[k]);
@@ -239,7 +294,7 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
     if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
     if (gn_test_in(t->kind, GN_TESTS_SHEARED)) return check_shear(c, s);
     if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
-    return GNEISS_OK;
+    return t->kind == GN_TEST_OEDOMETER ? check_oedometer(c, s) : GNEISS_OK;
 }
 
 /* What stands in it is read by whoever makes the runs; none of the scenes has it. */
@@ -293,6 +348,14 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+gneiss_status gn_check_pressed(const check *c, bool presses) {
+    if (presses || c->reader->scene->test.kind != GN_TEST_HYDROSTATIC) return GNEISS_OK;
+    return gn_check_fail(c, "test.kind",
+                         "expected something that presses on the specimen of a hydrostatic test (a "
+                         "membrane, a servo of walls or of a periodic box, walls or sides that "
+                         "move), found nothing");
+}
+
 /* A hydrostatic test has none of them: it is the mean pressure over the change of volume. */
 static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
@@ -306,7 +369,11 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
     if (!s->has_specimen)
         return gn_check_fail(c, "test.kind",
                              "expected particles, whose mean strain is read, found none");
-    return check_keys(c, t);
+    GN_TRY(gn_check_keep(c, check_keys(c, t)));
+    const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
+    for (int k = 0; k < 6; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, s->has_membrane || gn_scene_presses(s));
 }
 
 gneiss_status gn_check_test(const check *c, gn_scene *s) {

@@ -23,9 +23,15 @@ const char *gn_find_file(const char *folder, const char *file, const char *in_fo
         snprintf(joined + used, sizeof joined - used, "/sweep.h5");
         bool sweep = access(joined, F_OK) == 0;
         snprintf(joined + used, sizeof joined - used, "/%s", in_folder);
-        if (access(joined, F_OK) && errno == ENOENT)
+        bool missing = access(joined, F_OK) && errno == ENOENT;
+        if (missing && !sweep) {
+            snprintf(joined + used, sizeof joined - used, "/" GN_PACKING_FILE);
+            missing = access(joined, F_OK) && errno == ENOENT;
+        }
+        if (missing)
             return sweep ? "it is the folder of a sweep, expected that of one of its runs"
-                         : "it is a folder without results.h5, which a run writes";
+                         : "it is a folder without results.h5, which a run writes, and without "
+                           "packing.h5, which gneiss pack writes";
     }
     if (!realpath(joined, resolved) || stat(resolved, &status)) return strerror(errno);
     if (S_ISDIR(status.st_mode)) return "it is a folder";

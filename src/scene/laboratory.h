@@ -9,6 +9,7 @@
 typedef struct gn_test_end {
     size_t count;
     char (*name)[GN_NAME_SIZE]; /* [count] */
+    gn_scene_place where;       /* of the two of a test, not of a gauge */
 } gn_test_end;
 
 /* How far two parts of the specimen come apart, such as the sides of a notch's mouth. */

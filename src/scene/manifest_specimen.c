@@ -144,7 +144,7 @@ static const gn_key specimen_keys[] = {
         PLACED(gn_scene, specimen.from_where),
         .text =
             "folder of another run: its particles as they were at its end, without those that it "
-            "had removed; relative to the folder of the scene"),
+            "had removed; or of a packing; relative to the folder of the scene"),
     KEY("from_velocities", CHOICE, gn_scene, specimen.from_velocities, .choices = from_velocities,
         .fallback = "keep", .text = "of particles from another run: as they were, or at rest"),
     KEY("from_bonds", CHOICE, gn_scene, specimen.from_bonds, .choices = from_bonds,

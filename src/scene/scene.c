@@ -560,6 +560,11 @@ const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_mate
     return NULL;
 }
 
+bool gn_scene_from_packing(const gn_scene *scene) {
+    const char *path = scene->specimen.from_path, *last = strrchr(path, '/');
+    return strcmp(last ? last + 1 : path, GN_PACKING_FILE) == 0;
+}
+
 bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
     int64_t axis = scene->test.axis;
     for (size_t k = 0; k < end->count; k++) {

@@ -214,10 +214,14 @@ typedef struct gn_pack_def {
     double time_limit;  /* s of wall time; 0: none */
 } gn_pack_def;
 
+/* What `gneiss pack` writes into its folder, by which a specimen that comes from one is known. */
+#define GN_PACKING_FILE "packing.h5"
+
 typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
-    char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE]; /* the same of another run's results */
+    /* The same of another run's results, or of a packing. */
+    char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
     bool from_velocities, from_bonds; /* what else is taken over of it */
     double scale; /* lengths in a file, surface or mesh times this give metres */
@@ -227,7 +231,7 @@ typedef struct gn_specimen {
     gn_pack_def pack;
     size_t packed_count; /* of a file or shape read or packed already (no key): its particles, as */
     double *packed;      /* above, but relative to the scene's origin */
-    double packed_volume; /* of that shape, m3 (2D: m2); 0: a file */
+    double packed_volume; /* of that shape, m3 (2D: m2); 0: a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -629,6 +633,7 @@ const char *gn_scene_no_statics(const gn_scene *scene);
 
 /* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that
  * nothing is prescribed for and no force acts on are only watched. */
+bool gn_scene_from_packing(const gn_scene *scene);
 bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end);
 
 #endif

@@ -5,7 +5,8 @@
 
 #include "base/memory.h"
 #include "base/names.h"
-#include "scene/read.h"
+#include "scene/acts.h"
+#include "scene/check.h"
 #include "scene/stages_check.h"
 
 #include <stdlib.h>
@@ -350,6 +351,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");
     gneiss_status status = GNEISS_OK;
     gn_effects united = 0;
+    bool presses = false;
     size_t count = base->stage_count;
     for (size_t k = 0; status == GNEISS_OK && k < count; k++)
         status = keep_changes(reader, gn_node_item(list, k), &base->stages[k]);
@@ -357,6 +359,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         united |= gn_scene_effects(now);
+        presses |= now->has_membrane || gn_scene_presses(now);
         gn_scene_free(before);
         *before = *now;
         memset(now, 0, sizeof *now);
@@ -371,7 +374,9 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     }
     gn_scene_free(before);
     base->united = united;
-    return status;
+    if (status != GNEISS_OK || reader->problems->count || !count) return status;
+    const check whole = {.reader = reader, .map = gn_tree_root(tree)};
+    return gn_check_keep(&whole, gn_check_pressed(&whole, presses));
 }
 
 gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {

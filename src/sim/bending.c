@@ -128,8 +128,11 @@ static void hold_spans(const gn_world *w, size_t along, const places *supports, 
         hold(r, "load_span", t->load_span, fmax(0.0, apart), loads.high - loads.low,
              "the loads are apart by");
     if (!supports->known || r->used >= r->size) return;
-    const double slack = tolerance * t->span, low = 0.5 * (supports->low + supports->right_low),
-                 high = 0.5 * (supports->left_high + supports->high);
+    /* A single particle, node or body has all of itself on one side. */
+    const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
+    const double slack = tolerance * t->span,
+                 low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
+                 high = two ? 0.5 * (supports->left_high + supports->high) : supports->high;
     if (loads.low <= high + slack && loads.high >= low - slack) return;
     int more =
         snprintf(r->text + r->used, r->size - r->used,
@@ -179,6 +182,14 @@ static double notch_of(const gn_world *w, size_t along, const places *supports) 
         if (between && x[axis] < most) deepest = fmax(deepest, x[axis] - least);
     }
     return deepest;
+}
+
+bool gn_bending_outside(const gn_world *w) {
+    const size_t along = along_beam(w);
+    const places supports = places_of(w, &w->scene.test.lower, along),
+                 loads = places_of(w, &w->scene.test.upper, along);
+    if (!supports.known || !loads.known) return false;
+    return loads.high < supports.low || loads.low > supports.high;
 }
 
 bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {

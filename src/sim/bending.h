@@ -9,4 +9,8 @@
  * its extent. `text` then has each with both numbers, else it is "". */
 bool gn_bending_doubts(const gn_world *world, char *text, size_t size);
 
+/* Whether all of the upper end is beside all of the lower one along the beam: no support, or no
+ * load, is between. False where a wall is among them. */
+bool gn_bending_outside(const gn_world *world);
+
 #endif

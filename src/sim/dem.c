@@ -91,7 +91,7 @@ static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
     gn_from_run from;
     if (!w->scene.specimen.from[0] || !w->scene.specimen.from_velocities) return GNEISS_OK;
     GN_TRY(gn_from_run_read(&w->scene, &from, error));
-    for (size_t p = 0; from.count == q->soa.count && p < from.count; p++)
+    for (size_t p = 0; from.motion && from.count == q->soa.count && p < from.count; p++)
         for (size_t a = 0; a < 3; a++) {
             q->vel[4 * p + a] += from.motion[6 * p + a];
             if (q->spin) q->spin[4 * p + a] = from.motion[6 * p + 3 + a];

@@ -15,6 +15,12 @@ double gn_ends_dilation(const gn_world *world);
 /* Between the innermost places of both ends along the normal of a shear test, at the start, m: of
  * sets centres, of walls their plane. Not positive: the ends overlap or are empty. */
 double gn_ends_gap(const gn_world *world);
+/* Whether nothing keeps the ends of a shear test from coming apart, so that there is no normal
+ * stress; `text` then says so with its place. */
+bool gn_shear_is_loose(const gn_world *world, char *text, size_t size);
+/* GNEISS_ERROR_INPUT where both ends are on one side, share particles or nodes, or the upper one is
+ * below the other; of walls the scene is checked before. After all parts are made. */
+gneiss_status gn_ends_check(const gn_world *world, gneiss_error *error);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * watched (what loads it is a traction) has the force of the other one. */
 void gn_ends_forces(const gn_world *world, double *lower, double *upper);

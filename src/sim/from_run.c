@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "io/h5.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* What the file has of all particles; those that were removed are left out of *from. */
@@ -34,7 +35,10 @@ static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
     s->place = gn_alloc_array(s->all + 1, sizeof *s->place);
     s->vector = gn_alloc_array(s->all + 1, 3 * sizeof *s->vector);
     if (!s->removed || !s->place || !s->vector) return no_memory(error);
-    GN_TRY(gn_h5_get(s->file, "particles/removed", GN_U8, s->all, 1, 0, s->removed, error));
+    if (gn_h5_has(s->file, "particles/removed"))
+        GN_TRY(gn_h5_get(s->file, "particles/removed", GN_U8, s->all, 1, 0, s->removed, error));
+    else
+        memset(s->removed, 0, s->all);
     for (size_t p = 0; p < s->all; p++) s->place[p] = s->removed[p] ? -1 : (int32_t)from->count++;
     return GNEISS_OK;
 }
@@ -82,10 +86,46 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
     return status;
 }
 
+static gneiss_status check_dimension(const gn_scene *scene, const source *s, const char *what,
+                                     gneiss_error *error) {
+    int64_t dimension = 0;
+    GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "dimension", &dimension, 1, error));
+    if (dimension == scene->dimension) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected a %s of a %dD scene, found one of a %dD scene", what,
+                   (int)scene->dimension, (int)dimension);
+}
+
+static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *error) {
+    from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
+    if (!from->sphere) return no_memory(error);
+    GN_TRY(take(s, "particles/position", 3, from->sphere, 4, 0, error));
+    return take(s, "particles/radius", 1, from->sphere, 4, 3, error);
+}
+
+/* All of its particles are there, at rest. */
+static gneiss_status read_packing(const gn_scene *scene, source *s, gn_from_run *from,
+                                  gneiss_error *error) {
+    if (scene->specimen.from_bonds)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected the folder of a run beside from_bonds: keep, found that of a "
+                       "packing, which has no bonds");
+    char *kind = NULL;
+    GN_TRY(gn_h5_get_attribute_text(s->file, "/", "kind", &kind, error));
+    const bool packing = strcmp(kind, "packing") == 0;
+    free(kind);
+    if (!packing)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected a packing, found another file");
+    GN_TRY(check_dimension(scene, s, "packing", error));
+    GN_TRY(gn_h5_get_attribute_f64(s->file, "/", "volume", &from->volume, 1, error));
+    GN_TRY(number(s, from, error));
+    return take_spheres(s, from, error);
+}
+
 static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *from,
                               gneiss_error *error) {
-    int64_t dimension = 0, finished = 0;
-    GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "dimension", &dimension, 1, error));
+    int64_t finished = 0;
+    if (gn_scene_from_packing(scene)) return read_packing(scene, s, from, error);
     GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "finished", &finished, 1, error));
     if (!finished)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -94,15 +134,9 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
     if (!gn_h5_has(s->file, "particles/position"))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected the results of a run with particles, found none of them");
-    if (dimension != scene->dimension)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "expected a run of a %dD scene, found one of a %dD scene",
-                       (int)scene->dimension, (int)dimension);
+    GN_TRY(check_dimension(scene, s, "run", error));
     GN_TRY(number(s, from, error));
-    from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
-    if (!from->sphere) return no_memory(error);
-    GN_TRY(take(s, "particles/position", 3, from->sphere, 4, 0, error));
-    GN_TRY(take(s, "particles/radius", 1, from->sphere, 4, 3, error));
+    GN_TRY(take_spheres(s, from, error));
     if (scene->specimen.from_velocities) GN_TRY(take_motion(s, from, error));
     return scene->specimen.from_bonds ? take_bonds(s, from, error) : GNEISS_OK;
 }

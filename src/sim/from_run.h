@@ -1,4 +1,5 @@
-/* The particles of another run at its end, from its results.h5, as the specimen of this one. */
+/* The particles of another run at its end, from its results.h5, or those of a packing, as the
+ * specimen of this one. */
 #ifndef GN_SIM_FROM_RUN_H
 #define GN_SIM_FROM_RUN_H
 
@@ -8,10 +9,11 @@
 typedef struct gn_from_run {
     size_t count;        /* particles, without those that had been removed */
     double *sphere;      /* [count][4] x y z r, m, as the user sees them */
-    double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for */
+    double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for, and of a packing */
     size_t bonds;        /* that held; 0 unless asked for */
     int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
     double *rest_length; /* [bonds] m, at which there is no normal force */
+    double volume;       /* m3 (2D: m2) of the body that was packed; of a run 0 */
 } gn_from_run;
 
 /* What specimen.from names, with what the scene asks for. */

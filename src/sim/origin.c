@@ -95,6 +95,7 @@ static gneiss_status read_run(gn_scene *s, gneiss_error *error) {
     GN_TRY(gn_from_run_read(s, &from, error));
     s->specimen.packed = from.sphere;
     s->specimen.packed_count = from.count;
+    s->specimen.packed_volume = from.volume;
     from.sphere = NULL;
     gn_from_run_free(&from);
     return GNEISS_OK;

@@ -5,6 +5,7 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "sim/coupling.h"
+#include "sim/ends.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
@@ -87,6 +88,7 @@ typedef enum volume_source {
     FROM_BOX,
     FROM_SOURCES,
     FROM_SHAPE,
+    FROM_PACKING,
     FROM_TEST,
     FROM_HULL
 } volume_source;
@@ -96,6 +98,7 @@ static volume_source source_of_volume(const gn_world *w) {
     if (w->effects & GN_FX_PERIODIC) return FROM_BOX;
     if (!w->scene.specimen_given) return FROM_SOURCES;
     if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
+    if (gn_scene_from_packing(&w->scene)) return FROM_PACKING;
     bool given = w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
 }
@@ -105,6 +108,7 @@ const char *gn_world_volume_source(const gn_world *w) {
                                         "the periodic box",
                                         "the box about the sources",
                                         "the shape",
+                                        "the shape that was packed",
                                         "length times area of the test",
                                         "the convex hull of the particles"};
     volume_source source = source_of_volume(w);
@@ -349,6 +353,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) GN_TRY(measure_elements(w, error));
+    GN_TRY(gn_ends_check(w, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));

@@ -1,0 +1,23 @@
+/* What of a scene moves or loads a specimen, and what holds it (acts.c). */
+#ifndef GN_SCENE_ACTS_H
+#define GN_SCENE_ACTS_H
+
+#include "scene/scene.h"
+
+/* Whether a value of it is other than 0. */
+bool gn_table_acts(const gn_table *table);
+
+/* Whether a specimen that is at rest may be pressed: a membrane, a servo, sides, walls, sets,
+ * bodies or elements that move or are loaded. Gravity is not looked at. */
+bool gn_scene_presses(const gn_scene *scene);
+
+/* Whether something beside the ends of the test holds the specimen at both sides along an axis:
+ * walls that face it, sides of a periodic box, bodies, sets or elements that are held there. Of a
+ * scene with stages a wall with a servo and a set without a motion may be so later. */
+bool gn_scene_stands(const gn_scene *scene, int axis);
+
+/* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is
+ * neither held nor pressed. */
+bool gn_scene_shears_loose(const gn_scene *scene);
+
+#endif
