@@ -46,8 +46,8 @@ gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scen
     __attribute__((format(printf, 5, 6)));
 
 /* Where a file of a scene is: `file` from `folder` on (NULL: as it stands, and it need not be
- * there), and in it `in_folder` (NULL: none), else a packing, if it is a folder. NULL and path[GN_PATH_SIZE], or why
- * it cannot be read. */
+ * there), and in it `in_folder` (NULL: none), else a packing, if it is a folder. NULL and
+ * path[GN_PATH_SIZE], or why it cannot be read. */
 const char *gn_find_file(const char *folder, const char *file, const char *in_folder, char *path);
 
 /* Keeps what is wrong and goes on; returns what cannot be gone on from. */
