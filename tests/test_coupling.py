@@ -394,5 +394,19 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
     assert "packing_differs" in soft and "energy_conversion" not in soft, soft
 
 
+@fact
+def what_zones_take_stands_in_the_profile(folder):
+    """Nodes that particles follow, forces handed over; nothing without zones."""
+    scene = write_scene(folder, ZONE)
+    for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
+        run(scene, os.path.join(folder, name), *settings)
+        assert 0 < summary(os.path.join(folder, name))["seconds"]["exchange"], name
+        with h5py.File(os.path.join(folder, name, "results.h5")) as file:
+            assert file["profile/exchange"][()] > 0
+    alone = write_scene(folder, ZONE.replace("couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}\n", ""))
+    run(alone, os.path.join(folder, "alone"))
+    assert summary(os.path.join(folder, "alone"))["seconds"]["exchange"] == 0
+
+
 if __name__ == "__main__":
     sys.exit(main())
