@@ -408,5 +408,31 @@ def what_zones_take_stands_in_the_profile(folder):
     assert summary(os.path.join(folder, "alone"))["seconds"]["exchange"] == 0
 
 
+@fact
+def what_a_zone_returns_is_a_reading_of_the_end(folder):
+    """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
+    read = []
+    for rows in (400, 7):
+        out = os.path.join(folder, str(rows))
+        run(WAVE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0", "--set", "run.threads=1")
+        s = summary(out)
+        assert abs(s["time"] - 205e-6) < s["dt"]
+        with h5py.File(os.path.join(out, "results.h5")) as file:
+            assert file["readings/returned_energy"][0] == s["readings"]["returned_energy"]
+            read.append((s["readings"]["returned_energy"], file["history/returned_energy"][-1], file["history/time"][-1]))
+    (every, last, _), (few, before, at) = read
+    assert every == few == last, read
+    assert before != few and at < 204e-6, read
+    assert 4e-4 < few < 6e-4, few
+    alone = os.path.join(folder, "alone")
+    run(write_scene(folder, ZONE.replace("couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}\n", "")), alone)
+    assert "returned_energy" not in summary(alone)["readings"]
+    still = os.path.join(folder, "still")
+    run(write_scene(folder, ZONE), still)
+    assert "no energy" in summary(still)["absent"]["returned_energy"]
+    run(WAVE, os.path.join(folder, "none"), "--set", "output.history_rows=0", "--set", "time.end=1 us")
+    assert 0 < summary(os.path.join(folder, "none"))["readings"]["returned_energy"] < 1e-3
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -35,7 +35,8 @@ CARDS["simple_shear"] = CARDS["shear"]
 
 
 def cards_of(results):
-    return CARDS.get(results.test_kind, MODULUS + PEAK)
+    tested = CARDS.get(results.test_kind, MODULUS + PEAK)
+    return (*tested, ("returned_energy", "energy returned by the zone"))
 
 
 # --- curves --------------------------------------------------------------------------------------------

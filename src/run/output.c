@@ -210,9 +210,8 @@ static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *
     GN_TRY(gn_run_readings(run, &r, error));
     GN_TRY(gn_run_budget(run, &budget, error));
     bool demanded = gn_h5_demand_finite(file, false);
-    gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
+    if (gn_run_reads(run, GN_READING_##name))                                                      \
         GN_TRY(put_reading(file, #name, r->name, unit, text, r->reason[GN_READING_##name], error));
     GN_READINGS(X)
 #undef X
@@ -321,15 +320,14 @@ static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_erro
     GN_TRY(gn_run_readings(run, &r, error));
     GN_TRY(gn_run_budget(run, &budget, error));
     gn_json_object(j, "readings");
-    gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind)) gn_json_number(j, #name, r->name);
+    if (gn_run_reads(run, GN_READING_##name)) gn_json_number(j, #name, r->name);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
     gn_json_object(j, "absent");
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind) && r->reason[GN_READING_##name][0])            \
+    if (gn_run_reads(run, GN_READING_##name) && r->reason[GN_READING_##name][0])                   \
         gn_json_text(j, #name, r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X

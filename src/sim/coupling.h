@@ -84,6 +84,9 @@ size_t gn_coupled_lost(const gn_world *world);
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_world *world, size_t k);
+/* The same over the energy that was there at the start or has come in; NaN: there was none but
+ * what rounding makes, or there is no ledger. */
+double gn_coupled_returned_share(const gn_world *world, size_t k);
 
 /* Bonds that broke in zones, where elements hold together what they held all the same. */
 size_t gn_coupled_broken(const gn_world *world);
