@@ -168,6 +168,7 @@ def who_sleeps_is_drawn_where_the_elements_are(folder):
     from report_curves import plot_conversion
     from report_elements import Mesh
     from report_results import Results
+    from report_tests import fragment_sizes
 
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=2.6 ms", "--set", "output.snapshots=1", "--set", "run.threads=1")
@@ -190,6 +191,8 @@ def who_sleeps_is_drawn_where_the_elements_are(folder):
     rows = {label: value[0] for label, value in count_rows(read)}
     assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
     assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    sizes = fragment_sizes(read)
+    assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         assert json.load(file)["counts"]["asleep"] == len(asleep) - awake
 
