@@ -8,6 +8,7 @@
  * frequency of all is at most
  *     max( w_D^2 + (1 + e) max_i k_i/m_i, w_F^2 + (1 + 1/e) max_a sum_i k_i N_a(X_i)/m_a ). */
 #include "base/memory.h"
+#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
@@ -95,10 +96,22 @@ static double spin_share(const gn_world *w, const gn_coupled *q) {
     return most;
 }
 
+static double spin_rate(const gn_world *w, const gn_coupled *q) {
+    return sqrt(spin_share(w, q)) / w->dem.stable;
+}
+
+bool gn_coupled_turn_faster(gn_world *w) {
+    const gn_coupled *q = gn_converts(w) ? w->exchange[0].context : NULL;
+    if (!q || !q->turn) return false;
+    const double before = w->couple.rate[0];
+    w->couple.rate[0] = spin_rate(w, q);
+    return w->couple.rate[0] > before;
+}
+
 void gn_coupled_stiffen(gn_world *w) {
     double most[2], particles, elements, low = 1e-6, high = 1e6;
     gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
-    if (q && q->turn) w->couple.rate[0] = sqrt(spin_share(w, q)) / w->dem.stable;
+    if (q && q->turn) w->couple.rate[0] = spin_rate(w, q);
     if (!q || !q->stiffness) return;
     particles = 2.0 / w->dem.stable;
     elements = 2.0 / gn_elements_stable(w);
