@@ -29,9 +29,9 @@ typedef struct gn_coupled {
     double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     gn_whole_limit whole;     /* as it was when last looked for */
-    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N of the dashpot;
-     * [nodes of ties] scratch. */
-    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], *sum;
+    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N and N m of the
+     * dashpot; [nodes of ties] scratch. */
+    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
