@@ -193,4 +193,11 @@ static inline void turn_and_stretch(const double *x, const void *of, double u[3]
     v[0] += 3.0;
 }
 
+static inline void strain(const double *x, const void *of, double u[3], double v[3]) {
+    const double *gradient = of;
+    (void)v;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
+}
+
 #endif

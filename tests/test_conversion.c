@@ -116,13 +116,6 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
 
 /* --- strain --- */
 
-static void strain(const double *x, const void *of, double u[3], double v[3]) {
-    const double *gradient = of;
-    (void)v;
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
-}
-
 /* Each bond carries the stress of the elements over the section of a lattice plane, up to the
  * square of the strain and the rounding of places, and has its share of it. */
 static void assert_strained(const gn_world *w, const double gradient[9], double size) {

@@ -121,10 +121,63 @@ static void conversions_keep_both_momenta(void **state) {
             }
 }
 
+/* --- a disordered packing --- */
+
+static gn_world *packed(void) {
+    return world_of(
+        "dimension: 2\n"
+        "specimen: {group: 1, rectangle: {width: 30 mm, height: 16 mm}, mean_radius: 0.5 mm, "
+        "density_basis: bulk, packing: {overlap: passive, size_variation: 0.2}}\n"
+        "materials: [{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0, "
+        "tensile_strength: 1e15, shear_strength: 1e15}]\n"
+        "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
+        "elements: {rectangle: {size: [30 mm, 16 mm], cells: [15, 8]}, materials: [{young: 24e9, "
+        "poisson: 0.2, density: 7800}]}\n"
+        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 6 mm, stress: 1e30}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+}
+
+/* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
+ * whole body that converts the mean stress is that of the elements times the quotient of both
+ * moduli, and so is the energy, whose difference is booked. The moduli are those along the axes, of
+ * the hull of the particles (which is smaller than the body by the corners, half a percent here).
+ */
+static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
+    (void)state;
+    const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
+    double quotient = 0.0, stress = 0.0, energy = 0.0;
+    for (int axis = 0; axis < 2; axis++) {
+        double gradient[9] = {0.0};
+        gn_conversion_figures f;
+        gneiss_error error = {0};
+        gn_world *w = packed();
+        gradient[4 * axis] = size;
+        assert_int_equal(gn_conversion_measure(w, &f, &error), GNEISS_OK);
+        quotient = f.material[0].modulus[0] / f.material[0].modulus[1];
+        assert_near(f.material[0].modulus[1], m, 1e-9 * m);
+        set_elements(w, strain, gradient);
+        convert(w, 0.0, 1.0, 0.0, 1.0);
+        assert_int_equal(gn_conversion_elements(w), 0);
+        const double booked = w->energy.conversion;
+        measured_step(w);
+        stress += 0.5 * w->stress[4 * axis] / (m * size);
+        energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
+        assert_near(w->reading.conversion, booked, 1e-12 * fabs(booked));
+        world_end(w);
+    }
+    print_message("# quotient of moduli %.4f, of stresses %.4f, of energies %.4f\n", quotient,
+                  stress, energy);
+    assert_true(quotient > 1.1);
+    assert_near(stress, quotient, 0.01 * quotient);
+    assert_near(energy, quotient, 0.01 * quotient);
+    assert_near(energy, stress, 1e-5 * stress); /* square of strains */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
+        cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -437,5 +437,26 @@ def what_a_zone_returns_is_a_reading_of_the_end(folder):
     assert 0 < summary(os.path.join(folder, "none"))["readings"]["returned_energy"] < 1e-3
 
 
+@fact
+def what_is_pressed_converts_by_its_shear(folder):
+    """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
+    cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
+    turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")
+    mohr = turned.replace("stress: 4 MPa", "mohr_coulomb: {cohesion: 1 MPa, friction: 0.7}")
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, mohr), out)
+    s = summary(out)
+    assert 300 < s["counts"]["elements"] < 440 and abs(s["energy_residual"]) < 1e-5 and "reached" in s["stop_reason"], s
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        awake = file["particles/position"][:, 0][file["particles/asleep"][:] == 0]
+        first = file["history/time"][:][np.argmax(file["history/particles"][:] > 0)]
+    assert len(awake) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
+    assert abs(np.mean(awake) - 0.06) < 5e-3, np.mean(awake)
+    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts meet, then the plateaus
+    for k, text in enumerate((mohr.replace("cohesion: 1 MPa", "cohesion: 1.6 MPa"), turned)):
+        run(write_scene(folder, text), os.path.join(folder, str(k)))
+        assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
+
+
 if __name__ == "__main__":
     sys.exit(main())
