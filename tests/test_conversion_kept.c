@@ -139,9 +139,9 @@ static gn_world *packed(void) {
 
 /* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
  * whole body that converts the mean stress is that of the elements times the quotient of both
- * moduli, and so is the energy, whose difference is booked. The moduli are those along the axes, of
- * the hull of the particles (which is smaller than the body by the corners, half a percent here).
- */
+ * moduli, and so is the energy, whose difference is booked. Both are
+ * sums over the same bonds, the moduli those along the axes. The packing's error is that of its
+ * modulus, 24 % here. */
 static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
     (void)state;
     const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
