@@ -1,5 +1,4 @@
-/* Fields of displacements and velocities, conversions by hand, and what a body of elements and
- * particles has as a whole: for the tests of what converts. */
+/* Blocks of elements in which a lattice sleeps. */
 #ifndef GN_TESTS_CONVERSION_HELPERS_H
 #define GN_TESTS_CONVERSION_HELPERS_H
 
@@ -8,6 +7,68 @@
 #include "sim/coupling.h"
 #include "sim/exchange.h"
 #include "world_helpers.h"
+
+/* A block of elements of 2 mm, and a square lattice (3D: cubic) of spacing 1 mm in all of it, with
+ * k_n = k_t: along its axes and across them it has the moduli M = k_n and G = M/2 of the elements,
+ * nu = 0. */
+typedef struct block {
+    int cells[3]; /* of elements */
+    bool space;
+    const char *convert; /* keys of it besides box and width */
+    const char *box;     /* NULL: all */
+    const char *elements, *rest;
+    const char *couple, *time; /* further keys of these */
+    double distortion;         /* of the mesh */
+    int finer;                 /* so many elements for one of 2 mm along each axis; 0: one */
+} block;
+
+static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
+
+static inline text *text_of(const block *s) {
+    text *t = calloc(1, sizeof *t);
+    const double solid = s->space ? pi / 6.0 : pi / 4.0;
+    char cells[64], count[64], size[96];
+    const int finer = s->finer ? s->finer : 1;
+    snprintf(cells, sizeof cells, s->space ? "%d, %d, %d" : "%d, %d", finer * s->cells[0],
+             finer * s->cells[1], finer * s->cells[2]);
+    snprintf(count, sizeof count, s->space ? "%d, %d, %d" : "%d, %d", 2 * s->cells[0],
+             2 * s->cells[1], 2 * s->cells[2]);
+    snprintf(size, sizeof size, s->space ? "%d mm, %d mm, %d mm" : "%d mm, %d mm", 2 * s->cells[0],
+             2 * s->cells[1], 2 * s->cells[2]);
+    add(t, "dimension: %d\n", s->space ? 3 : 2);
+    add(t, "specimen: {group: 1, lattice: {kind: %s, radius: 0.5 mm, cells: [%s]}}\n",
+        s->space ? "cubic" : "square", count);
+    add(t,
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 1, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
+        density / solid, s->space ? modulus * spacing : modulus);
+    add(t,
+        "elements: {%s: {size: [%s], cells: [%s], distortion: %g}, materials: [{young: %g, "
+        "poisson: "
+        "0, density: %g}]%s}\n",
+        s->space ? "box" : "rectangle", size, cells, s->distortion, modulus, density,
+        s->elements ? s->elements : "");
+    add(t, "couple: {convert: {box: %s, width: %g, %s}%s}\ntime: {end: 1%s}\n%s",
+        s->box     ? s->box
+        : s->space ? "{min: [-1, -1, -1], max: [1, 1, 1]}"
+                   : "{min: [-1, -1], max: [1, 1]}",
+        width, s->convert ? s->convert : "stress: 1e30", s->couple ? s->couple : "",
+        s->time ? s->time : "", s->rest ? s->rest : "run: {threads: 1}\n");
+    return t;
+}
+
+static inline gn_world *block_of(const block *s) {
+    text *t = text_of(s);
+    gn_world *w = world_of("%s", t->s);
+    free(t);
+    return w;
+}
+
+static const block plate = {.cells = {15, 8, 0}};
+static const block cube = {.cells = {10, 4, 4}, .space = true};
+
+/* --- fields, and conversions by hand --- */
 
 typedef void field(const double *x, const void *of, double u[3], double v[3]);
 
@@ -65,6 +126,12 @@ static inline bool is_tied(const gn_world *w, size_t p) {
     return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
 }
 
+/* Those of zones with slaved spins have no inertia. */
+static inline bool spins_freely(const gn_world *w, size_t p) {
+    const gn_coupled *q = w->exchange[0].context;
+    return !q->turn || !is_tied(w, p);
+}
+
 /* Mass, its first moment, momenta about the origin, moments of inertia about the axis z. */
 typedef struct whole {
     double mass, moment[3], momentum[3], turning[3], inertia, energy;
@@ -84,7 +151,7 @@ static inline void add_points(const gn_world *w, const gn_particles *q, bool par
             s->momentum[a] += m * v[a];
             s->turning[a] += m * (x[c] * v[d] - x[d] * v[c]);
         }
-        if (!q->spin) continue;
+        if (!q->spin || !spins_freely(w, p)) continue;
         const double *o = q->spin + 4 * p;
         s->inertia += 1.0 / o[3];
         s->energy += 0.5 * gn_dot3(o, o) / o[3];
@@ -97,6 +164,40 @@ static inline whole whole_of(const gn_world *w) {
     add_points(w, &w->dem.particles, true, &s);
     add_points(w, &w->elements[0]->solid.nodes, false, &s);
     return s;
+}
+
+/* --- motions --- */
+
+static const double turned[4] = {2e-3, -1e-3, 0.7, 50.0}; /* shift x y, angle, spin */
+
+static inline void move_rigidly(const double *x, const void *of, double u[3], double v[3]) {
+    const double *how = of, c = cos(how[2]) - 1.0, s = sin(how[2]);
+    u[0] = how[0] + c * x[0] - s * x[1];
+    u[1] = how[1] + s * x[0] + c * x[1];
+    v[0] = 3.0 - how[3] * (x[1] + u[1]);
+    v[1] = -2.0 + how[3] * (x[0] + u[0]);
+}
+
+static inline void stir(const double *x, const void *of, double u[3], double v[3]) {
+    const double *space = of;
+    (void)u;
+    v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
+    v[1] = 3e-3 * cos(700.0 * x[0]);
+    v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
+}
+
+static inline void turn_and_stretch(const double *x, const void *of, double u[3], double v[3]) {
+    move_rigidly(x, turned, u, v);
+    stir(x, of, u, v);
+    for (int a = 0; a < 3; a++) u[a] += 1e-5 * x[a];
+    v[0] += 3.0;
+}
+
+static inline void strain(const double *x, const void *of, double u[3], double v[3]) {
+    const double *gradient = of;
+    (void)v;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
 }
 
 #endif

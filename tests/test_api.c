@@ -227,6 +227,7 @@ static void null_worlds_are_refused(void **state) {
     REFUSED(gneiss_world_progress(NULL, &progress, &error));
     REFUSED(gneiss_world_limits(NULL, &limits, &error));
     REFUSED(gneiss_world_counts(NULL, &counts, &error));
+    REFUSED(gneiss_world_element_counts(NULL, &(gneiss_element_counts){0}, &error));
     REFUSED(gneiss_world_field(NULL, GNEISS_PARTICLES, "pos", &view, &error));
     REFUSED(gneiss_world_field_at(NULL, GNEISS_PARTICLES, 0, &view, &error));
     REFUSED(gneiss_world_history(NULL, "time", &view, &error));
@@ -247,6 +248,7 @@ static void null_results_and_names_are_refused(void **state) {
     REFUSED(gneiss_world_progress(w, NULL, &error));
     REFUSED(gneiss_world_limits(w, NULL, &error));
     REFUSED(gneiss_world_counts(w, NULL, &error));
+    REFUSED(gneiss_world_element_counts(w, NULL, &error));
     REFUSED(gneiss_world_field(w, GNEISS_PARTICLES, NULL, &view, &error));
     REFUSED(gneiss_world_field(w, GNEISS_PARTICLES, "pos", NULL, &error));
     REFUSED(gneiss_world_field_at(w, GNEISS_PARTICLES, 0, NULL, &error));
@@ -501,6 +503,105 @@ static void nodes_and_elements_have_fields(void **state) {
     w = world_of(loose, NULL, NULL);
     assert_int_equal(gneiss_world_field_count(w, GNEISS_NODES), 0);
     assert_int_equal(gneiss_world_field_count(w, GNEISS_ELEMENTS), 0);
+    gneiss_world_free(w);
+}
+
+static gneiss_element_counts elements_of(const gneiss_world *world) {
+    gneiss_element_counts counts;
+    must(gneiss_world_element_counts(world, &counts, NULL), &(gneiss_error){0});
+    return counts;
+}
+
+static double sum_of(const gneiss_world *w, const char *name, size_t *count) {
+    gneiss_error error = {0};
+    gneiss_view what;
+    for (size_t k = 0; k < gneiss_world_output_count(w, GNEISS_PARTICLES); k++) {
+        must(gneiss_world_output_at(w, GNEISS_PARTICLES, k, &what, &error), &error);
+        if (strcmp(what.name, name) != 0) continue;
+        double *values = output_of(w, GNEISS_PARTICLES, k, &what), sum = 0.0;
+        for (size_t p = 0; p < what.count; p++) sum += values[p];
+        *count = what.count;
+        free(values);
+        return sum;
+    }
+    fail_msg("no output %s", name);
+    return 0.0;
+}
+
+#define LATTICE                                                                                    \
+    "dimension: 2\n"                                                                               \
+    "materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0, "        \
+    "bond_tension_limit: 1e12, bond_shear_limit: 1e12}]\n"                                         \
+    "law: {stiffness: uniform}\n"                                                                  \
+    "bonds: {interaction_range: 0.01}\n"                                                           \
+    "output: {history_rows: 20, snapshots: 0, checkpoint: off}\n"                                  \
+    "run: {threads: 1}\n"
+
+/* A strip that is pulled: elements go, particles wake; the same once it was saved. */
+static void elements_that_convert_are_counted(void **state) {
+    (void)state;
+    static const char strip[] =
+        LATTICE "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [30, 8]}}\n"
+                "elements:\n"
+                "  rectangle: {size: [30 mm, 8 mm], cells: [15, 4]}\n"
+                "  materials: [{young: 24e9, poisson: 0, density: 7800}]\n"
+                "  motions:\n"
+                "    - {name: left, group: x_lower, motion: {vx: 0}}\n"
+                "    - {name: right, group: x_upper, motion: {vx: 0.1}}\n"
+                "couple: {convert: {box: {min: [3 mm, -1], max: [27 mm, 1]}, width: 6 mm, stress: "
+                "1.2 MPa, every: 5, most: 0.01}}\n"
+                "time: {end: 0.1 ms}\n";
+    gneiss_world *w = world_of(strip, NULL, NULL), *again = NULL;
+    gneiss_error error = {0};
+    size_t particles = 0;
+    gneiss_element_counts first = elements_of(w), then = first;
+    assert_int_equal(first.elements, 120);
+    assert_int_equal(first.nodes, 16 * 5);
+    assert_int_equal(first.asleep, 240);
+    assert_int_equal(counts_of(w).particles, 240);
+    for (int k = 0; k < 400 && then.elements == first.elements; k++) {
+        step(w, 1);
+        then = elements_of(w);
+    }
+    assert_true(then.elements < 120 && then.elements > 0);
+    assert_true(then.asleep < 240 && then.asleep > 0);
+    assert_int_equal(field(w, GNEISS_ELEMENTS, "node").count, then.elements);
+    assert_true(sum_of(w, "asleep", &particles) == (double)then.asleep);
+    assert_int_equal(particles, 240);
+    place p = make_place();
+    must(gneiss_world_save(w, inside(&p, "a.h5"), &error), &error);
+    must(gneiss_world_load(inside(&p, "a.h5"), NULL, 0, &again, &error), &error);
+    step(w, 20);
+    step(again, 20);
+    assert_int_equal(elements_of(again).elements, elements_of(w).elements);
+    assert_int_equal(elements_of(again).asleep, elements_of(w).asleep);
+    assert_true(gneiss_world_hash(again) == gneiss_world_hash(w));
+    gneiss_world_free(w);
+    gneiss_world_free(again);
+    remove_place(&p);
+}
+
+/* With a zone: both are there, and what it returns is a reading. */
+static void zones_have_elements_and_a_reading(void **state) {
+    (void)state;
+    static const char strip[] =
+        LATTICE "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [20, 8], "
+                "origin: [11.5 mm, 0]}}\n"
+                "elements: {rectangle: {size: [20 mm, 8 mm], cells: [10, 4]}, materials: [{young: "
+                "24e9, poisson: 0, density: 7800}]}\n"
+                "couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}\n"
+                "initial: {pulse: {direction: [1, 0], centre: [5 mm, 0], length: 8 mm, size: 1 um, "
+                "speed: 1754}}\n"
+                "time: {end: 8 us}\n";
+    gneiss_world *w = world_of(strip, NULL, NULL);
+    gneiss_error error = {0};
+    gneiss_quantity returned;
+    must(gneiss_world_run(w, &error), &error);
+    assert_int_equal(elements_of(w).elements, 80);
+    assert_int_equal(elements_of(w).asleep, 0);
+    assert_int_equal(counts_of(w).particles, 160);
+    must(gneiss_world_reading(w, "returned_energy", &returned, &error), &error);
+    assert_true(returned.value > 0.0 && returned.value < 0.5);
     gneiss_world_free(w);
 }
 
@@ -1063,6 +1164,8 @@ int main(void) {
         cmocka_unit_test(every_field_is_found_by_index_and_by_name),
         cmocka_unit_test(a_scene_has_only_the_fields_it_calls_for),
         cmocka_unit_test(nodes_and_elements_have_fields),
+        cmocka_unit_test(elements_that_convert_are_counted),
+        cmocka_unit_test(zones_have_elements_and_a_reading),
         cmocka_unit_test(outputs_are_those_of_the_files),
         cmocka_unit_test(outputs_that_are_not_there_are_refused),
         cmocka_unit_test(views_show_positions_from_the_origin),

@@ -6,75 +6,7 @@
 
 #include <unistd.h>
 
-/* A block of elements of 2 mm, and a square lattice (3D: cubic) of spacing 1 mm in all of it, with
- * k_n = k_t: along its axes and across them it has the moduli M = k_n and G = M/2 of the elements,
- * nu = 0. */
-typedef struct block {
-    int cells[3]; /* of elements */
-    bool space;
-    const char *convert; /* keys of it besides box and width */
-    const char *box;     /* NULL: all */
-    const char *elements, *rest;
-    double distortion; /* of the mesh */
-    int finer;         /* so many elements for one of 2 mm along each axis; 0: one */
-} block;
-
-static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
-
-static text *text_of(const block *s) {
-    text *t = calloc(1, sizeof *t);
-    const double solid = s->space ? pi / 6.0 : pi / 4.0;
-    char cells[64], count[64], size[96];
-    const int finer = s->finer ? s->finer : 1;
-    snprintf(cells, sizeof cells, s->space ? "%d, %d, %d" : "%d, %d", finer * s->cells[0],
-             finer * s->cells[1], finer * s->cells[2]);
-    snprintf(count, sizeof count, s->space ? "%d, %d, %d" : "%d, %d", 2 * s->cells[0],
-             2 * s->cells[1], 2 * s->cells[2]);
-    snprintf(size, sizeof size, s->space ? "%d mm, %d mm, %d mm" : "%d mm, %d mm", 2 * s->cells[0],
-             2 * s->cells[1], 2 * s->cells[2]);
-    add(t, "dimension: %d\n", s->space ? 3 : 2);
-    add(t, "specimen: {group: 1, lattice: {kind: %s, radius: 0.5 mm, cells: [%s]}}\n",
-        s->space ? "cubic" : "square", count);
-    add(t,
-        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 1, friction: 0.2, "
-        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
-        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
-        density / solid, s->space ? modulus * spacing : modulus);
-    add(t,
-        "elements: {%s: {size: [%s], cells: [%s], distortion: %g}, materials: [{young: %g, "
-        "poisson: "
-        "0, density: %g}]%s}\n",
-        s->space ? "box" : "rectangle", size, cells, s->distortion, modulus, density,
-        s->elements ? s->elements : "");
-    add(t, "couple: {convert: {box: %s, width: %g, %s}}\ntime: {end: 1}\n%s",
-        s->box     ? s->box
-        : s->space ? "{min: [-1, -1, -1], max: [1, 1, 1]}"
-                   : "{min: [-1, -1], max: [1, 1]}",
-        width, s->convert ? s->convert : "stress: 1e30", s->rest ? s->rest : "run: {threads: 1}\n");
-    return t;
-}
-
-static gn_world *block_of(const block *s) {
-    text *t = text_of(s);
-    gn_world *w = world_of("%s", t->s);
-    free(t);
-    return w;
-}
-
-static const block plate = {.cells = {15, 8, 0}};
-static const block cube = {.cells = {10, 4, 4}, .space = true};
-
 /* --- rigid motion --- */
-
-static const double turned[4] = {2e-3, -1e-3, 0.7, 50.0}; /* shift x y, angle, spin */
-
-static void move_rigidly(const double *x, const void *of, double u[3], double v[3]) {
-    const double *how = of, c = cos(how[2]) - 1.0, s = sin(how[2]);
-    u[0] = how[0] + c * x[0] - s * x[1];
-    u[1] = how[1] + s * x[0] + c * x[1];
-    v[0] = 3.0 - how[3] * (x[1] + u[1]);
-    v[1] = -2.0 + how[3] * (x[0] + u[0]);
-}
 
 static void assert_rigid(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
@@ -184,13 +116,6 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
 
 /* --- strain --- */
 
-static void strain(const double *x, const void *of, double u[3], double v[3]) {
-    const double *gradient = of;
-    (void)v;
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
-}
-
 /* Each bond carries the stress of the elements over the section of a lattice plane, up to the
  * square of the strain and the rounding of places, and has its share of it. */
 static void assert_strained(const gn_world *w, const double gradient[9], double size) {
@@ -257,14 +182,6 @@ static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
 
 /* --- what is kept while it moves --- */
 
-static void stir(const double *x, const void *of, double u[3], double v[3]) {
-    const double *space = of;
-    (void)u;
-    v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
-    v[1] = 3e-3 * cos(700.0 * x[0]);
-    v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
-}
-
 /* Linear momentum to rounding at all times; energy that conversions book, up to what a step's
  * halves do at each. */
 static void converting_keeps_momentum_and_books_energy(void **state) {
@@ -329,13 +246,6 @@ static void find_empty(const gn_world *w, const double near[3], double low[3], d
 static void turn_alone(const double *x, const void *of, double u[3], double v[3]) {
     (void)of;
     move_rigidly(x, turned, u, v);
-}
-
-static void turn_and_stretch(const double *x, const void *of, double u[3], double v[3]) {
-    move_rigidly(x, turned, u, v);
-    stir(x, of, u, v);
-    for (int a = 0; a < 3; a++) u[a] += 1e-5 * x[a];
-    v[0] += 3.0;
 }
 
 static void assert_driven_go_on(const gn_world *w, double speed) {

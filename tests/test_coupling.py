@@ -168,6 +168,7 @@ def who_sleeps_is_drawn_where_the_elements_are(folder):
     from report_curves import plot_conversion
     from report_elements import Mesh
     from report_results import Results
+    from report_tests import fragment_sizes
 
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=2.6 ms", "--set", "output.snapshots=1", "--set", "run.threads=1")
@@ -190,6 +191,8 @@ def who_sleeps_is_drawn_where_the_elements_are(folder):
     rows = {label: value[0] for label, value in count_rows(read)}
     assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
     assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    sizes = fragment_sizes(read)
+    assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         assert json.load(file)["counts"]["asleep"] == len(asleep) - awake
 
@@ -392,6 +395,67 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
     run(scene, os.path.join(folder, "soft"), "--set", "materials[0].normal_stiffness=2.4e9")
     soft = warnings_of(os.path.join(folder, "soft"))
     assert "packing_differs" in soft and "energy_conversion" not in soft, soft
+
+
+@fact
+def what_zones_take_stands_in_the_profile(folder):
+    """Nodes that particles follow, forces handed over; nothing without zones."""
+    scene = write_scene(folder, ZONE)
+    for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
+        run(scene, os.path.join(folder, name), *settings)
+        assert 0 < summary(os.path.join(folder, name))["seconds"]["exchange"], name
+        with h5py.File(os.path.join(folder, name, "results.h5")) as file:
+            assert file["profile/exchange"][()] > 0
+    alone = write_scene(folder, ZONE.replace("couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}\n", ""))
+    run(alone, os.path.join(folder, "alone"))
+    assert summary(os.path.join(folder, "alone"))["seconds"]["exchange"] == 0
+
+
+@fact
+def what_a_zone_returns_is_a_reading_of_the_end(folder):
+    """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
+    read = []
+    for rows in (400, 7):
+        out = os.path.join(folder, str(rows))
+        run(WAVE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0", "--set", "run.threads=1")
+        s = summary(out)
+        assert abs(s["time"] - 205e-6) < s["dt"]
+        with h5py.File(os.path.join(out, "results.h5")) as file:
+            assert file["readings/returned_energy"][0] == s["readings"]["returned_energy"]
+            read.append((s["readings"]["returned_energy"], file["history/returned_energy"][-1], file["history/time"][-1]))
+    (every, last, _), (few, before, at) = read
+    assert every == few == last, read
+    assert before != few and at < 204e-6, read
+    assert 4e-4 < few < 6e-4, few
+    alone = os.path.join(folder, "alone")
+    run(write_scene(folder, ZONE.replace("couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}\n", "")), alone)
+    assert "returned_energy" not in summary(alone)["readings"]
+    still = os.path.join(folder, "still")
+    run(write_scene(folder, ZONE), still)
+    assert "no energy" in summary(still)["absent"]["returned_energy"]
+    run(WAVE, os.path.join(folder, "none"), "--set", "output.history_rows=0", "--set", "time.end=1 us")
+    assert 0 < summary(os.path.join(folder, "none"))["readings"]["returned_energy"] < 1e-3
+
+
+@fact
+def what_is_pressed_converts_by_its_shear(folder):
+    """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
+    cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
+    turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")
+    mohr = turned.replace("stress: 4 MPa", "mohr_coulomb: {cohesion: 1 MPa, friction: 0.7}")
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, mohr), out)
+    s = summary(out)
+    assert 300 < s["counts"]["elements"] < 440 and abs(s["energy_residual"]) < 1e-5 and "reached" in s["stop_reason"], s
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        awake = file["particles/position"][:, 0][file["particles/asleep"][:] == 0]
+        first = file["history/time"][:][np.argmax(file["history/particles"][:] > 0)]
+    assert len(awake) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
+    assert abs(np.mean(awake) - 0.06) < 5e-3, np.mean(awake)
+    assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts meet, then the plateaus
+    for k, text in enumerate((mohr.replace("cohesion: 1 MPa", "cohesion: 1.6 MPa"), turned)):
+        run(write_scene(folder, text), os.path.join(folder, str(k)))
+        assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
 
 
 if __name__ == "__main__":

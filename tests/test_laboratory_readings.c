@@ -148,7 +148,7 @@ static void peak_force_and_stiffness_of_a_beam_are_those_of_the_ends(void **stat
         read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .notched = true});
     assert_close(r.peak_force, 10, 1e-12);
     assert_close(r.stiffness, 5, 1e-12);
-    assert_true(!gn_reading_belongs(GN_READING_stiffness, GN_TEST_COMPRESSION));
+    assert_true(!gn_reading_belongs(GN_READING_stiffness, GN_TEST_COMPRESSION, false));
 }
 
 static void readings_of_other_tests_are_absent_for_that(void **state) {
@@ -157,8 +157,8 @@ static void readings_of_other_tests_are_absent_for_that(void **state) {
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4});
     absent_for(&r, GN_READING_young_modulus, "a reading of other tests");
     absent_for(&r, GN_READING_centre_ratio, "a reading of other tests");
-    assert_true(!gn_reading_belongs(GN_READING_centre_ratio, GN_TEST_BENDING));
-    assert_true(gn_reading_belongs(GN_READING_peak_stress, GN_TEST_BENDING));
+    assert_true(!gn_reading_belongs(GN_READING_centre_ratio, GN_TEST_BENDING, false));
+    assert_true(gn_reading_belongs(GN_READING_peak_stress, GN_TEST_BENDING, false));
 }
 
 /* A size by its share of the sum of k^-a up to 100 000. */

@@ -48,10 +48,13 @@ static void owner_rows(FILE *file, const char *ends) {
 /* The kinds of tests that have a reading. */
 static const char *tests_of(gn_reading which, char *of, size_t size) {
     const gn_choice *names = gn_scene_key_at("test.kind")->choices;
+    if (gn_reading_belongs(which, GN_TEST_NONE, true) &&
+        !gn_reading_belongs(which, GN_TEST_NONE, false))
+        return "scenes with couple.zones";
     size_t used = 0, count = 0;
     of[0] = 0;
     for (int k = 1; k < GN_TEST_KINDS; k++)
-        if (gn_reading_belongs(which, (gn_test_kind)k)) {
+        if (gn_reading_belongs(which, (gn_test_kind)k, false)) {
             used += (size_t)snprintf(of + used, size - used, "%s%s", count ? ", " : "",
                                      gn_choice_name(names, k));
             count++;

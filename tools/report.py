@@ -35,7 +35,7 @@ def error_text(name, column):
 
 def reading_text(name, column):
     value = float(np.asarray(column.value, float).reshape(-1)[0])
-    shares = ("end_imbalance", "brittleness", "largest_fragment")
+    shares = ("end_imbalance", "brittleness", "largest_fragment", "returned_energy")
     if column.unit in ("", "1") and ("strain" in name or name in shares) and np.isfinite(value):
         return f"{100 * value:.3g} %"
     return quantity(value, column.unit)

@@ -35,7 +35,8 @@ CARDS["simple_shear"] = CARDS["shear"]
 
 
 def cards_of(results):
-    return CARDS.get(results.test_kind, MODULUS + PEAK)
+    tested = CARDS.get(results.test_kind, MODULUS + PEAK)
+    return (*tested, ("returned_energy", "energy returned by the zone"))
 
 
 # --- curves --------------------------------------------------------------------------------------------
@@ -191,7 +192,8 @@ def fragment_sizes(results):
         if np.array_equal(new, label):
             break
         label = new
-    return np.sort(np.bincount(label)[np.unique(label)])[::-1]
+    awake = label[~results.asleep]  # who sleeps is held by the element that it is in
+    return np.sort(np.bincount(awake)[np.unique(awake)])[::-1] if len(awake) else None
 
 
 def plot_fragments(results, path):

@@ -149,7 +149,7 @@ def through_zone(space, packed, width, wave, side, contact, back, height, constr
     result = wave_run(name, space, packed, low, high, mesh, MODULUS, wave, side, constraint, edge, height, contact)
     area = height * (height if space else 1.0)
     if not back:
-        return 100 * result.results("history/returned_energy")[-1]
+        return 100 * result.returned_energy
     if packed:
         return 100 * coherent(result, wave, area) / stored(result)
     return 100 * before_zone(result, "particles", MODULUS, middle - half, area=area) / stored(result)

@@ -46,7 +46,7 @@ def step_of(result):
 def returned(result, mirrored, end):
     """Energy of what runs back before the zone over that of the pulse, in %."""
     if not mirrored:
-        return 100 * result.results("history/returned_energy")[-1]
+        return 100 * result.returned_energy
     x, u, v = columns_of(result, "particles", step_of(result))
     before = x[1:] <= end
     wave = 0.5 * (0.5 * (v[1:] + v[:-1]) + SPEED * np.diff(u) / np.diff(x))[before]

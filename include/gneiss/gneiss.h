@@ -193,6 +193,16 @@ typedef struct gneiss_counts {
 GNEISS_API gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *counts,
                                              gneiss_error *error);
 
+/* Of finite elements, and of what they turn into (couple.convert). */
+typedef struct gneiss_element_counts {
+    int64_t nodes, elements; /* that are there */
+    int64_t asleep;          /* particles prepared for elements that are there; of gneiss_counts */
+} gneiss_element_counts;
+
+GNEISS_API gneiss_status gneiss_world_element_counts(const gneiss_world *world,
+                                                     gneiss_element_counts *counts,
+                                                     gneiss_error *error);
+
 /* Steps taken; s; hash of the state, equal for equal bits (any number of threads, any instruction
  * set, saved and loaded or not). 0 for NULL. */
 GNEISS_API int64_t gneiss_world_steps(const gneiss_world *world);

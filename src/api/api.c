@@ -1,6 +1,7 @@
 /* The public API: scenes and worlds. It checks arguments and keeps the handles; the work is in sim.
  */
 #include "api/handles.h"
+#include "sim/conversion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -343,6 +344,17 @@ gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *coun
         .list_rebuilds = w->dem.verlet.rebuilds,
         .history_rows = (int64_t)world->run.history.row_count,
     };
+    return GNEISS_OK;
+}
+
+gneiss_status gneiss_world_element_counts(const gneiss_world *world, gneiss_element_counts *counts,
+                                          gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(counts, "counts", error));
+    const gn_world *w = &world->run.world;
+    const gn_element_totals t = gn_elements_totals(w);
+    *counts = (gneiss_element_counts){(int64_t)t.nodes, (int64_t)t.elements,
+                                      (int64_t)gn_conversion_asleep(w)};
     return GNEISS_OK;
 }
 

@@ -223,27 +223,23 @@ static void print_reading(const char *label, double value, const char *unit, con
                note);
 }
 
-/* Readings that only some kinds of tests have, in the unit that they are kept in. */
-static void print_own_readings(const gn_readings *r, gn_test_kind kind) {
+/* Readings that only some kinds of tests have, and zones, in the unit that they are kept in. */
+static void print_own_readings(const gn_run *run, const gn_readings *r) {
     const bool own[GN_READING_COUNT] = {
 #define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
         GN_READING_LIST(GN_READING_OWN, )};
     char label[64];
 #define X(name, unit, text)                                                                        \
-    if (own[GN_READING_##name] && gn_reading_belongs(GN_READING_##name, kind))                     \
+    if (own[GN_READING_##name] && gn_run_reads(run, GN_READING_##name))                            \
         print_reading(words_of(#name, label, sizeof label), r->name,                               \
                       strcmp(unit, "1") ? unit : "", "", r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
 }
 
-static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
-    const gn_readings *r;
-    const gn_test_kind kind = run->world.scene.test.kind;
-    if (kind == GN_TEST_NONE) return GNEISS_OK;
-    GN_TRY(gn_run_readings(run, &r, error));
+static void print_test_readings(const gn_run *run, const gn_readings *r) {
 #define PRINT(label, name, factor, unit, note)                                                     \
-    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
+    if (gn_run_reads(run, GN_READING_##name))                                                      \
     print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
     PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
           "(1-50 % of the largest stress, platen strain)");
@@ -261,7 +257,15 @@ static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
     }
     PRINT("ends out of balance by", end_imbalance, 100, "%", "");
 #undef PRINT
-    print_own_readings(r, kind);
+}
+
+static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
+    const gn_readings *r;
+    const bool tested = run->world.scene.test.kind != GN_TEST_NONE;
+    if (!tested && !gn_run_reads(run, GN_READING_returned_energy)) return GNEISS_OK;
+    GN_TRY(gn_run_readings(run, &r, error));
+    if (tested) print_test_readings(run, r);
+    print_own_readings(run, r);
     return GNEISS_OK;
 }
 

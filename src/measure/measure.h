@@ -115,6 +115,8 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     (GN_TESTS(NONE) | GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED)
 #define GN_OF_AXIAL   (GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED)
 #define GN_OF_PRESSED (GN_TESTS(COMPRESSION) | GN_TESTS_CONFINED)
+/* Of no test: of zones that particles and elements share. */
+#define GN_OF_ZONES (1u << 31)
 
 /* Final readings, SI: Y(X, name, tests, unit, text). */
 #define GN_READING_LIST(Y, X)                                                                      \
@@ -204,7 +206,10 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, fragments, ~GN_TESTS(NONE), "1",                                                          \
       "pieces of two or more particles that bonds hold together at the end")                       \
     Y(X, largest_fragment, ~GN_TESTS(NONE), "1",                                                   \
-      "share of the particles' volume that the largest of them has")
+      "share of the particles' volume that the largest of them has")                               \
+    Y(X, returned_energy, GN_OF_ZONES, "1",                                                        \
+      "energy of plane waves in elements outside of zones that run away from the particles of "    \
+      "the first zone at the end, over the energy that was there or has come in")
 
 #define GN_READING_PLAIN(X, name, tests, unit, text) X(name, unit, text)
 #define GN_READINGS(X)                               GN_READING_LIST(GN_READING_PLAIN, X)
@@ -222,8 +227,9 @@ typedef struct gn_readings {
     char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
 } gn_readings;
 
-/* Whether a reading belongs to tests of a kind: results and summaries hold only those that do. */
-bool gn_reading_belongs(gn_reading which, gn_test_kind kind);
+/* Whether a reading belongs to tests of a kind, in a scene with zones or without: results and
+ * summaries hold only those that do. */
+bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
 
 /* What the readings are of. */
 typedef struct gn_tested {
@@ -236,6 +242,8 @@ typedef struct gn_tested {
     bool falls;                         /* under gravity */
     double section;                     /* m2, of what breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
+    bool zones;                         /* particles and elements share some */
+    double returned;                    /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

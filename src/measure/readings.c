@@ -38,16 +38,26 @@ static const unsigned tests_of[] = {
 #define GN_READING_TESTS(X, name, tests, unit, text) tests,
     GN_READING_LIST(GN_READING_TESTS, )};
 
-bool gn_reading_belongs(gn_reading which, gn_test_kind kind) {
-    return tests_of[which] >> kind & 1;
+bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones) {
+    return tests_of[which] == GN_OF_ZONES ? zones : tests_of[which] >> kind & 1;
 }
 
-static void leave_others(gn_test_kind kind, gn_readings *r) {
+static void leave_others(const gn_tested *of, gn_readings *r) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
-        if (gn_reading_belongs((gn_reading)k, kind)) continue;
+        if (gn_reading_belongs((gn_reading)k, of->kind, of->zones)) continue;
         r->reason[k][0] = '\0';
         gn_reading_absent(r, (gn_reading)k, "a reading of other tests");
     }
+}
+
+/* Whatever the test is, or without one. */
+static void read_zones(const gn_tested *of, gn_readings *r) {
+    const gn_reading which = GN_READING_returned_energy;
+    if (!of->zones) return;
+    r->reason[which][0] = '\0';
+    r->returned_energy = of->returned;
+    if (isnan(of->returned))
+        gn_reading_absent(r, which, "no energy was there or came in but what rounding makes");
 }
 
 /* What has a reason is no number; what is none has a reason. */
@@ -307,6 +317,7 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
         read_balance(&c, r);
         gn_readings_by_kind(&c, r);
     }
-    leave_others(tested->kind, r);
+    read_zones(tested, r);
+    leave_others(tested, r);
     settle(r);
 }

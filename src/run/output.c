@@ -222,9 +222,8 @@ static gneiss_status put_reading(gn_h5 *file, const char *group, const char *nam
 static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group,
                                const gn_readings *r, gneiss_error *error) {
     bool demanded = gn_h5_demand_finite(file, false);
-    gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
+    if (gn_run_reads(run, GN_READING_##name))                                                      \
         GN_TRY(put_reading(file, group, #name, r->name, unit, text, r->reason[GN_READING_##name],  \
                            error));
     GN_READINGS(X)
@@ -353,15 +352,14 @@ static gneiss_status summary_warnings(const gn_run *run, gn_json *j, gneiss_erro
 /* Numbers of those that belong to the test, null where one is absent, and why it is. */
 static void summary_of(const gn_run *run, const gn_readings *r, gn_json *j) {
     gn_json_object(j, "readings");
-    gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind)) gn_json_number(j, #name, r->name);
+    if (gn_run_reads(run, GN_READING_##name)) gn_json_number(j, #name, r->name);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
     gn_json_object(j, "absent");
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind) && r->reason[GN_READING_##name][0])            \
+    if (gn_run_reads(run, GN_READING_##name) && r->reason[GN_READING_##name][0])                   \
         gn_json_text(j, #name, r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X

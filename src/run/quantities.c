@@ -272,12 +272,9 @@ GN_ENERGY_TERMS(X)
 #undef X
 READ(energy_residual, gn_energy_residual(&w->reading))
 
-/* Over the energy that was there at the start or has come in. */
 static void read_returned_energy(const gn_world *w, size_t k, double *value) {
-    const gn_energy *e = &w->reading;
-    double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
-                   fabs(e->work_gravity) + fabs(e->work_walls);
-    *value = there > 0.0 ? gn_coupled_returned(w, k) / there : 0.0;
+    const double share = gn_coupled_returned_share(w, k);
+    *value = isnan(share) ? 0.0 : share;
 }
 
 READ(elements, (double)gn_conversion_elements(w))

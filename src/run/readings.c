@@ -2,6 +2,7 @@
 #include "run/budget.h"
 #include "run/run.h"
 #include "run/stages.h"
+#include "sim/coupling.h"
 #include "sim/fragments.h"
 #include "sim/laboratory.h"
 
@@ -37,7 +38,15 @@ void gn_run_unwatch(gn_run *run) {
 
 /* --- of some rows --- */
 
-static void compute(const gn_world *w, const gn_history *rows, gn_readings *r) {
+/* At the end of the rows of a stage that is over; else of the world as it is. */
+static double returned(const gn_world *w, const gn_history *rows, bool over) {
+    if (!w->scene.couple.zone_count) return NAN;
+    if (!over) return gn_coupled_returned_share(w, 0);
+    const double *column = gn_history_column(rows, "returned_energy");
+    return column && rows->row_count ? column[rows->row_count - 1] : NAN;
+}
+
+static void compute(const gn_world *w, const gn_history *rows, bool over, gn_readings *r) {
     const gn_test *t = &w->scene.test;
     const double *g = w->scene.gravity;
     const gn_fragments pieces = gn_world_fragments(w);
@@ -49,6 +58,8 @@ static void compute(const gn_world *w, const gn_history *rows, gn_readings *r) {
                         .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
                         .fragments = pieces.count,
                         .largest_fragment = pieces.largest,
+                        .zones = w->scene.couple.zone_count > 0,
+                        .returned = returned(w, rows, over),
                         .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
                         .elastic = !w->scene.has_specimen,
                         .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
@@ -159,10 +170,15 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
     if (gn_run_staged(run))
         GN_TRY(compute_stage(run, stage_read(run), &read->readings, error));
     else
-        compute(w, &run->history, &read->readings);
+        compute(w, &run->history, false, &read->readings);
     read->known = true;
     read->of = now;
     return GNEISS_OK;
+}
+
+bool gn_run_reads(const gn_run *run, gn_reading which) {
+    const gn_scene *s = &run->world.scene;
+    return gn_reading_belongs(which, s->test.kind, s->couple.zone_count > 0);
 }
 
 gneiss_status gn_run_budget(const gn_run *run, const gn_budget **budget, gneiss_error *error) {

@@ -95,6 +95,8 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
  * from its start. Then their error budget. Both are found once for a state, belong to the run and
  * hold until it goes on. */
 gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings, gneiss_error *error);
+/* Whether it is one of those that the scene has. */
+bool gn_run_reads(const gn_run *run, gn_reading which);
 struct gn_budget;
 gneiss_status gn_run_budget(const gn_run *run, const struct gn_budget **budget,
                             gneiss_error *error);

@@ -55,12 +55,15 @@ double gn_conversion_held(const gn_conversion *c);
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {
     double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
-    double energy;                       /* J, kinetic */
+    double turning[3];                   /* kg m2/s, angular momentum, spins included */
+    double second[6]; /* kg m2, xx yy zz xy yz zx, as rotations have it, spins included; in the
+                       * plane about the axis, alone */
+    double energy;    /* J, kinetic */
 } gn_tally;
 gn_tally gn_conversion_tally(const gn_conversion *c);
-/* Scales the masses of who has another weight than before, by a linear function of the place, so
- * that mass and centre of mass are those of `before`; then gives those that were freed, and nodes
- * with another part, a velocity so that momentum is. */
+/* Scales the masses of who has another weight than before, by a function of the place, so that
+ * mass, centre of mass and inertia are those of `before`; then gives those that were freed, and
+ * nodes with another part, a rigid motion so that momentum and angular momentum are. */
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error);
 

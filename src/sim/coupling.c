@@ -13,8 +13,8 @@ static void coupled_free(void *context) {
     gn_coupled *q = context;
     gn_ties_free(&q->ties);
     gn_consistent_free(&q->consistent);
-    void *blocks[] = {q->turn,   q->before, q->stiffness, q->viscosity,
-                      q->stored, q->lost,   q->drag,      q->sum};
+    void *blocks[] = {q->turn, q->before, q->stiffness, q->viscosity, q->stored,
+                      q->lost, q->drag,   q->twist,     q->sum};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_free(q->place);
     gn_free(q->load);
@@ -96,8 +96,10 @@ static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
     q->stored = gn_alloc_array(n, sizeof *q->stored);
     q->lost = gn_alloc_array(n, sizeof *q->lost);
     q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->twist = gn_alloc_array(n, sizeof *q->twist);
     q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
-    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->sum) return GNEISS_OK;
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->twist && q->sum)
+        return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
 }
 

@@ -29,9 +29,9 @@ typedef struct gn_coupled {
     double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     gn_whole_limit whole;     /* as it was when last looked for */
-    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N of the dashpot;
-     * [nodes of ties] scratch. */
-    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], *sum;
+    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N and N m of the
+     * dashpot; [nodes of ties] scratch. */
+    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
@@ -51,6 +51,9 @@ void gn_coupled_follow(gn_world *world);
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);
+/* Where elements convert, once the particles' limit is that of now: what slaved spins take of the
+ * step. Whether that is more than before. */
+bool gn_coupled_turn_faster(gn_world *world);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */
@@ -84,6 +87,9 @@ size_t gn_coupled_lost(const gn_world *world);
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_world *world, size_t k);
+/* The same over the energy that was there at the start or has come in; NaN: there was none but
+ * what rounding makes, or there is no ledger. */
+double gn_coupled_returned_share(const gn_world *world, size_t k);
 
 /* Bonds that broke in zones, where elements hold together what they held all the same. */
 size_t gn_coupled_broken(const gn_world *world);

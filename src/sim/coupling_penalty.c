@@ -8,6 +8,7 @@
  * frequency of all is at most
  *     max( w_D^2 + (1 + e) max_i k_i/m_i, w_F^2 + (1 + 1/e) max_a sum_i k_i N_a(X_i)/m_a ). */
 #include "base/memory.h"
+#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
@@ -20,11 +21,17 @@ static void gap_of(const gn_world *w, const gn_coupled *q, size_t k, double gap[
     for (size_t c = 0; c < 3; c++) gap[c] -= a->pos[p + c] - a->start[p + c];
 }
 
-/* m/s, the same of velocities. */
+/* m/s, the same of velocities, of centres. */
 static void slip_of(const gn_world *w, const gn_coupled *q, size_t k, double slip[3]) {
     const double *v = w->dem.particles.vel + 4 * (size_t)q->place[k];
     gn_tie_mean(&q->ties, k, gn_coupled_solid(w)->nodes.vel, slip);
     for (size_t c = 0; c < 3; c++) slip[c] -= v[c];
+}
+
+/* rad/s of the particle; nothing where particles do not turn. */
+static void spin_of(const gn_world *w, const gn_coupled *q, size_t k, double spin[3]) {
+    const double *all = w->dem.particles.spin;
+    for (size_t c = 0; c < 3; c++) spin[c] = all ? all[4 * (size_t)q->place[k] + c] : 0.0;
 }
 
 /* --- stiffnesses --- */
@@ -95,10 +102,22 @@ static double spin_share(const gn_world *w, const gn_coupled *q) {
     return most;
 }
 
+static double spin_rate(const gn_world *w, const gn_coupled *q) {
+    return sqrt(spin_share(w, q)) / w->dem.stable;
+}
+
+bool gn_coupled_turn_faster(gn_world *w) {
+    const gn_coupled *q = gn_converts(w) ? w->exchange[0].context : NULL;
+    if (!q || !q->turn) return false;
+    const double before = w->couple.rate[0];
+    w->couple.rate[0] = spin_rate(w, q);
+    return w->couple.rate[0] > before;
+}
+
 void gn_coupled_stiffen(gn_world *w) {
     double most[2], particles, elements, low = 1e-6, high = 1e6;
     gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
-    if (q && q->turn) w->couple.rate[0] = sqrt(spin_share(w, q)) / w->dem.stable;
+    if (q && q->turn) w->couple.rate[0] = spin_rate(w, q);
     if (!q || !q->stiffness) return;
     particles = 2.0 / w->dem.stable;
     elements = 2.0 / gn_elements_stable(w);
@@ -119,15 +138,30 @@ void gn_coupled_stiffen(gn_world *w) {
 
 /* --- its part of a step --- */
 
+/* A dashpot pulls across the gap as well: on a particle that turns it acts where the elements have
+ * its point, at the end of the gap, and so turns it: the forces on both sides are in a line. N m.
+ */
+static void turn(gn_world *w, gn_coupled *q, size_t k, int width, const double gap[3],
+                 const double drag[3]) {
+    const size_t at = width == 8 ? 4 : 0;
+    double *row = gn_hold_load(&w->dem.hold, width, (size_t)q->place[k]);
+    gn_cross3(gap, drag, q->twist[k]);
+    for (size_t a = width == 8 ? 0 : 2; w->dem.particles.spin && a < 3; a++)
+        row[at + a] += q->twist[k][a];
+}
+
 static void pull(gn_world *w, gn_coupled *q, size_t k, int width) {
-    double gap[3], slip[3];
+    double gap[3], slip[3], spin[3], with[3];
     q->stored[k] = q->lost[k] = 0.0;
     q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
     if (q->place[k] < 0) return;
     gap_of(w, q, k, gap);
     slip_of(w, q, k, slip);
+    spin_of(w, q, k, spin);
+    gn_cross3(spin, gap, with);
     double *row = gn_hold_load(&w->dem.hold, width, (size_t)q->place[k]);
     for (int a = 0; a < (int)w->scene.dimension; a++) {
+        slip[a] -= with[a];
         double viscous = q->viscosity[k] * slip[a], force = q->stiffness[k] * gap[a] + viscous;
         q->stored[k] += 0.5 * q->stiffness[k] * gap[a] * gap[a];
         q->lost[k] += 0.5 * w->dt_past * viscous * slip[a];
@@ -135,6 +169,7 @@ static void pull(gn_world *w, gn_coupled *q, size_t k, int width) {
         row[a] += force;
         q->load[k][a] = -force;
     }
+    if (q->viscosity[k] > 0.0) turn(w, q, k, width, gap, q->drag[k]);
 }
 
 static double total(const double *of, size_t count) {
@@ -159,12 +194,14 @@ gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error)
     gn_coupled *q = context;
     (void)error;
     for (size_t k = 0; k < q->ties.count; k++) {
-        double slip[3];
+        double slip[3], spin[3];
         q->lost[k] = 0.0;
         if (q->place[k] < 0 || !(q->viscosity[k] > 0.0)) continue;
         slip_of(w, q, k, slip);
+        spin_of(w, q, k, spin);
         for (int a = 0; a < (int)w->scene.dimension; a++)
             q->lost[k] += 0.5 * w->dt * q->drag[k][a] * slip[a];
+        q->lost[k] -= 0.5 * w->dt * gn_dot3(q->twist[k], spin);
     }
     w->energy.coupling_damping += total(q->lost, q->ties.count);
     return GNEISS_OK;

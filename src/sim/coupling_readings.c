@@ -130,3 +130,11 @@ double gn_coupled_returned(const gn_world *w, size_t k) {
     }
     return sum;
 }
+
+double gn_coupled_returned_share(const gn_world *w, size_t k) {
+    const gn_energy *e = &w->reading;
+    const double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
+                         fabs(e->work_gravity) + fabs(e->work_walls);
+    const double least = 1e-3 * e->passed; /* which rounding is in, generously */
+    return there > least ? gn_coupled_returned(w, k) / there : NAN;
+}

@@ -23,7 +23,7 @@ static void start(watch *t) {
 }
 
 static void lap(watch *t, gn_phase phase) {
-    if (!t->runs) return;
+    if (!t->runs || (phase == GN_PHASE_exchange && !t->w->exchange_count)) return;
     double now = gn_now();
     t->w->seconds[phase] += GN_BOOKED * (now - t->mark);
     t->mark = now;
@@ -58,6 +58,13 @@ static void read_elements(gn_world *w) {
     gn_exchanges_book(w, &w->reading);
 }
 
+/* What elements carry where particles are; before these have their loads. */
+static void read_zones(gn_world *w) {
+    const double begin = gn_now();
+    gn_coupled_mean_stress(w, w->couple.stress);
+    w->seconds[GN_PHASE_measure] += gn_now() - begin;
+}
+
 /* What waited moves, and what moves as a whole. Works are trapezoidal: one half closes the interval
  * that led here, one opens the coming one, and the reading lies between them. */
 static void move(gn_world *w, bool measure, watch *time) {
@@ -83,7 +90,9 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
     GN_TRY(gn_boundary_check(w, error));
     lap(time, GN_PHASE_motion);
     GN_TRY(gn_elements_move(w, measure, error));
+    start(time);
     GN_TRY(gn_exchanges_follow(w, error));
+    lap(time, GN_PHASE_exchange);
     if (measure) read_elements(w);
     return gn_elements_check(w, error);
 }
@@ -95,7 +104,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
 
-    if (measure && w->scene.has_couple) gn_coupled_mean_stress(w, w->couple.stress);
+    if (measure && w->scene.has_couple) read_zones(w);
     GN_TRY(gn_gauge_look(w, error));
     gn_control_look(w);
     GN_TRY(gn_membrane_press(w, error));
@@ -109,7 +118,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
 
     start(&time);
     GN_TRY(gn_exchanges_act(w, error));
-    lap(&time, GN_PHASE_motion);
+    lap(&time, GN_PHASE_exchange);
 
     gneiss_status status = finish(w, measure, &time, error);
     w->time += w->dt;

@@ -294,6 +294,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
+    if (status == GNEISS_OK) due |= gn_coupled_turn_faster(w);
     if (status == GNEISS_OK && (due || elements_due)) {
         status = limit_now(w, &w->stable, error);
         if (status == GNEISS_OK) status = react(w, w->stable, error);

@@ -19,6 +19,7 @@
     X(walls, "wall contacts and wall motion")                                                      \
     X(motion, "gather, damping, integration")                                                      \
     X(elements, "finite elements: forces, motion, readings")                                       \
+    X(exchange, "zones of particles and elements")                                                 \
     X(lists, "neighbour search and lists")                                                         \
     X(step_limit, "stability limit")                                                               \
     X(conversion, "elements that turn into particles")                                             \

@@ -1,0 +1,183 @@
+/* What conversions keep, and the step that they leave. */
+#include "conversion_helpers.h"
+
+/* --- the step --- */
+
+/* Elements of the size of a particle, with which slaved spins weigh most. */
+static const block spinning = {.cells = {10, 6, 0}, .finer = 2, .couple = ", spins: slaved"};
+
+static gn_world *spun(const char *time) {
+    const double flat = 0.0;
+    block s = spinning;
+    s.time = time;
+    gn_world *w = block_of(&s);
+    convert(w, 8e-3, 10e-3, 0.0, 1.0);
+    set_elements(w, stir, &flat);
+    set_field(&w->dem.particles, stir, &flat);
+    run_steps(w, 1);
+    return w;
+}
+
+/* The energy after so many steps over that at the start; INFINITY when the run has gone bad. */
+static double energy_after(gn_world *w, int steps) {
+    gneiss_error error = {0};
+    gn_energy e = measured_step(w);
+    const double start = gn_energy_stored(&e);
+    double grown = 0.0;
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = gn_energy_stored(&w->reading) / start;
+    world_end(w);
+    return grown;
+}
+
+/* They bring springs without inertia: with what particles and elements hold each by itself the
+ * model is unstable. */
+static void slaved_spins_of_new_zones_are_in_the_step(void **state) {
+    (void)state;
+    char time[96];
+    gn_world *w = spun(NULL);
+    const double stable = w->stable, sides = fmin(w->dem.stable, gn_elements_stable(w));
+    assert_true(stable < 0.5 * sides);
+    assert_near(w->dt, w->scene.safety * stable, 1e-12 * stable);
+    assert_near(energy_after(w, 2000), 1.0, 1e-4);
+    snprintf(time, sizeof time, ", step: %.17g, on_unstable: warn", 0.99 * stable);
+    assert_near(energy_after(spun(time), 2000), 1.0, 1e-4);
+    snprintf(time, sizeof time, ", step: %.17g, on_unstable: warn", 0.9 * sides);
+    assert_true(energy_after(spun(time), 2000) > 10.0);
+}
+
+/* --- momenta --- */
+
+static void stretch(const double *x, const void *of, double u[3], double v[3]) {
+    (void)of;
+    (void)u;
+    v[0] = 2.0 + 300.0 * x[0] - 40.0 * x[1];
+    v[1] = 90.0 * x[0] - 150.0 * x[1];
+}
+
+static void shear_about_x(const double *x, const void *of, double u[3], double v[3]) {
+    (void)of;
+    move_rigidly(x, turned, u, v);
+    v[1] += 60.0 * x[2];
+    v[2] += 200.0 * x[1] + 30.0 * x[0];
+}
+
+/* N m s: of how much angular momentum rounding is. */
+static double turning_scale(const whole *s) {
+    return sqrt(2.0 * s->mass * s->energy) * 0.03;
+}
+
+static void assert_kept(const block *s, field *motion, const double low[3], const double high[3],
+                        bool turning) {
+    const double depth = s->space;
+    gneiss_error error = {0};
+    gn_world *w = block_of(s);
+    set_elements(w, motion, &depth);
+    measured_step(w);
+    const whole before = whole_of(w);
+    const double size = sqrt(2.0 * before.mass * before.energy);
+    if (convert_box(w, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const whole after = whole_of(w);
+    assert_int_equal(w->halt[0], 0);
+    assert_near(after.mass, before.mass, 1e-12 * before.mass);
+    for (int a = 0; a < 3; a++) {
+        assert_near(after.moment[a], before.moment[a], 1e-12 * before.mass * 0.03);
+        assert_near(after.momentum[a], before.momentum[a], 1e-12 * size);
+        assert_near(after.turning[a], before.turning[a],
+                    (turning ? 1e-12 : 1e-3) * turning_scale(&before));
+    }
+    assert_true(fabs(w->energy.conversion) < 0.05 * before.energy);
+    for (int k = 0; k < 5; k++) measured_step(w);
+    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-5);
+    world_end(w);
+}
+
+/* Of blocks that are stretched, sheared, turn, and vibrate (with waves of three elements, of which
+ * particles have a fortieth less energy), in the middle, at an edge and at a corner. Where masses
+ * would have to change by more than half to keep the inertia, as at corners and edges of elements
+ * of two particles, angular momentum is not that of before. */
+static void conversions_keep_both_momenta(void **state) {
+    (void)state;
+    static const double boxes[3][2][3] = {{{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 1.0}},
+                                          {{12e-3, 0.0, 0.0}, {16e-3, 2e-3, 1.0}},
+                                          {{0.0, 0.0, 0.0}, {2e-3, 2e-3, 1.0}}};
+    field *motions[] = {stretch, turn_and_stretch, stir, shear_about_x};
+    const block blocks[] = {
+        {.cells = {15, 8, 0}},
+        {.cells = {15, 8, 0}, .couple = ", spins: slaved"},
+        {.cells = {15, 8, 0}, .finer = 2, .distortion = 0.2},
+        {.cells = {15, 8, 0},
+         .elements = ", motions: [{name: top, box: {min: [12 mm, 15.9 mm], max: [18 mm, 17 mm]}, "
+                     "motion: {vx: 3}}]"},
+        {.cells = {12, 6, 6}, .space = true}};
+    for (int k = 0; k < 5; k++)
+        for (int m = 0; m < 4; m++)
+            for (int b = 0; b < 3; b++) {
+                if (m == 3 && !blocks[k].space) continue;
+                if (k == 3 && (m != 1 || b != 0)) continue; /* moves as what is driven */
+                assert_kept(&blocks[k], motions[m], boxes[b][0], boxes[b][1],
+                            k != 2 && b < (blocks[k].space ? 1 : 2));
+            }
+}
+
+/* --- a disordered packing --- */
+
+static gn_world *packed(void) {
+    return world_of(
+        "dimension: 2\n"
+        "specimen: {group: 1, rectangle: {width: 30 mm, height: 16 mm}, mean_radius: 0.5 mm, "
+        "density_basis: bulk, packing: {overlap: passive, size_variation: 0.2}}\n"
+        "materials: [{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0, "
+        "tensile_strength: 1e15, shear_strength: 1e15}]\n"
+        "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
+        "elements: {rectangle: {size: [30 mm, 16 mm], cells: [15, 8]}, materials: [{young: 24e9, "
+        "poisson: 0.2, density: 7800}]}\n"
+        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 6 mm, stress: 1e30}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+}
+
+/* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
+ * whole body that converts the mean stress is that of the elements times the quotient of both
+ * moduli, and so is the energy, whose difference is booked. Both are
+ * sums over the same bonds, the moduli those along the axes. The packing's error is that of its
+ * modulus, 24 % here. */
+static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
+    (void)state;
+    const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
+    double quotient = 0.0, stress = 0.0, energy = 0.0;
+    for (int axis = 0; axis < 2; axis++) {
+        double gradient[9] = {0.0};
+        gn_conversion_figures f;
+        gneiss_error error = {0};
+        gn_world *w = packed();
+        gradient[4 * axis] = size;
+        assert_int_equal(gn_conversion_measure(w, &f, &error), GNEISS_OK);
+        quotient = f.material[0].modulus[0] / f.material[0].modulus[1];
+        assert_near(f.material[0].modulus[1], m, 1e-9 * m);
+        set_elements(w, strain, gradient);
+        convert(w, 0.0, 1.0, 0.0, 1.0);
+        assert_int_equal(gn_conversion_elements(w), 0);
+        const double booked = w->energy.conversion;
+        measured_step(w);
+        stress += 0.5 * w->stress[4 * axis] / (m * size);
+        energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
+        assert_near(w->reading.conversion, booked, 1e-12 * fabs(booked));
+        world_end(w);
+    }
+    print_message("# quotient of moduli %.4f, of stresses %.4f, of energies %.4f\n", quotient,
+                  stress, energy);
+    assert_true(quotient > 1.1);
+    assert_near(stress, quotient, 0.01 * quotient);
+    assert_near(energy, quotient, 0.01 * quotient);
+    assert_near(energy, stress, 1e-5 * stress); /* square of strains */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
+        cmocka_unit_test(conversions_keep_both_momenta),
+        cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
