@@ -175,6 +175,8 @@ static void print_step(const gn_world *w) {
     printf("step\n  dt               %.6g s%s", w->dt, w->scene.step > 0.0 ? " (given)" : "");
     if (w->stable < INFINITY)
         printf(" = %.3f of the stability limit %.6g s", w->dt / w->stable, w->stable);
+    else if (w->scene.step == 0.0)
+        printf(": how far bodies go in it, since nothing can touch");
     printf("\n");
     print_mass_scaling(w);
     if (w->scene.has_specimen) print_contacts_to_come(w);

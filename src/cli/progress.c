@@ -7,6 +7,7 @@
 #include "cli/plan_elements.h"
 #include "cli/plan_stages.h"
 #include "io/files.h"
+#include "sim/body_paths.h"
 #include "sim/overlap.h"
 
 #include <math.h>
@@ -102,7 +103,9 @@ void gn_leave_progress(const gn_options *o) {
 static void print_limits(const gn_world *w) {
     printf("step %.4g s", w->dt);
     if (w->stable == INFINITY) {
-        printf(": nothing can move that would limit it\n");
+        printf(": nothing can %s that would limit it%s\n",
+               isfinite(gn_bodies_step(w)) ? "touch" : "move",
+               isfinite(gn_bodies_step(w)) ? ", but for how far bodies go in it" : "");
         return;
     }
     printf(" = %.2f of the stability limit %.4g s (", w->dt / w->stable, w->stable);

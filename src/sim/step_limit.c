@@ -1,6 +1,6 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
-#include "sim/body_walls.h"
+#include "sim/body_paths.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
@@ -133,11 +133,19 @@ static gneiss_status refuse_endless(const gn_world *w, gneiss_error *error) {
                    s->sources[source].name);
 }
 
+/* Where no spring limits the step, bodies do that move; INFINITY: there are none. It never rises
+ * while a run goes on. */
+static double step_of_bodies(const gn_world *w) {
+    double step = w->scene.has_specimen ? gn_bodies_step(w) : (double)INFINITY;
+    return w->step > 0 && isfinite(step) ? fmin(step, w->dt) : step;
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     char text[160], bound[96] = "";
     if (w->scene.step == 0.0) {
-        if (!isfinite(limit)) return refuse_endless(w, error);
         double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
+        if (!isfinite(limit)) wanted = step_of_bodies(w);
+        if (!isfinite(wanted)) return refuse_endless(w, error);
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
@@ -164,6 +172,13 @@ static void lower(gn_world *w, double dt) {
     if (w->scene.step > 0.0 || w->dt <= dt) return;
     if (w->step > 0) w->dt_lowered++;
     set_step(w, dt);
+}
+
+void gn_world_follow_bodies(gn_world *w) {
+    double dt = w->dt;
+    if (w->scene.step > 0.0 || !w->scene.has_specimen) return;
+    gn_bodies_follow(w, &dt);
+    lower(w, dt);
 }
 
 static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
@@ -207,16 +222,6 @@ static double fastest_body(const gn_world *w) {
     return most;
 }
 
-/* Of a free body that falls on walls or others springs say nothing either, and it may be long
- * before it has come to one: half of what it may go in a step. */
-static void follow_fall(gn_world *w) {
-    bool falls = false;
-    for (size_t k = 0; k < w->scene.body_count && !falls; k++)
-        falls = gn_body_meets_walls(w, k) || gn_body_meets_bodies(w, k);
-    double speed = falls ? fastest_body(w) : 0.0, most = 0.25 * w->dem.radius_min;
-    if (w->dt * speed > most) lower(w, 0.5 * most / speed);
-}
-
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
  * since: a particle goes a tenth of the smallest radius in a step at most. */
 static void follow_flight(gn_world *w) {
@@ -252,7 +257,7 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     GN_TRY(look_at_lighter(w, error));
     gn_pressed_look(w);
     follow_flight(w);
-    follow_fall(w);
+    gn_world_follow_bodies(w);
     GN_TRY(resolve_listed(w, error));
     if (!full) GN_TRY(gn_dem_limit_far(w, fine, error));
     if (!full && *fine)

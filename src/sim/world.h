@@ -187,6 +187,8 @@ gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneis
 
 /* The same for what the lists, just made, let happen before they are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
+/* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
+void gn_world_follow_bodies(gn_world *world);
 
 /* What is to be said of a given step: that it does not resolve collisions, or that contacts which
  * may form need a smaller one. "" : nothing. */

@@ -1,0 +1,91 @@
+/* How far bodies go in an automatic step. Springs say nothing of that where nothing is near, and
+ * bodies that fall or are driven become faster between two looks at lists: they are looked at in
+ * every step, with the velocities that it will have. What is driven has those of its tables; what
+ * is free at most gains twice what it did in the last step, or what it falls. */
+#include "sim/body_paths.h"
+
+#include "base/vec3.h"
+#include "sim/control.h"
+
+#include <math.h>
+
+/* No vertex goes farther than so much of the smallest radius, and no body turns farther (rad); what
+ * would is held to half of it, so that the step need not be lowered again before long. */
+static const double path_most = 0.25, turn_most = 0.25;
+
+static double length(const double v[3]) {
+    return sqrt(gn_dot3(v, v));
+}
+
+static double change(const double now[3], const double past[3]) {
+    const double d[3] = {now[0] - past[0], now[1] - past[1], now[2] - past[2]};
+    return length(d);
+}
+
+/* m/s and rad/s of a body in a coming step of `dt`. */
+static void speeds_in(const gn_world *w, size_t k, double dt, double *speed, double *spin) {
+    const gn_rigid *b = &w->boundary.bodies[k];
+    const gn_motion *m = &w->scene.bodies[k].motion;
+    double v[3], turn[3], middle = w->time + 0.5 * dt;
+    bool falls = false, turns = false;
+    for (int a = 0; a < 3; a++) {
+        const gn_table *t = &m->velocity[a], *s = &m->spin[a];
+        double factor = gn_control_of(w, w->scene.bodies[k].name, a);
+        v[a] = t->count ? factor * gn_table_at(t, middle) : b->velocity[a];
+        turn[a] = s->count ? gn_table_at(s, middle) : b->spin[a];
+        falls = falls || b->inverse_mass[a] > 0.0;
+        turns = turns || b->inverse_inertia[a] > 0.0;
+    }
+    *speed = length(v);
+    *spin = length(turn);
+    double gain = w->dt_past > 0.0 ? 2.0 * change(b->velocity, b->velocity_past) : 0.0;
+    if (falls) *speed += fmax(gain, dt * length(w->scene.gravity));
+    if (turns && w->dt_past > 0.0) *spin += 2.0 * change(b->spin, b->spin_past);
+}
+
+void gn_bodies_follow(const gn_world *w, double *dt) {
+    const double most = path_most * w->dem.radius_min;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        /* Tables may hold more for the middle of a shorter step; it shrinks every time. */
+        for (bool far = true; far;) {
+            double speed, spin;
+            speeds_in(w, k, *dt, &speed, &spin);
+            speed += spin * w->boundary.bodies[k].reach;
+            far = *dt * speed > most || *dt * spin > turn_most;
+            if (far) *dt = 0.5 * fmin(most / speed, spin > 0.0 ? turn_most / spin : INFINITY);
+        }
+    }
+}
+
+/* The largest size of a table's values. */
+static double largest(const gn_table *t) {
+    double most = 0.0;
+    for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
+    return most;
+}
+
+/* The largest root of fall t^2 + speed t = way, s. */
+static double time_for(double way, double speed, double fall) {
+    double root = speed + sqrt(speed * speed + 4.0 * fall * way);
+    return root > 0.0 ? 2.0 * way / root : (double)INFINITY;
+}
+
+double gn_bodies_step(const gn_world *w) {
+    double step = INFINITY;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->boundary.bodies[k];
+        const gn_motion *m = &w->scene.bodies[k].motion;
+        double v[3], turn[3], fall = 0.0;
+        for (int a = 0; a < 3; a++) {
+            const gn_table *t = &m->velocity[a], *s = &m->spin[a];
+            v[a] = t->count ? largest(t) : b->velocity[a];
+            turn[a] = s->count ? largest(s) : b->spin[a];
+            if (b->inverse_mass[a] > 0.0) fall = length(w->scene.gravity);
+        }
+        double spin = length(turn), speed = length(v) + spin * b->reach;
+        step = fmin(step, time_for(0.5 * path_most * w->dem.radius_min, speed, fall));
+        if (spin > 0.0) step = fmin(step, 0.5 * turn_most / spin);
+    }
+    /* What hardly moves has some steps all the same. */
+    return isfinite(step) ? fmin(step, 0.01 * (w->scene.end - w->time)) : step;
+}

@@ -1,0 +1,16 @@
+/* How far bodies go in an automatic step. */
+#ifndef GN_SIM_BODY_PATHS_H
+#define GN_SIM_BODY_PATHS_H
+
+#include "sim/world.h"
+
+/* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
+ * quarter of the smallest radius, and no body turns by more than a quarter of a radian. */
+void gn_bodies_follow(const gn_world *world, double *dt);
+
+/* s: the same from the start on, where nothing else limits the step: for the fastest that bodies
+ * are driven at any time, and a hundredth of what is left of the run at most. INFINITY: no body
+ * moves. */
+double gn_bodies_step(const gn_world *world);
+
+#endif

@@ -1,0 +1,152 @@
+/* How far bodies go in an automatic step, and how free ones turn in it. */
+#include "body_helpers.h"
+
+#include "run/run.h"
+
+static const gn_rigid *body(const gn_world *w) {
+    return &w->boundary.bodies[0];
+}
+
+/* --- paths --- */
+
+/* Two grains of 2 cm far away, free if `held` is "". */
+#define GRAINS(held)                                                                               \
+    "dimension: 3\nspecimen: {particles: [[1, 0, 0.02, 0.02], [1.05, 0, 0.02, 0.02]], group: 0}\n" \
+    "materials: [{name: m, density: 2500, normal_stiffness: 5e3, kratio: 2, friction: 0.3}]\n"     \
+    "law: {stiffness: uniform}\ngravity: [0, 0, -9.81]\n" held                                     \
+    "domain: {min: [-999, -999, -999], max: [999, 999, 999]}\ntime: {end: 0.5}\n"                  \
+    "run: {threads: 1}\n"
+#define HELD "sets: [{name: d, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+#define BLOCK                                                                                      \
+    "box: {size: [0.1, 0.06, 0.03]}, stiffness: 5e3, kratio: 2, friction: 0.5, "                   \
+    "origin: [0, 0, 9]"
+
+/* m over the smallest radius, of the farthest vertex; rad: the most in any step of the run. */
+static void farthest(gn_world *w, double *path, double *turn) {
+    *path = *turn = 0.0;
+    while (w->time < w->scene.end) {
+        run_steps(w, 1);
+        for (size_t k = 0; k < w->scene.body_count; k++) {
+            const gn_rigid *b = &w->boundary.bodies[k];
+            double spin = length3(b->spin), speed = length3(b->velocity) + spin * b->reach;
+            *path = fmax(*path, w->dt_past * speed / w->dem.radius_min);
+            *turn = fmax(*turn, w->dt_past * spin);
+        }
+    }
+}
+
+/* Falling, flying, spinning; driven, also all at once, and back in between; by Hertz's law; hit by
+ * a heavy one; that of what is small, which turns far before it goes far. */
+static const char *const moving[] = {
+    GRAINS(HELD) "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
+    GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500}]\n",
+    GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500, initial_velocity: [0, 20, "
+               "0]}]\n",
+    GRAINS("") "bodies: [{name: b, " BLOCK ", free: true, density: 2500, initial_spin: [9, 300, "
+               "9]}]\n",
+    GRAINS("") "bodies: [{name: b, " BLOCK ", motion: {wz: 300}}]\n",
+    GRAINS(HELD) "bodies: [{name: b, " BLOCK ", motion: {vx: [[0.2, 0], [0.2001, 80], [0.3, -80], "
+                 "[0.3001, 0]], wy: [[0.35, 0], [0.35001, 500]]}}]\n",
+    GRAINS(HELD) "bodies: [{name: b, " BLOCK ", motion: {vz: 0, vx: 1, vy: 0}, free: true, "
+                 "density: 2500, initial_spin: [200, 0, 1]}]\n",
+    GRAINS(HELD) "bodies: [{name: b, " BLOCK ", free: true, density: 25}, {name: c, box: {size: "
+                 "[0.1, 0.1, 0.1]}, origin: [0, 0, 10], stiffness: 5e3, free: true, density: 9000, "
+                 "initial_velocity: [0, 0, -9]}]\n",
+    GRAINS(HELD) "bodies: [{name: b, box: {size: [1e-3, 2e-3, 3e-3]}, stiffness: 1e3, free: true, "
+                 "density: 2500, initial_spin: [900, 0.1, 1]}]\n",
+};
+
+static void no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof moving / sizeof *moving; k++) {
+        double path, turn;
+        gn_world *w = world_of("%s", moving[k]);
+        farthest(w, &path, &turn);
+        print_message("# %zu: %.3g of the radius, %.3g rad, %lld steps\n", k, path, turn,
+                      (long long)w->step);
+        assert_true(path <= 0.25 * (1.0 + 1e-12));
+        assert_true(turn <= 0.25 * (1.0 + 1e-12));
+        world_end(w);
+    }
+}
+
+/* What falls freely where nothing is near is right to rounding at whatever steps, lowered ones too:
+ * g t^2/2. */
+static void a_long_fall_is_exact(void **state) {
+    (void)state;
+    gn_world *w = world_of("%s", moving[0]);
+    while (w->time < w->scene.end) measured_step(w);
+    assert_true(w->dt_lowered > 1);
+    assert_close(body(w)->start[2] - body(w)->position[2], 0.5 * 9.81 * w->time * w->time, 1e-12);
+    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-11);
+    world_end(w);
+}
+
+static void a_resumed_run_lowers_its_step_alike(void **state) {
+    (void)state;
+    const char *const saved = "/tmp/gneiss-body-paths.h5";
+    for (int k = 0; k < 2; k++) {
+        gn_run straight, stopped, resumed;
+        gn_run *const runs[] = {&straight, &stopped};
+        gn_scene scene;
+        gneiss_error error = {0};
+        for (int n = 0; n < 2; n++) {
+            assert_ok(
+                gn_scene_parse(moving[k == 0 ? 5 : 7], "s.yaml", NULL, NULL, 0, &scene, &error),
+                &error);
+            assert_ok(gn_run_create(&scene, runs[n], &error), &error);
+        }
+        run_until(&straight.world, 0.45);
+        run_until(&stopped.world, k == 0 ? 0.19 : 0.1);
+        assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
+        assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
+        run_until(&resumed.world, 0.45);
+        assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
+        assert_true(straight.world.dt_lowered == resumed.world.dt_lowered);
+        for (int n = 0; n < 2; n++) gn_run_free(runs[n]);
+        gn_run_free(&resumed);
+        unlink(saved);
+    }
+}
+
+/* --- bodies alone --- */
+
+/* One grain that is held, where nothing else asks for a step. */
+static void a_body_alone_has_a_step(void **state) {
+    (void)state;
+    const char *const motions[] = {
+        "free: true, density: 2500, initial_spin: [1, 30, 1]",
+        "free: true, density: 2500, initial_velocity: [0, 1e-6, 0]",
+        "motion: {vx: [[0.5, 0], [0.6, 3]]}",
+    };
+    for (int k = 0; k < 3; k++) {
+        double path, turn;
+        gn_world *w =
+            world_of("%sbodies: [{name: b, " BLOCK ", %s}]\ntime: {end: 1}\n", head3, motions[k]);
+        assert_true(w->dt <= 0.01);
+        farthest(w, &path, &turn);
+        assert_true(w->step >= 100 && path <= 0.25 && turn <= 0.25);
+        world_end(w);
+    }
+    /* What only falls. */
+    gn_world *w = world_of("%sgravity: [0, 0, -10]\nbodies: [{name: b, " BLOCK
+                           ", free: true, density: 2500}]\ntime: {end: 1}\n",
+                           head3);
+    run_until(w, 0.99);
+    assert_close(body(w)->start[2] - body(w)->position[2], 5.0 * w->time * w->time, 1e-11);
+    world_end(w);
+    text *t = calloc(1, sizeof *t);
+    add(t, "%sbodies: [{name: b, " BLOCK "}]\ntime: {end: 1}\n", head3);
+    assert_change_refused(t->s, "name: b", "name: c", "time.step: required, because nothing can");
+    free(t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
+        cmocka_unit_test(a_long_fall_is_exact),
+        cmocka_unit_test(a_resumed_run_lowers_its_step_alike),
+        cmocka_unit_test(a_body_alone_has_a_step),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
