@@ -2,6 +2,7 @@
  * the state, so that a run that goes on has the same bits. */
 #include "sim/membrane.h"
 
+#include "base/eigen.h"
 #include "base/memory.h"
 #include "sim/internal.h"
 
@@ -82,6 +83,16 @@ void gn_gradient_add(gn_gradient_fit *f, double weight, const double from[3], co
             f->spread[3 * a + b] += weight * from[a] * from[b];
         }
     }
+}
+
+double gn_gradient_spread(const gn_gradient_fit *f) {
+    double spread[9], values[3], vectors[9];
+    const int d = f->dimension;
+    if (!(f->sum > 0.0)) return 0.0;
+    for (int k = 0; k < d * d; k++)
+        spread[k] = f->spread[k / d * 3 + k % d] - f->from[k / d] * f->from[k % d] / f->sum;
+    gn_eigen_symmetric(d, spread, values, vectors);
+    return values[d - 1];
 }
 
 /* F = sum(x X) sum(X X)^-1, from the means on. */

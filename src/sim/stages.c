@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 #include "sim/origin.h"
 
 #include <math.h>
@@ -60,5 +61,6 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_boundary_enter(w);
     GN_TRY(gn_elements_enter(w, error));
     if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
+    if (w->scene.bonds_stage == stage + 1) GN_TRY(gn_membrane_bear(w, error));
     return gn_world_choose_step(w, error);
 }
