@@ -6,12 +6,13 @@
 static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished) return;
-    if (w->scene.membrane.ramp - w->time <= w->dt) return;
+    const double past = w->time - w->dem.membrane->since;
+    if (w->scene.membrane.ramp - past <= w->dt) return;
     gn_warning *to = gn_warnings_add(list, "membrane_ramp");
     snprintf(to->text, sizeof to->text,
              "the pressure had come to %.4g Pa, %.3g of what it is to be, when the run ended after "
              "%.4g s: membrane.ramp is %.4g s",
-             w->dem.membrane->pressure, w->time / w->scene.membrane.ramp, w->time,
+             w->dem.membrane->pressure, past / w->scene.membrane.ramp, past,
              w->scene.membrane.ramp);
 }
 

@@ -112,7 +112,8 @@ static const gn_key membrane_keys[] = {
         .required = true, .text = "pressure along the inward normal; constant or a table in time"),
     KEY("ramp", REAL, gn_scene, membrane.ramp, .unit = "s", .range = "[0, inf)", .fallback = "0",
         .text =
-            "time in which the pressure comes, from 0 to what it says: t/ramp of it until then"),
+            "time in which the pressure comes, from 0 to what it says: t/ramp of it until then; of "
+            "a stage that says anything of the membrane from what there is, since its start"),
     KEY("faces", CHOICE, gn_scene, membrane.faces, .choices = faces, .fallback = "all",
         .text = "all of the surface, as in a cell; or the sides: what faces across the axis"),
     KEY("axis", CHOICE, gn_scene, membrane.axis, .choices = axes_or_test, .fallback = "test",

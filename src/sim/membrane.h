@@ -56,6 +56,11 @@ void gn_membrane_balance(const gn_world *world, gn_skin_body body, const double 
  * the surface has. */
 void gn_membrane_rebalance(const gn_world *world, double *area);
 
+/* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
+double gn_membrane_due(const gn_world *world);
+/* The scene is that of the stage that begins; `pressure`, what was due before. */
+void gn_membrane_enter(gn_world *world, double pressure);
+
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
 

@@ -270,7 +270,12 @@ static gneiss_status share_again(gn_world *w, const bool *held, int32_t *body,
         d->patch_count = 0;
         GN_TRY(make_patches(w, held, error));
     }
-    return gn_membrane_lay(w, true, error);
+    GN_TRY(gn_membrane_lay(w, true, error));
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (!gn_is_pressed(&d->particles, p))
+            memcpy(d->particles.applied + 4 * p, d->particles.load + 4 * p,
+                   4 * sizeof *d->particles.load);
+    return GNEISS_OK;
 }
 
 /* Whether all that bear are held, or something has come off, so that patches are no longer those of
