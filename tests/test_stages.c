@@ -523,6 +523,35 @@ static void materials_of_walls_and_bodies_have_the_same_bits(void **state) {
         resumes_with_the_same_bits(pressed_on(under[k], "threads: 1"), 33, 0xf);
 }
 
+/* A packing is bonded, then confined: the pressure begins, rises and falls in stages, and ramps
+ * last beyond the end of theirs. */
+static char *confined(const char *run) {
+    static char s[4096];
+    snprintf(s, sizeof s,
+             "specimen: {box: {size: [8 mm, 8 mm, 10 mm]}, particles: 120}\n"
+             "materials: [{name: m, density: 2600, contact_modulus: 1e9, kratio: 2, friction: 0.3, "
+             "tensile_strength: 3 MPa, shear_strength: 3 MPa}]\nlaw: {stiffness: harmonic}\n"
+             "bonds: {enabled: off}\ntest: {kind: hydrostatic}\n"
+             "damping: {background: {model: nonviscous_vector, coefficient: 0.5}}\n"
+             "time: {end: 1}\noutput: {history_rows: 100}\nrun: {%s}\nstages:\n"
+             "- {name: rest, end: {steps: 50}}\n"
+             "- {name: bond, bonds: {enabled: on, interaction_range: 0.02}, end: {steps: 50}}\n"
+             "- {name: confine, membrane: {pressure: 5 MPa, ramp: 0.1 ms}, end: {time: 60 us}}\n"
+             "- {name: on, end: {time: 60 us}}\n"
+             "- {name: less, membrane: {pressure: [[0, 2 MPa], [90 us, 3 MPa]]}, end: {time: "
+             "120 us}}\n",
+             run);
+    return s;
+}
+
+static void a_membrane_of_stages_has_the_same_bits(void **state) {
+    (void)state;
+    const char *const mixed = "threads: 2, precision: mixed";
+    assert_true(hash_of(confined("threads: 1")) == hash_of(confined("threads: 2")));
+    resumes_with_the_same_bits(confined("threads: 1"), 41, 0x1f);
+    resumes_with_the_same_bits(confined(mixed), 41, 0x1f);
+}
+
 static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
     (void)state;
     const size_t seen = 1 + 2 + 4 + 16 + 32; /* the fourth has no steps */
@@ -1070,6 +1099,7 @@ int main(void) {
         cmocka_unit_test(bonds_form_beside_bonds),
         cmocka_unit_test(a_specimen_is_settled_bonded_confined_and_loaded),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(a_membrane_of_stages_has_the_same_bits),
         cmocka_unit_test(materials_of_walls_and_bodies_have_the_same_bits),
         cmocka_unit_test(worn_bonds_of_several_stages_have_the_same_bits),
         cmocka_unit_test(bonds_that_form_beside_worn_ones_leave_them_as_they_are),

@@ -22,7 +22,7 @@ static void conditions(const gn_stage *e, char *text, size_t size) {
     if (e->stress > 0.0) add(text, size, "stress %g Pa", e->stress);
     if (e->peak_drop > 0.0) add(text, size, "stress %g below its peak", e->peak_drop);
     if (e->unbalanced > 0.0) add(text, size, "unbalanced < %g", e->unbalanced);
-    if (e->held > 0.0) add(text, size, "servos within %g", e->held);
+    if (e->held > 0.0) add(text, size, "servos or membrane within %g", e->held);
     if (!*text) snprintf(text, size, "time.end");
 }
 

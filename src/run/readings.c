@@ -142,7 +142,7 @@ static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings 
                                    gneiss_error *error) {
     gn_history part;
     GN_TRY(part_of(run, stage, &part, error));
-    compute(&run->world, &part, readings);
+    compute(&run->world, &part, stage < run->world.stage, readings);
     if (stage != stage_read(run)) leave_fragments(readings);
     free(part.columns[part.column_count].value);
     free(part.columns);

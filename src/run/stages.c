@@ -65,9 +65,49 @@ static bool holds(const gn_run *run, gn_servo_row servo) {
     return fabs(servo.found - servo.wanted) <= stage_of(run)->held * fabs(servo.wanted);
 }
 
+/* Volume over that at the start, which stresses are over. */
+static double volume_left(const gn_run *run, size_t row) {
+    static const char *const strains[] = {"strain_xx", "strain_yy", "strain_zz"};
+    double sum = 1.0;
+    for (int a = 0; a < (int)run->world.scene.dimension; a++) sum += in_row(run, strains[a], row);
+    return sum > 0.0 ? sum : 1.0; /* unknown: as at the start */
+}
+
+/* Where nothing else is to hold, what the membrane does is looked at: the mean stress of the
+ * specimen, or under a membrane on the sides that across their axis. */
+static gn_servo_row membrane_row(const gn_run *run, size_t row) {
+    static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
+    const gn_scene *s = &run->world.scene;
+    const bool sides = s->membrane.faces == GN_FACES_SIDES;
+    double sum = 0.0, count = 0.0;
+    for (int a = 0; a < (int)s->dimension; a++) {
+        if (sides && a == gn_scene_membrane_axis(s)) continue;
+        sum -= in_row(run, stresses[a], row);
+        count += 1.0;
+    }
+    return (gn_servo_row){sum / count / volume_left(run, row),
+                          gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
+}
+
+static bool has_servo(const gn_world *w) {
+    bool any = false;
+    for (int a = 0; a < 3; a++) any = any || w->scene.box[a].stress.count;
+    for (size_t k = 0; k < w->scene.wall_count; k++) any = any || w->scene.walls[k].servo.active;
+    return any;
+}
+
+static bool membrane_holds(const gn_run *run, size_t rows) {
+    if (rows < ROWS_HELD || !run->world.scene.has_membrane || has_servo(&run->world)) return false;
+    for (size_t r = 1; r <= ROWS_HELD; r++) {
+        const gn_servo_row row = membrane_row(run, run->history.row_count - r);
+        if (!(row.wanted > 0.0) || !holds(run, row)) return false;
+    }
+    return true;
+}
+
 static bool servos_hold(const gn_run *run, size_t rows) {
     const gn_world *w = &run->world;
-    if (rows < ROWS_HELD) return false;
+    if (rows < ROWS_HELD || !has_servo(w)) return false;
     for (int a = 0; a < 3; a++)
         for (size_t r = 1; w->scene.box[a].stress.count && r <= ROWS_HELD; r++)
             if (!holds(run, gn_run_side_servo(run, a, run->history.row_count - r))) return false;
@@ -112,6 +152,7 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     if (e->unbalanced > 0.0 && rows > ROWS_BEFORE && carries && w->unbalanced < e->unbalanced)
         return GN_STAGE_UNBALANCED;
     if (e->held > 0.0 && servos_hold(run, rows)) return GN_STAGE_HELD;
+    if (e->held > 0.0 && membrane_holds(run, rows)) return GN_STAGE_PRESSED;
     return GN_STAGE_RUNS;
 }
 
@@ -127,7 +168,8 @@ const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text,
                  {"stress reached %g Pa", e->stress},
                  {"stress fell by %g of its peak", e->peak_drop},
                  {"unbalanced force ratio fell below %g", e->unbalanced},
-                 {"servos held their forces to %g", e->held}};
+                 {"servos held their forces to %g", e->held},
+                 {"the mean stress held the pressure of the membrane to %g", e->held}};
     snprintf(text, size, texts[cause].format, texts[cause].value);
     return text;
 }

@@ -14,7 +14,8 @@ typedef enum gn_stage_cause {
     GN_STAGE_STRESS,
     GN_STAGE_PEAK_DROP,
     GN_STAGE_UNBALANCED,
-    GN_STAGE_HELD
+    GN_STAGE_HELD,
+    GN_STAGE_PRESSED
 } gn_stage_cause;
 
 bool gn_run_staged(const gn_run *run);

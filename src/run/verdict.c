@@ -1,4 +1,5 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
+#include "run/verdict.h"
 #include "base/point.h"
 #include "run/run.h"
 #include "run/stages.h"
@@ -52,10 +53,14 @@ gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
     return fail(run, " at the end", error);
 }
 
-static gn_warning *add(gn_warnings *list, const char *name) {
+gn_warning *gn_warnings_add(gn_warnings *list, const char *name) {
     gn_warning *to = &list->warning[list->count++];
     to->name = name;
     return to;
+}
+
+static gn_warning *add(gn_warnings *list, const char *name) {
+    return gn_warnings_add(list, name);
 }
 
 static void warn_of_residual(const gn_run *run, gn_warnings *list) {
@@ -452,18 +457,6 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
                      "or a wall that is less stiff, lets it hold");
 }
 
-static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
-    const gn_world *w = &run->world;
-    if (!run->finished || !(w->effects & GN_FX_MEMBRANE)) return;
-    if (w->scene.membrane.ramp - w->time <= w->dt) return;
-    gn_warning *to = add(list, "membrane_ramp");
-    snprintf(to->text, sizeof to->text,
-             "the pressure had come to %.4g Pa, %.3g of what it is to be, when the run ended after "
-             "%.4g s: membrane.ramp is %.4g s",
-             w->dem.membrane->pressure, w->time / w->scene.membrane.ramp, w->time,
-             w->scene.membrane.ramp);
-}
-
 static void warn_of_passing(const gn_run *run, gn_warnings *list,
                             bool (*passes)(const gn_world *, size_t), const char *name,
                             const char *why) {
@@ -576,7 +569,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_halt(run, list);
     warn_of_stages(run, list);
     warn_of_servos(run, list);
-    warn_of_ramp(run, list);
+    gn_warn_of_membrane(run, list);
     warn_of_control(run, list);
     warn_of_bodies(run, list);
     warn_of_depth(run, list);

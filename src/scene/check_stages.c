@@ -164,6 +164,12 @@ static bool servo(const gn_scene *s) {
     return false;
 }
 
+static bool presses(const gn_scene *s) {
+    for (size_t k = 0; s->has_membrane && k < s->membrane.pressure.count; k++)
+        if (s->membrane.pressure.value[k] > 0.0) return true;
+    return false;
+}
+
 /* What is looked at in rows of the history alone. */
 static const char *end_by_rows(const gn_stage *e) {
     return e->strain > 0       ? "end.strain"
@@ -199,11 +205,11 @@ static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t sta
         return gn_check_fail(c, end_by_rows(e),
                              "expected output.history_rows above 0, as it is looked at in rows of "
                              "the history, found 0: the stage would never end by it");
-    if (e->held > 0 && !servo(s))
+    if (e->held > 0 && !servo(s) && !presses(s))
         return gn_check_fail(
             c, "end.held",
-            "expected a wall or a periodic box with a servo in this stage, found none: the stage "
-            "would never end");
+            "expected a wall or a periodic box with a servo, or a membrane with a pressure, in "
+            "this stage, found none: the stage would never end");
     GN_TRY(check_steps(c, s, e));
     if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
     if (end_by_rows(e) && !(first ? anything_acts(s) : anything_given(s)))
@@ -258,8 +264,22 @@ static gneiss_status check_damage(const check *c, const gn_scene *before, const 
     return GNEISS_OK;
 }
 
+/* The skin is found once, when the run begins. */
+static gneiss_status check_skin(const check *c, const gn_scene *before, const gn_scene *now) {
+    const gn_membrane_def *was = &before->membrane, *is = &now->membrane;
+    const char *other = was->faces != is->faces     ? "membrane.faces"
+                        : was->axis != is->axis     ? "membrane.axis"
+                        : was->follow != is->follow ? "membrane.follow"
+                                                    : NULL;
+    if (!other) return GNEISS_OK;
+    return gn_check_fail(c, other,
+                         "expected what holds before this stage too: of a membrane pressure and "
+                         "ramp may change");
+}
+
 /* What the parts decide once, when they are made. */
 static gneiss_status check_kept(const check *c, const gn_scene *before, const gn_scene *now) {
+    GN_TRY(check_skin(c, before, now));
     for (size_t k = 0; k < now->body_count; k++) {
         const gn_body_def *b = &now->bodies[k];
         if (b->free && channels(&b->motion) != channels(&before->bodies[k].motion))

@@ -19,8 +19,8 @@ static const gn_key end_keys[] = {
         NONE("once the unbalanced force ratio is below")),
     KEY("held", REAL, gn_stage, held, .unit = "1", .range = "(0, 1)",
         NONE("once every servo, of walls and of a periodic box, has been within this fraction of "
-             "its "
-             "force or stress for ten rows of the history")),
+             "its force or stress for ten rows of the history; without servos the mean stress "
+             "within this of the pressure of the membrane")),
 };
 TABLE_OF(end);
 
@@ -31,9 +31,11 @@ static const gn_key stage_keys[] = {
                     "time.end"),
     ARRAY("*", CHANGES, gn_stage, changes, change_size, PRESENT(COUNT, gn_stage, change_size),
           .unit = "keys of the scene",
-          .text = "keys of the scene that change when the stage begins and stay so: gravity, "
-                  "damping, friction, motions, forces, servos, loads, steps, rows and snapshots; "
-                  "elements of lists by name, as walls: {top: {motion: {vz: 0.1}}}"),
+          .text =
+              "keys of the scene that change when the stage begins and stay so: gravity, "
+              "damping, friction, motions, forces, servos, the pressure of the membrane, loads, "
+              "steps, rows and snapshots; "
+              "elements of lists by name, as walls: {top: {motion: {vz: 0.1}}}"),
 };
 const gn_section gn_stage_section = {stage_keys, sizeof stage_keys / sizeof(gn_key),
                                      sizeof(gn_stage), offsetof(gn_stage, where)};

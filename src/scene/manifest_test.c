@@ -115,7 +115,8 @@ static const gn_key membrane_keys[] = {
         .required = true, .text = "pressure along the inward normal; constant or a table in time"),
     KEY("ramp", REAL, gn_scene, membrane.ramp, .unit = "s", .range = "[0, inf)", .fallback = "0",
         .text =
-            "time in which the pressure comes, from 0 to what it says: t/ramp of it until then"),
+            "time in which the pressure comes, from 0 to what it says: t/ramp of it until then; of "
+            "a stage that says anything of the membrane from what there is, since its start"),
     KEY("surface", CHOICE, gn_scene, membrane.surface, .choices = surfaces, .fallback = "shape",
         .text = "of a specimen with a shape: the whole surface of it; or where its particles bear "
                 "the pressure, within that, as of specimens without a shape"),

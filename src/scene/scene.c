@@ -78,6 +78,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
         GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
     }
     const gn_node *root = gn_tree_root(tree);
+    GN_TRY(gn_stages_lay_membrane(reader, tree));
     GN_TRY(gn_read_scene(reader, root));
     GN_TRY(reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root));
     bool sound = !reader->problems->count && !reader->specimen_only;

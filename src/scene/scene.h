@@ -507,8 +507,9 @@ typedef struct gn_scene {
 
     size_t stage_count; /* 0: the run is one stage */
     struct gn_stage *stages;
-    size_t bonds_stage; /* base 1: the last that says anything of bonds; 0: none */
-    gn_effects united;  /* what any of the stages calls for */
+    size_t bonds_stage;    /* base 1: the last that says anything of bonds; 0: none */
+    size_t membrane_stage; /* the same of the membrane */
+    gn_effects united;     /* what any of the stages calls for */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */

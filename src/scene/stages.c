@@ -43,6 +43,11 @@ static const char *const may_change[] = {
     "walls.*.friction",
     "bodies.*.motion",
     "bodies.*.friction",
+    "membrane.pressure",
+    "membrane.ramp",
+    "membrane.faces", /* as they are from the start on, check_stages.c */
+    "membrane.axis",
+    "membrane.follow",
     "elements.motions.*.motion",
     "elements.loads.*.force",
     "elements.loads.*.traction",
@@ -76,6 +81,7 @@ static const struct {
     {"materials", "of a material, friction, stiffness and strength may change"},
     {"contacts", "of a pair of materials, friction may change"},
     {"periodic", "of a periodic box, what its sides follow may change"},
+    {"membrane", "it covers the specimen for all of the run; pressure and ramp may change"},
     {"bonds", "the law of bonds is one for the whole run"},
     {"test", "the readings of all stages are those of one test"},
     {"output", "it holds for all of the run; history_rows and snapshots may change"},
@@ -340,6 +346,7 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     if (own.problems->count) return GNEISS_OK;
     GN_TRY(read_whole(reader, root, now));
     now->bonds_stage = last_stage_in(gn_node_child(root, "bonds"));
+    now->membrane_stage = last_stage_in(gn_node_child(root, "membrane"));
     if (own.problems->count) return GNEISS_OK;
     return gn_check_stage(reader, root, before, now, stage);
 }
@@ -385,6 +392,37 @@ gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
     gneiss_status status = read_all(reader, tree, &both[0], &both[1]);
     free(both);
     return status;
+}
+
+/* ---- a membrane that begins later ---- */
+
+static const gn_node *first_membrane(const gn_node *stages) {
+    for (size_t k = 0; stages && stages->kind == GN_NODE_LIST && k < stages->count; k++) {
+        const gn_node *found = gn_node_child(gn_node_item(stages, k), "membrane");
+        if (found && found->kind == GN_NODE_MAP) return found;
+    }
+    return NULL;
+}
+
+gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
+    static const char *const kept[] = {"pressure", "faces", "axis", "follow"};
+    gn_node *root = (gn_node *)gn_tree_root(tree);
+    const gn_node *first = first_membrane(gn_node_child(root, "stages"));
+    if (!first || gn_node_child(root, "membrane")) return GNEISS_OK;
+    gn_node *base = gn_tree_add_map(tree, root, first);
+    if (!base) return no_memory(reader);
+    for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
+        const gn_node *said = gn_node_child(first, kept[k]);
+        if (!said) continue; /* a pressure that is missing is asked for */
+        gn_node *own = gn_tree_add(tree, base, said);
+        if (!own) return no_memory(reader);
+        if (k > 0) continue;
+        own->kind = GN_NODE_SCALAR;
+        own->text = "0";
+        own->first = own->last = NULL;
+        own->count = 0;
+    }
+    return GNEISS_OK;
 }
 
 /* ---- a stage by itself ---- */

@@ -16,6 +16,10 @@ gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const
  * reader->wanted_stage the scene of that stage takes the place of the base. Changes the tree. */
 gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree);
 
+/* A membrane that begins in a later stage is there from the start on, without pressure: that of the
+ * first stage that has one is laid under them. Before the scene is read. Changes the tree. */
+gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree);
+
 /* The scene of a stage, base 0, from what gn_scene_write wrote. */
 gneiss_status gn_scene_parse_stage(const char *text, const char *name, size_t stage,
                                    gn_scene *scene, gneiss_error *error);

@@ -66,6 +66,10 @@ typedef struct gn_membrane {
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
     double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
+    double from;     /* Pa, that it comes from while its ramp lasts */
+    double since;    /* s, when that began */
+    double unlike;   /* share of it that followed it as a whole as what is around would have
+                        stretched it out of all measure; the most at any look */
 } gn_membrane;
 
 /* A part of the surface that one particle bears, where things were at the start, in doubles, as

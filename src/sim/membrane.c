@@ -2,6 +2,7 @@
  * the state, so that a run that goes on has the same bits. */
 #include "sim/membrane.h"
 
+#include "base/eigen.h"
 #include "base/memory.h"
 #include "sim/internal.h"
 
@@ -10,6 +11,20 @@
 
 /* Steps between looks for what came off, and for how the skin has moved from place to place. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
+
+double gn_membrane_due(const gn_world *w) {
+    const gn_membrane *m = w->dem.membrane;
+    const double ramp = w->scene.membrane.ramp;
+    if (!(w->effects & GN_FX_MEMBRANE)) return 0.0;
+    const double past = w->time - m->since, share = past < ramp ? past / ramp : 1.0;
+    return m->from + share * (gn_table_at(&w->scene.membrane.pressure, w->time) - m->from);
+}
+
+void gn_membrane_enter(gn_world *w, double pressure) {
+    if (!(w->effects & GN_FX_MEMBRANE) || w->scene.membrane_stage != w->stage + 1) return;
+    w->dem.membrane->from = pressure;
+    w->dem.membrane->since = w->time;
+}
 
 double gn_membrane_pressure(const gn_world *w) {
     return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
@@ -82,6 +97,16 @@ void gn_gradient_add(gn_gradient_fit *f, double weight, const double from[3], co
             f->spread[3 * a + b] += weight * from[a] * from[b];
         }
     }
+}
+
+double gn_gradient_spread(const gn_gradient_fit *f) {
+    double spread[9], values[3], vectors[9];
+    const int d = f->dimension;
+    if (!(f->sum > 0.0)) return 0.0;
+    for (int k = 0; k < d * d; k++)
+        spread[k] = f->spread[k / d * 3 + k % d] - f->from[k / d] * f->from[k % d] / f->sum;
+    gn_eigen_symmetric(d, spread, values, vectors);
+    return values[d - 1];
 }
 
 /* F = sum(x X) sum(X X)^-1, from the means on. */
@@ -162,8 +187,7 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     const gn_membrane_def *m = &w->scene.membrane;
     double turn[9];
     if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const double share = w->time < m->ramp ? w->time / m->ramp : 1.0;
-    const double pressure = share * gn_table_at(&m->pressure, w->time);
+    const double pressure = gn_membrane_due(w);
     w->dem.membrane->pressure = pressure;
     const bool look = w->step % LOOK_INTERVAL == 0;
     bool dropped = false;

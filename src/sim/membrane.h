@@ -9,6 +9,10 @@
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
+/* Shares the surface out again among those that the contacts of now hold (membrane_bear.h), if
+ * others bear some of it; once something has come off it stays as it is. Call with bonds formed. */
+gneiss_status gn_membrane_bear(gn_world *world, gneiss_error *error);
+
 /* The skin of particles without a shape, over which a ball of the radius `ball` rolls
  * (membrane_free.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
  * the centres, m3, and begin as 0. */
@@ -49,6 +53,11 @@ void gn_membrane_balance(const gn_world *world, gn_skin_body body, const double 
  * the surface has. */
 void gn_membrane_rebalance(const gn_world *world, double *area);
 
+/* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
+double gn_membrane_due(const gn_world *world);
+/* The scene is that of the stage that begins; `pressure`, what was due before. */
+void gn_membrane_enter(gn_world *world, double pressure);
+
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
 
@@ -88,6 +97,8 @@ typedef struct gn_gradient_fit {
     double moved[9], spread[9];
 } gn_gradient_fit;
 void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], const double to[3]);
+/* m2: of weights times squares of ways from the mean, along the axis where it is least. */
+double gn_gradient_spread(const gn_gradient_fit *fit);
 /* False, and the identity, where the places do not span space. */
 bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);
 

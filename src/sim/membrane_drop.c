@@ -26,6 +26,7 @@ enum { NONE = -1, PLANES = 8 };
 typedef struct hands {
     gn_world *w;
     gn_start_grid left, all;
+    bool *of; /* [particles] that are left */
     gn_cell cell;
     gn_patch *patch;
     int32_t *next, *head; /* [capacity], [particles] */
@@ -85,6 +86,7 @@ static void free_hands(hands *h) {
     gn_free(h->patch);
     gn_free(h->next);
     gn_free(h->head);
+    gn_free(h->of);
 }
 
 static gneiss_status make_room(hands *h, size_t capacity, gneiss_error *error) {
@@ -126,8 +128,12 @@ static gneiss_status take_up(gn_world *w, hands *h, gneiss_error *error) {
     const gn_dem *d = &w->dem;
     const size_t n = d->particles.soa.count;
     const double radius = gn_world_mean_radius(w);
-    GN_TRY(gn_start_grid_make(w, cell_size * radius, false, &h->left, error));
-    GN_TRY(gn_start_grid_make(w, cell_size * radius, true, &h->all, error));
+    h->of = gn_alloc_array(n + 1, sizeof *h->of);
+    if (!h->of)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    for (size_t p = 0; p < n; p++) h->of[p] = !gn_came_off(&d->particles, p);
+    GN_TRY(gn_start_grid_make(w, cell_size * radius, h->of, &h->left, error));
+    GN_TRY(gn_start_grid_make(w, cell_size * radius, NULL, &h->all, error));
     h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
     h->head = gn_alloc_array(n + 1, sizeof *h->head);
     if (!h->head)

@@ -22,7 +22,7 @@ void gn_start_grid_free(gn_start_grid *g) {
 }
 
 /* Where they were at the start lies within w->lower and w->upper. */
-gneiss_status gn_start_grid_make(const gn_world *w, double cell, bool all, gn_start_grid *g,
+gneiss_status gn_start_grid_make(const gn_world *w, double cell, const bool *of, gn_start_grid *g,
                                  gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     *g = (gn_start_grid){.particles = q, .cell = cell};
@@ -39,14 +39,13 @@ gneiss_status gn_start_grid_make(const gn_world *w, double cell, bool all, gn_st
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of the specimen");
     }
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!all && gn_came_off(q, p)) continue;
+        if (of && !of[p]) continue;
         g->first[cell_at(g, q->start + 4 * p) + 2]++;
         g->radius_max = fmax(g->radius_max, q->pos[4 * p + 3]);
     }
     for (size_t k = 0; k < cells; k++) g->first[k + 2] += g->first[k + 1];
     for (size_t p = 0; p < q->soa.count; p++)
-        if (all || !gn_came_off(q, p))
-            g->item[g->first[cell_at(g, q->start + 4 * p) + 1]++] = (int32_t)p;
+        if (!of || of[p]) g->item[g->first[cell_at(g, q->start + 4 * p) + 1]++] = (int32_t)p;
     return GNEISS_OK;
 }
 

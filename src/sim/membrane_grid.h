@@ -12,9 +12,9 @@ typedef struct gn_start_grid {
     int32_t *first, *item;
 } gn_start_grid;
 
-/* Without those that came off, or of all. */
-gneiss_status gn_start_grid_make(const gn_world *world, double cell, bool all, gn_start_grid *grid,
-                                 gneiss_error *error);
+/* Of all particles p, or of those of which of[p]. */
+gneiss_status gn_start_grid_make(const gn_world *world, double cell, const bool *of,
+                                 gn_start_grid *grid, gneiss_error *error);
 void gn_start_grid_free(gn_start_grid *grid);
 
 /* The particle whose surface was nearest to x, of two alike that of the smaller id; -1: none. With

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "sim/fragments.h"
 #include "sim/internal.h"
+#include "sim/membrane_bear.h"
 #include "sim/membrane_grid.h"
 
 #include <math.h>
@@ -19,7 +20,12 @@ static const double around = 5.0, cell_size = 2.5;
  * come too late for them, and drive them. */
 static const double pace = 1.0 / 8.0;
 
-enum { OPEN = -1 };
+/* Surroundings are widened so often, each time by so much, where they say too little. */
+enum { OPEN = -1, WIDENED = 3 };
+static const double wider = 1.5;
+
+/* How much more or less than as a whole a patch may be stretched. */
+static const double stretch_most = 3.0;
 
 /* --- how the surroundings have moved --- */
 
@@ -44,17 +50,32 @@ static void see(void *context, int32_t particle) {
     gn_gradient_add(&v->fit, weight, from, to);
 }
 
-/* That of the skin as a whole where what is left around says nothing. */
-static void gradient_around(const gn_world *w, const int32_t *group, const gn_start_grid *grid,
-                            double reach, size_t p, double gradient[9]) {
-    const double *whole = w->dem.membrane->gradient;
-    view v = {&w->dem.particles, group, p, reach, {.dimension = (int)w->scene.dimension}};
+/* Whether what is around says how it has moved, and does so along all axes: places that hardly
+ * spread along one leave a grain that has shifted by itself to turn and stretch what is beside it
+ * by much. */
+static bool says_how(const view *v, double radius, double gradient[9]) {
+    const double enough = 1.5;
     double cofactor[9];
-    gn_start_grid_visit(grid, w->dem.particles.start + 4 * p, reach, see, &v);
-    bool spans = gn_gradient_of(&v.fit, gradient);
+    if (!(gn_gradient_spread(&v->fit) >= enough * radius * radius)) return false;
+    if (!gn_gradient_of(&v->fit, gradient)) return false;
     gn_cofactor3(gradient, cofactor);
-    if (!spans || !(gn_dot3(gradient, cofactor) > 0.0))
-        memcpy(gradient, whole, 9 * sizeof *gradient);
+    return gn_dot3(gradient, cofactor) > 0.0;
+}
+
+/* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
+ */
+static void gradient_around(const gn_world *w, const int32_t *group, const gn_start_grid *grid,
+                            double radius, size_t p, double gradient[9]) {
+    for (int k = 0; k <= WIDENED; k++) {
+        view v = {.particles = &w->dem.particles,
+                  .group = group,
+                  .middle = p,
+                  .reach = around * radius * pow(wider, k),
+                  .fit = {.dimension = (int)w->scene.dimension}};
+        gn_start_grid_visit(grid, w->dem.particles.start + 4 * p, v.reach, see, &v);
+        if (says_how(&v, radius, gradient)) return;
+    }
+    memcpy(gradient, w->dem.membrane->gradient, 9 * sizeof *gradient);
 }
 
 /* --- areas --- */
@@ -84,12 +105,43 @@ static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double
     q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
 }
 
+/* Over the size of a patch as the skin has moved as a whole: that as what is around has. */
+static double stretch_of(const gn_patch *patch, const double turn[9], const double whole[9]) {
+    double here = 0.0, all = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double x = gn_dot3(turn + 3 * a, patch->area),
+                     y = gn_dot3(whole + 3 * a, patch->area);
+        here += x * x;
+        all += y * y;
+    }
+    return all > 0.0 ? sqrt(here / all) : 1.0;
+}
+
+/* What is around the bearer of patches from the k-th on cannot have stretched one of them so much
+ * more or less than the skin as a whole has been, for all that the shape of a body changes: then it
+ * is taken to have moved as that. Returns the size of these patches, otherwise 0. */
+static double hold_to_whole(const gn_dem *d, size_t k, double gradient[9]) {
+    const double owner = d->patches[k].owner;
+    double turn[9], whole[9], size = 0.0;
+    bool holds = true;
+    gn_cofactor3(gradient, turn);
+    gn_cofactor3(d->membrane->gradient, whole);
+    for (; k < d->patch_count && d->patches[k].owner == owner; k++) {
+        const double stretch = stretch_of(&d->patches[k], turn, whole);
+        holds = holds && stretch < stretch_most && stretch * stretch_most > 1.0;
+        size += size_of(&d->patches[k]);
+    }
+    if (holds) return 0.0;
+    memcpy(gradient, d->membrane->gradient, 9 * sizeof *gradient);
+    return size;
+}
+
 /* All patches, of which those of one particle follow one another; with a grid as what is around
  * them has moved, without as at the start. */
-static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *grid, double reach,
+static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *grid, double radius,
                         double arms[9]) {
     gn_dem *d = &w->dem;
-    double gradient[9];
+    double gradient[9], unlike = 0.0;
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (!gn_came_off(&d->particles, p))
             memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
@@ -98,11 +150,15 @@ static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *
         const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         double bared[3] = {0};
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
-        if (grid && at >= 0) gradient_around(w, group, grid, reach, (size_t)at, gradient);
+        if (grid && at >= 0) {
+            gradient_around(w, group, grid, radius, (size_t)at, gradient);
+            unlike += hold_to_whole(d, k, gradient);
+        }
         for (; k < d->patch_count && d->patches[k].owner == owner; k++)
             if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
         if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
+    d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
@@ -288,6 +344,17 @@ static void blend(gn_world *w, const double *was, const double had[9], double ar
     for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
 }
 
+/* Grains that roll by themselves do not say how a body moves. */
+static gneiss_status grid_of_held(const gn_world *w, double cell, gn_start_grid *grid,
+                                  gneiss_error *error) {
+    bool *held = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *held);
+    if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
+    gneiss_status status = gn_membrane_held(w, held, error);
+    if (status == GNEISS_OK) status = gn_start_grid_make(w, cell, held, grid, error);
+    gn_free(held);
+    return status;
+}
+
 /* From what was, which is room for it, or all of the way. */
 static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
     const gn_membrane *m = w->dem.membrane;
@@ -299,8 +366,8 @@ static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error 
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
-    if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, false, &grid, error));
-    add_patches(w, group, follow ? &grid : NULL, around * radius, arms);
+    if (follow) GN_TRY(grid_of_held(w, cell_size * radius, &grid, error));
+    add_patches(w, group, follow ? &grid : NULL, radius, arms);
     if (follow) gn_start_grid_free(&grid);
     if (was) blend(w, was, had, arms);
     GN_TRY(balance_bodies(

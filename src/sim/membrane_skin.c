@@ -4,10 +4,13 @@
 
 #include "base/memory.h"
 #include "pack/boundary.h"
+#include "sim/fragments.h"
 #include "sim/internal.h"
+#include "sim/membrane_bear.h"
 #include "sim/membrane_grid.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of a mean radius: shares are then of some fifty pieces. */
@@ -130,11 +133,12 @@ static void set_middle(gn_patch *patch, const double centre[3], const double way
 }
 
 /* Shares of the surface of the shape. */
-static gneiss_status skin_of_shape(gn_world *w, double radius, gn_patch *all, gneiss_error *error) {
+static gneiss_status skin_of_shape(gn_world *w, double radius, const bool *held, gn_patch *all,
+                                   gneiss_error *error) {
     gn_boundary_pieces pieces;
     gn_start_grid g;
     GN_TRY(gn_boundary_pieces_make(&w->scene, piece_size * radius, &pieces, error));
-    gneiss_status status = gn_start_grid_make(w, 3.0 * radius, false, &g, error);
+    gneiss_status status = gn_start_grid_make(w, 3.0 * radius, held, &g, error);
     if (status == GNEISS_OK) {
         share_out(w, &pieces, &g, all);
         gn_start_grid_free(&g);
@@ -187,9 +191,10 @@ static void skin_of_particles(gn_world *w, const double *arms, gn_patch *all) {
             all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * sum[k];
 }
 
-static gneiss_status find_patches(gn_world *w, gn_patch *all, gneiss_error *error) {
+static gneiss_status find_patches(gn_world *w, const bool *held, gn_patch *all,
+                                  gneiss_error *error) {
     const double radius = gn_world_mean_radius(w);
-    if (gn_scene_membrane_on_shape(&w->scene)) return skin_of_shape(w, radius, all, error);
+    if (gn_scene_membrane_on_shape(&w->scene)) return skin_of_shape(w, radius, held, all, error);
     double *arms = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
     if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     gneiss_status status = gn_membrane_free_skin(w, radius, arms, error);
@@ -198,10 +203,10 @@ static gneiss_status find_patches(gn_world *w, gn_patch *all, gneiss_error *erro
     return status;
 }
 
-static gneiss_status make_patches(gn_world *w, gneiss_error *error) {
+static gneiss_status make_patches(gn_world *w, const bool *held, gneiss_error *error) {
     gn_patch *all = gn_alloc_array(SIDES * w->dem.particles.soa.count + 1, sizeof *all);
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    gneiss_status status = find_patches(w, all, error);
+    gneiss_status status = find_patches(w, held, all, error);
     if (status == GNEISS_OK) status = keep_patches(w, all, error);
     gn_free(all);
     return status;
@@ -215,11 +220,87 @@ gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
     if (!w->dem.membrane) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     for (int a = 0; a < 3; a++) w->dem.membrane->gradient[4 * a] = 1.0;
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
-    GN_TRY(make_patches(w, error));
+    GN_TRY(make_patches(w, NULL, error));
     for (size_t p = 0; p < q->soa.count; p++) w->dem.index_of_id[q->id[p]] = (int32_t)p;
     GN_TRY(gn_membrane_lay(w, true, error));
     if (gn_membrane_area(w) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
         gn_scene_at(s, s->membrane.where, "membrane").text, "xyz"[gn_scene_membrane_axis(s)]);
+}
+
+/* --- who bears them --- */
+
+/* Without a shape: patches of those that are not held, where any of their body is, go to what is
+ * nearest of it. `body` [particles]: who stands for that of each. */
+static gneiss_status hand_over(gn_world *w, const bool *held, const int32_t *body,
+                               gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_start_grid g;
+    GN_TRY(gn_start_grid_make(w, 3.0 * gn_world_mean_radius(w), held, &g, error));
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        if (at < 0 || held[at]) continue;
+        const int32_t to = gn_start_grid_nearest(&g, d->patches[k].point, NULL);
+        if (to >= 0 && body[to] == body[at]) d->patches[k].owner = d->particles.id[to];
+    }
+    gn_start_grid_free(&g);
+    return GNEISS_OK;
+}
+
+static int by_owner(const void *a, const void *b) {
+    const gn_patch *x = a, *y = b;
+    if (x->owner != y->owner) return x->owner < y->owner ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+        if (x->point[k] != y->point[k]) return x->point[k] < y->point[k] ? -1 : 1;
+    return 0;
+}
+
+static gneiss_status share_again(gn_world *w, const bool *held, int32_t *body,
+                                 gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    if (w->scene.specimen.pack.shape == GN_SHAPE_NONE) {
+        gn_world_body_groups(w, INT32_MAX, body);
+        GN_TRY(hand_over(w, held, body, error));
+        qsort(d->patches, d->patch_count, sizeof *d->patches, by_owner);
+    } else {
+        gn_free(d->patches);
+        d->patches = NULL;
+        d->patch_count = 0;
+        GN_TRY(make_patches(w, held, error));
+    }
+    GN_TRY(gn_membrane_lay(w, true, error));
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (!gn_is_pressed(&d->particles, p))
+            memcpy(d->particles.applied + 4 * p, d->particles.load + 4 * p,
+                   4 * sizeof *d->particles.load);
+    return GNEISS_OK;
+}
+
+/* Whether all that bear are held, or something has come off, so that patches are no longer those of
+ * the start. */
+static bool may_stay(const gn_world *w, const bool *held) {
+    const gn_dem *d = &w->dem;
+    bool all = true;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (gn_came_off(&d->particles, p)) return true;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        all = all && (at < 0 || held[at]);
+    }
+    return all;
+}
+
+gneiss_status gn_membrane_bear(gn_world *w, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    bool *held = gn_alloc_array(n + 1, sizeof *held);
+    int32_t *body = gn_alloc_array(n + 1, sizeof *body);
+    gneiss_status status = held && body
+                               ? gn_membrane_held(w, held, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    if (status == GNEISS_OK && !may_stay(w, held)) status = share_again(w, held, body, error);
+    gn_free(held);
+    gn_free(body);
+    return status;
 }

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 #include "sim/origin.h"
 
 #include <math.h>
@@ -45,6 +46,7 @@ gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
+    const double pressure = gn_membrane_due(w);
     w->stage = stage;
     w->stages[stage].time = w->time;
     w->stages[stage].step = (double)w->step;
@@ -56,9 +58,12 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     free(next);
     if (status != GNEISS_OK) return status;
     w->effects = gn_scene_effects(&w->scene);
+    gn_membrane_enter(w, pressure);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(w);
     GN_TRY(gn_elements_enter(w, error));
     if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
+    const bool forms = w->scene.bonds_stage == stage + 1 && w->scene.bonds == GN_SWITCH_ON;
+    if (forms) GN_TRY(gn_membrane_bear(w, error));
     return gn_world_choose_step(w, error);
 }

@@ -273,6 +273,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_flow_arrive(w, true, error));
     GN_TRY(gn_dem_arrange(w, error));
     GN_TRY(gn_world_rebuild(w, error));
+    GN_TRY(gn_membrane_bear(w, error));
     return check_some_left(w, error);
 }
 

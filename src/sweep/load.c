@@ -290,21 +290,54 @@ static gneiss_status read_text(const char *path, const char *what, char **text,
                    what);
 }
 
-/* The confinements that a test lists are the values of membrane.pressure, unless that is given on
- * the command line. */
-static gneiss_status read_confinements(gn_reader *reader, const gn_node *root, gn_sweep *sweep) {
+static const char confining[] = "membrane.pressure";
+
+/* The key of the one pressure that a scene has: its own or that of a stage. Returns how many there
+ * are. */
+static size_t find_pressure(const gn_node *root, char *key, size_t size) {
+    const gn_node *stages = gn_node_child(root, "stages");
+    const bool list = stages && stages->kind == GN_NODE_LIST;
+    size_t count = gn_node_find(root, confining) != NULL;
+    snprintf(key, size, "%s", confining);
+    for (size_t k = 0; list && k < stages->count; k++) {
+        if (!gn_node_find(gn_node_item(stages, k), confining)) continue;
+        if (!count) snprintf(key, size, "stages.%zu.%s", k, confining);
+        count++;
+    }
+    return count;
+}
+
+static bool is_given(const gn_sweep *sweep, const gn_tree *tree, const char *key) {
+    char place[GN_KEY_PATH_SIZE];
+    for (size_t k = 0; k < sweep->override_count; k++) {
+        gn_tree_place(tree, sweep->overrides[k].key, place, sizeof place);
+        if (strcmp(place, key) == 0) return true;
+    }
+    for (size_t k = 0; k < sweep->parameter_count; k++)
+        if (strcmp(sweep->parameters[k].key, key) == 0) return true;
+    return false;
+}
+
+/* The confinements that a test lists are the values of the pressure of the membrane, unless that is
+ * given on the command line. */
+static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, gn_sweep *sweep) {
+    const gn_node *root = gn_tree_root(tree);
     const gn_node *list = gn_node_find(root, "test.confinement");
     const gn_drawing none = {0};
-    for (size_t k = 0; k < sweep->override_count; k++)
-        if (strcmp(sweep->overrides[k].key, "membrane.pressure") == 0) return GNEISS_OK;
-    for (size_t k = 0; k < sweep->parameter_count; k++)
-        if (strcmp(sweep->parameters[k].key, "membrane.pressure") == 0) return GNEISS_OK;
+    char key[64];
+    const size_t pressures = find_pressure(root, key, sizeof key);
+    if (is_given(sweep, tree, confining) || is_given(sweep, tree, key)) return GNEISS_OK;
     if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
     gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "membrane.pressure");
+    snprintf(p->key, sizeof p->key, "%s", key);
     snprintf(reader->path, sizeof reader->path, "test.confinement");
     p->where = list->key_where;
-    p->meant = gn_scene_key_at(p->key);
+    p->meant = gn_scene_key_at(confining);
+    if (pressures > 1)
+        return gn_fail(reader->error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: test.confinement: expected the pressure of one membrane, of the "
+                       "scene or of one stage, that is to be each of the list, found %zu",
+                       sweep->scene, list->key_where.line, list->key_where.column, pressures);
     return gn_parameter_read(reader, list, &none, p);
 }
 
@@ -319,7 +352,7 @@ static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_e
         if (strcmp(sweep->overrides[k].key, "test.confinement") == 0)
             status = gn_tree_override(tree, &sweep->overrides[k], error);
     gn_reader reader = {.name = sweep->scene, .units = sweep->units, .error = error};
-    if (status == GNEISS_OK) status = read_confinements(&reader, gn_tree_root(tree), sweep);
+    if (status == GNEISS_OK) status = read_confinements(&reader, tree, sweep);
     gn_tree_free(tree);
     return status;
 }

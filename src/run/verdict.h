@@ -1,0 +1,13 @@
+/* Warnings of parts of a run, for verdict.c. */
+#ifndef GN_RUN_VERDICT_H
+#define GN_RUN_VERDICT_H
+
+#include "run/run.h"
+
+/* One more, whose text is to be filled in. */
+gn_warning *gn_warnings_add(gn_warnings *list, const char *name);
+
+/* Of a membrane (verdict_membrane.c). */
+void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
+
+#endif
