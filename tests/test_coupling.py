@@ -458,5 +458,62 @@ def what_is_pressed_converts_by_its_shear(folder):
         assert summary(os.path.join(folder, str(k)))["counts"]["elements"] == 480
 
 
+# A body of which the middle is packed.
+REGION = """dimension: 2
+specimen: {group: 1, rectangle: {width: 60 mm, height: 16 mm}, mean_radius: 0.7 mm, density_basis: bulk,
+  packing: {overlap: passive, size_variation: 0.2, region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}}}
+materials: [{name: m, density: 7800, contact_modulus: 20e9, kratio: 3, friction: 0, tensile_strength: 1e15, shear_strength: 1e15}]
+law: {stiffness: harmonic}
+bonds: {interaction_range: 0.1, passive_gaps: true}
+elements:
+  rectangle: {size: [60 mm, 16 mm], cells: [30, 8]}
+  materials: [{young: 24e9, poisson: 0.2, density: 7800}]
+  loads: [{name: l, group: x_lower, traction: {tx: -2e6}}, {name: r, group: x_upper, traction: {tx: 2e6}}]
+couple: {convert: {width: 7 mm, stress: 3 MPa, every: 5}}
+time: {end: 22 us}
+output: {history_rows: 10, snapshots: 0}
+run: {threads: 1}
+"""
+
+
+@fact
+def a_region_of_the_body_is_packed_and_may_convert(folder):
+    """As a smaller specimen by hand, at its place, with its box: the same bits. The resolved scene says it again."""
+    scene = write_scene(folder, REGION)
+    done = gneiss("check", scene)
+    assert re.search(r"volume +0\.000384 m3 \(1 m thick\), of the shape", done.stdout), done.stdout + done.stderr
+    assert "in the box       192 of 480 elements" in done.stdout, done.stdout  # 12 columns of 30, sides included
+    out = os.path.join(folder, "region")
+    run(scene, out)
+    s = summary(out)
+    assert s["counts"]["elements"] < 480 and s["counts"]["asleep"] < s["counts"]["particles"], s["counts"]
+    hand = REGION.replace("rectangle: {width: 60 mm, height: 16 mm}", "rectangle: {width: 24 mm, height: 16 mm}, origin: [20 mm, 0]")
+    hand = hand.replace(", region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}", "").replace("convert: {", "convert: {box: {min: [19.999 mm, -1 mm], max: [44.001 mm, 30 mm]}, ")
+    run(write_scene(folder, hand), os.path.join(folder, "hand"))
+    assert summary(os.path.join(folder, "hand"))["state_hash"] == s["state_hash"]
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        text = file["scene"][()]
+        assert abs(file.attrs["volume"] / 3.84e-4 - 1) < 1e-9
+    again = write_scene(folder, text.decode() if isinstance(text, bytes) else str(text))
+    run(again, os.path.join(folder, "again"))
+    assert summary(os.path.join(folder, "again"))["state_hash"] == s["state_hash"]
+
+
+@fact
+def a_region_in_space_and_what_has_none(folder):
+    box = {"dimension": 3, "specimen": {"group": 1, "box": {"size": [0.04, 0.03, 0.02]}, "mean_radius": 1.5e-3, "origin": [0.01, 0, 0],
+                                        "packing": {"region": {"min": [0.03, 0.01, -1], "max": [1, 0.02, 1]}}},
+           "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e6, "kratio": 0}], "law": {"stiffness": "uniform"}, "time": {"end": 1e-4}}
+    done = gneiss("check", write_scene(folder, box))
+    assert re.search(r"volume +4e-06 m3, of the shape", done.stdout), done.stdout + done.stderr
+    assert re.search(r"\n  x +0\.03\d* to 0\.0[45]\d* m", done.stdout), done.stdout
+    box["specimen"]["packing"]["region"]["max"][1] = 0.005
+    expect(gneiss("check", write_scene(folder, box)), 2, r"specimen\.packing\.region: expected a box that has a part of the body, y from 0 to 0\.03 m, found 0\.01 to 0\.005 m")
+    disc = REGION.replace("rectangle: {width: 60 mm, height: 16 mm}, mean", "disc: {diameter: 16 mm}, mean")
+    expect(gneiss("check", write_scene(folder, disc)), 2, r"specimen\.packing\.region: expected a rectangle or box beside it, of which it is a part, found disc")
+    without = REGION.replace(", region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}", "")
+    expect(gneiss("check", write_scene(folder, without)), 2, r"couple\.convert\.box: required where no specimen\.packing\.region is given")
+
+
 if __name__ == "__main__":
     sys.exit(main())

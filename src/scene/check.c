@@ -197,6 +197,30 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
     return GNEISS_OK;
 }
 
+/* Cuts the body to the region; what is in it already stays as it is to the bit, so that a scene
+ * that was written is read as it was. */
+static gneiss_status clip(const check *c, gn_pack_def *pack, int dimension, const char *shape) {
+    const double *low = pack->region_min, *high = pack->region_max;
+    if (!pack->has_region) return GNEISS_OK;
+    if (pack->shape != GN_SHAPE_RECTANGLE && pack->shape != GN_SHAPE_BOX)
+        return gn_check_fail(c, "specimen.packing.region",
+                             "expected a rectangle or box beside it, of which it is a part, found "
+                             "%s (pack a smaller body instead)",
+                             shape);
+    for (int a = 0; a < dimension; a++) {
+        const double upper = pack->origin[a] + pack->size[a], rounding = 1e-12 * pack->size[a];
+        if (!(low[a] < high[a]) || !(fmax(low[a], pack->origin[a]) < fmin(high[a], upper)))
+            return gn_check_fail(c, "specimen.packing.region",
+                                 "expected a box that has a part of the body, %c from %g to %g m, "
+                                 "found %g to %g m",
+                                 "xyz"[a], pack -> origin[a], upper, low[a], high[a]);
+        const bool below = low[a] > pack->origin[a] + rounding, above = high[a] < upper - rounding;
+        if (below) pack->origin[a] = low[a];
+        if (below || above) pack->size[a] = (above ? high[a] : upper) - pack->origin[a];
+    }
+    return GNEISS_OK;
+}
+
 /* It is of lengths in files. */
 static gneiss_status check_scale(const check *c, const gn_specimen *specimen, const char *source) {
     const gn_shape_kind shape = specimen->pack.shape;
@@ -218,6 +242,7 @@ static gneiss_status check_particles(const check *c, gn_scene *s) {
         GN_TRY(check_no_shape(c, specimen, s->dimension, source));
     else
         GN_TRY(check_pack(c, &specimen->pack, source));
+    GN_TRY(clip(c, &specimen->pack, (int)s->dimension, source));
     bool plane = specimen->lattice.kind == GN_LATTICE_SQUARE ||
                  specimen->lattice.kind == GN_LATTICE_HEXAGONAL;
     if (specimen->lattice.kind != GN_LATTICE_NONE && plane != (s->dimension == 2))

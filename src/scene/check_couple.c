@@ -147,9 +147,28 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s, con
     return GNEISS_OK;
 }
 
-static gneiss_status check_convert(const check *c, const gn_scene *s, const gn_node *root) {
+/* Without a box it is the region that was packed, with what rounding does to nodes on its sides. */
+static gneiss_status set_box(const check *c, gn_scene *s) {
+    gn_convert_def *q = &s->couple.convert;
+    const gn_pack_def *pack = &s->specimen.pack;
+    if (q->has_box) return GNEISS_OK;
+    if (!pack->has_region)
+        return gn_check_fail(c, "couple.convert.box",
+                             "required where no specimen.packing.region is given, not given");
+    for (int a = 0; a < (int)s->dimension; a++) {
+        const double low = pack->region_min[a], high = pack->region_max[a];
+        const double rounding = 1e-12 * fmax(fabs(low), fabs(high));
+        q->box_min[a] = low - rounding;
+        q->box_max[a] = high + rounding;
+    }
+    q->has_box = true;
+    return GNEISS_OK;
+}
+
+static gneiss_status check_convert(const check *c, gn_scene *s, const gn_node *root) {
     const gn_convert_def *q = &s->couple.convert;
     GN_TRY(check_convert_beside(c, s, root));
+    GN_TRY(set_box(c, s));
     if (!(q->stress > 0.0) && !q->has_mohr)
         return gn_check_fail(c, "couple.convert",
                              "expected a limit, stress or mohr_coulomb, found none");
@@ -157,7 +176,7 @@ static gneiss_status check_convert(const check *c, const gn_scene *s, const gn_n
 }
 
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
-    const gn_scene *s = reader->scene;
+    gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
     if (s->has_pulse && gn_check_sound(&c, "initial.pulse"))
         GN_TRY(gn_check_keep(&c, check_pulse(&c, s)));

@@ -43,6 +43,7 @@ typedef enum gn_convert_by { GN_CONVERT_ELEMENTS, GN_CONVERT_NODES } gn_convert_
 
 /* Elements that turn into particles while the run goes on. */
 typedef struct gn_convert_def {
+    bool has_box;                  /* else that of specimen.packing.region */
     double box_min[3], box_max[3]; /* m: prepared are elements of which all nodes start in it */
     double width;                  /* m, of the zone between both */
     double stress;                 /* Pa, largest principal; 0: no such limit */

@@ -46,9 +46,9 @@ static const gn_key mohr_keys[] = {
 TABLE_OF(mohr);
 
 static const gn_key convert_keys[] = {
-    SECTION("box", convert_box_section, .required = true,
+    SECTION("box", convert_box_section, PRESENT(BOOL, gn_scene, couple.convert.has_box),
             .text = "where the packing is ready: elements of which all nodes start in it, boundary "
-                    "included"),
+                    "included; default: specimen.packing.region"),
     KEY("width", REAL, gn_scene, couple.convert.width, .unit = "m", .range = GN_LENGTHS,
         .required = true,
         .text = "of the zone between particles and elements: three elements and six particles at "

@@ -86,7 +86,18 @@ static const gn_key refinement_keys[] = {
 };
 ELEMENTS_OF(refinement, gn_refinement);
 
+static const gn_key region_keys[] = {
+    KEY("min", VECTOR, gn_scene, specimen.pack.region_min, .unit = "m", .range = GN_PLACES,
+        .required = true, .text = "lower corner"),
+    KEY("max", VECTOR, gn_scene, specimen.pack.region_max, .unit = "m", .range = GN_PLACES,
+        .required = true, .text = "upper corner"),
+};
+TABLE_OF(region);
+
 static const gn_key packing_keys[] = {
+    SECTION("region", region_section, PRESENT(BOOL, gn_scene, specimen.pack.has_region),
+            .text = "packs only the part of the body, a rectangle or box, that is in this box; "
+                    "volume and porosity are those of the part"),
     KEY("size_ratio", REAL, gn_scene, specimen.pack.size_ratio, .unit = "1", .range = "[1.2, 100]",
         .fallback = "6", PRESENT(NONE, gn_scene, specimen.pack.sieve_count),
         .text = "largest over smallest radius asked for; a sieve has its own"),

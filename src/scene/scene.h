@@ -193,6 +193,9 @@ typedef struct gn_pack_def {
     char surface_path[GN_PATH_SIZE];
     char mesh[GN_PATH_SIZE]; /* the same */
     char mesh_path[GN_PATH_SIZE];
+    bool has_region; /* only what is in a box, to which rectangles and boxes are cut once they are
+                      * read (check.c): as the scene has it, not shifted */
+    double region_min[3], region_max[3]; /* m */
     double origin[3];   /* see docs/scene.md, m; 0 with a polygon; with a surface or mesh what has
                          * to be added to places in the file: see gn_scene_shift */
     int64_t count;      /* of particles; 0: not given */
