@@ -5,7 +5,8 @@
 #include "sim/world.h"
 
 /* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
- * quarter of the smallest radius, and no body turns by more than a quarter of a radian. */
+ * quarter of the smallest radius, and no body turns by more than a quarter of a
+ * radian, with bearings about some of its axes by 0.01. */
 void gn_bodies_follow(const gn_world *world, double *dt);
 
 /* s: the same from the start on, where nothing else limits the step: for the fastest that bodies
