@@ -222,6 +222,24 @@ static void ten_turns_are_right_at_any_step(void **state) {
     assert_true(worst < 1e-3 && worst_spin < 1e-3 && worst_held < 1e-3);
 }
 
+/* A box whose farthest vertex is 0.0602 m from its centre, and twice that from a corner. */
+static void spins_beyond_light_are_refused(void **state) {
+    (void)state;
+    text *t = calloc(1, sizeof *t);
+    add(t, "%sbodies: [{name: b, " BLOCK ", motion: {wz: 1}}]\ntime: {end: 1}\n", head3);
+    assert_change_refused(t->s, "wz: 1", "wz: 1e12",
+                          "bodies[0].motion.wz: expected at most 2.491e");
+    assert_change_refused(t->s, "wz: 1", "wx: [[0, 0], [1, -1e12]]", "bodies[0].motion.wx");
+    assert_change_refused(t->s, "motion: {wz: 1}",
+                          "free: true, density: 1, initial_spin: [0, 6e9, 0]",
+                          "bodies[0].initial_spin: expected at most 4.983e+09 rad/s");
+    assert_change_refused(t->s, "wz: 1", "wz: 1e12", "s.yaml:8:");
+    free(t);
+    gn_world *w =
+        world_of("%sbodies: [{name: b, " BLOCK ", motion: {wz: 2.4e9}}]\ntime: {end: 1}\n", head3);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
@@ -229,6 +247,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_run_lowers_its_step_alike),
         cmocka_unit_test(a_body_alone_has_a_step),
         cmocka_unit_test(ten_turns_are_right_at_any_step),
+        cmocka_unit_test(spins_beyond_light_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

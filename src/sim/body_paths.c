@@ -105,3 +105,31 @@ double gn_bodies_step(const gn_world *w) {
     /* What hardly moves has some steps all the same. */
     return isfinite(step) ? fmin(step, 0.01 * (w->scene.end - w->time)) : step;
 }
+
+/* m/s; GN_SPEEDS of scenes. */
+static const double light = 3e8;
+
+static gneiss_status check_speed(const gn_world *w, size_t k, double spin, const char *of,
+                                 gneiss_error *error) {
+    const double reach = w->boundary.bodies[k].reach;
+    char key[64];
+    if (spin * reach <= light) return GNEISS_OK;
+    snprintf(key, sizeof key, "bodies[%zu].%s", k, of);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected at most %.4g rad/s, with which the farthest vertex, %.4g m from "
+                   "the point about which the body turns, goes at %g m/s; found %.4g rad/s",
+                   gn_scene_at(&w->scene, w->scene.bodies[k].where, key).text, light / reach, reach,
+                   light, spin);
+}
+
+gneiss_status gn_bodies_check_speeds(const gn_world *w, gneiss_error *error) {
+    static const char *const channel[] = {"motion.wx", "motion.wy", "motion.wz"};
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_body_def *def = &w->scene.bodies[k];
+        if (def->has_initial_spin)
+            GN_TRY(check_speed(w, k, length(def->initial_spin), "initial_spin", error));
+        for (int a = 0; a < 3; a++)
+            GN_TRY(check_speed(w, k, largest(&def->motion.spin[a]), channel[a], error));
+    }
+    return GNEISS_OK;
+}

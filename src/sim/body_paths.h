@@ -14,4 +14,8 @@ void gn_bodies_follow(const gn_world *world, double *dt);
  * moves. */
 double gn_bodies_step(const gn_world *world);
 
+/* That no spin, at the start or prescribed, moves a vertex faster than light, as velocities are
+ * bounded in scenes. */
+gneiss_status gn_bodies_check_speeds(const gn_world *world, gneiss_error *error);
+
 #endif

@@ -3,6 +3,7 @@
 #include "scene/stages.h"
 
 #include "base/memory.h"
+#include "sim/body_paths.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 
@@ -58,6 +59,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(w);
+    GN_TRY(gn_bodies_check_speeds(w, error));
     GN_TRY(gn_elements_enter(w, error));
     if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
     return gn_world_choose_step(w, error);
