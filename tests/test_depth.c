@@ -28,8 +28,8 @@ static void resting(text *t, int on, double share) {
     const double mass = 2500 * 4.0 / 3.0 * pi * 1e-6, k = mass * 10.0 / (share * 0.01);
     const char *const under[] = {
         "walls: [{name: u, point: [0, 0, 0], normal: [0, 0, 1], stiffness: %g}]\n",
-        "bodies: [{name: u, box: {size: [1, 1, 0.1]}, origin: [-0.5, -0.5, -0.1], stiffness: "
-        "%g}]\n",
+        ("bodies: [{name: u, box: {size: [1, 1, 0.1]}, origin: [-0.5, -0.5, -0.1], stiffness: "
+         "%g}]\n"),
         "sets: [{name: u, select: {ids: [1]}, motion: {vx: 0, vy: 0, vz: 0}}]\n"};
     add(t,
         "dimension: 3\nspecimen: {particles: [[0, 0, 0.01, 0.01]%s], group: 0}\n"
