@@ -41,6 +41,11 @@ static void resting(text *t, int on, double share) {
     add(t, under[on], k);
 }
 
+static bool same(const gn_depth *a, const gn_depth *b) {
+    return a->share == b->share && a->overlap == b->overlap && a->time == b->time &&
+           a->first == b->first && a->second == b->second && a->looked == b->looked;
+}
+
 static void what_lies_too_deep_is_warned_of(void **state) {
     (void)state;
     const char *const saved = "/tmp/gneiss-depth.h5";
@@ -61,11 +66,11 @@ static void what_lies_too_deep_is_warned_of(void **state) {
             assert_int_equal(warns(&run, who[on]), deep);
             assert_ok(gn_checkpoint_write(&run, saved, &error), &error);
             assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
-            assert_true(memcmp(&resumed.world.dem.depth, d, sizeof *d) == 0);
+            assert_true(same(&resumed.world.dem.depth, d));
             assert_int_equal(warns(&resumed, who[on]), deep);
             for (int n = 0; n < 200; n++) measured_step(&run.world);
             for (int n = 0; n < 200; n++) measured_step(&resumed.world);
-            assert_true(memcmp(&resumed.world.dem.depth, d, sizeof *d) == 0);
+            assert_true(same(&resumed.world.dem.depth, d));
             gn_run_free(&run);
             gn_run_free(&resumed);
             free(t);
