@@ -141,12 +141,113 @@ static void a_body_alone_has_a_step(void **state) {
     free(t);
 }
 
+/* --- turns --- */
+
+/* A box beside two grains of 1 m, which ask for a long step, spins about an axis askew; `step`
+ * seconds, 0: automatic. */
+static gn_world *spinning(const double size[3], const double spin[3], const char *more,
+                          double step) {
+    char given[48] = "";
+    if (step > 0.0) snprintf(given, sizeof given, "step: %.17g, ", step);
+    return world_of(
+        "dimension: 3\nspecimen: {particles: [[9, 0, 0, 1], [12, 0, 0, 1]], group: 0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e4, kratio: 2}]\n"
+        "law: {stiffness: uniform}\ndomain: {min: [-99, -99, -99], max: [99, 99, 99]}\n"
+        "bodies: [{name: b, box: {size: [%g, %g, %g]}, stiffness: 1e3, free: true, density: 2500, "
+        "rotation: [0.3, -0.4, 1], initial_spin: [%.17g, %.17g, %.17g]%s}]\n"
+        "time: {%send: 99}\nrun: {threads: 1}\n",
+        size[0], size[1], size[2], spin[0], spin[1], spin[2], more, given);
+}
+
+/* rad: how far two bodies are turned from each other; *spin: the difference of their spins, over
+ * the spin. */
+static double apart(const gn_rigid *a, const gn_rigid *b, double *spin) {
+    double sum = 0.0, d[3];
+    for (int k = 0; k < 4; k++) sum += a->turn[k] * b->turn[k];
+    for (int k = 0; k < 3; k++) d[k] = a->spin[k] - b->spin[k];
+    *spin = length3(d) / length3(a->spin);
+    return 2.0 * sqrt(fmax(0.0, 1.0 - sum * sum));
+}
+
+/* Ten turns in steps that the scene gives by itself, in which the body turns by `turn`, beside ones
+ * of `part` rad or a little less. */
+static void turns(const double size[3], const double spin[3], const char *more, double turn,
+                  double part, double *angle_off, double *spin_off) {
+    gn_world *w = spinning(size, spin, more, 0.0);
+    double scale = turn / w->dt / length3(spin), fast[3], momentum[3];
+    for (int k = 0; k < 3; k++) fast[k] = scale * spin[k];
+    world_end(w);
+    w = spinning(size, fast, more, 0.0);
+    gn_world *fine = spinning(size, fast, more, w->dt);
+    memcpy(momentum, body(w)->momentum, sizeof momentum);
+    const int64_t parts = turn > part ? (int64_t)(turn / part) + 1 : 1,
+                  many = part > turn ? (int64_t)(part / turn) : 1;
+    while (w->time < 10.0 * 2.0 * pi / length3(fast)) {
+        double start = w->time;
+        run_steps(w, many);
+        fine->scene.step = fine->dt = (w->time - start) / (double)parts;
+        run_steps(fine, parts);
+    }
+    for (int k = 0; k < 3; k++) assert_true(body(w)->momentum[k] == momentum[k]);
+    *angle_off = apart(body(w), body(fine), spin_off);
+    world_end(w);
+    world_end(fine);
+}
+
+/* Fourth order in steps of 0.02 rad is as good as exact, as far as one of 1e-3 by the second tells.
+ */
+static void ten_turns_are_right_at_any_step(void **state) {
+    (void)state;
+    const double size[][3] = {
+        {0.1, 0.06, 0.03}, {0.1, 0.1, 0.005}, {0.1, 0.01, 0.012}, {0.04, 0.1, 0.09}};
+    const double spin[][3] = {{1, 30, 1}, {2, -5, 4}};
+    const double turn[] = {0.0049, 0.06, 0.12};
+    double worst = 0.0, worst_spin = 0.0, worst_held = 0.0, plain, plain_spin;
+    turns(size[0], spin[0], "", 0.02, 1e-3, &plain, &plain_spin);
+    assert_true(plain < 2e-5 && plain_spin < 2e-5);
+    for (int s = 0; s < 4; s++)
+        for (int k = 0; k < 2; k++)
+            for (int t = 0; t < 3; t++) {
+                double angle, off;
+                turns(size[s], spin[k], "", turn[t], 0.02, &angle, &off);
+                worst = fmax(worst, angle);
+                worst_spin = fmax(worst_spin, off);
+                if (t < 2 || k > 0) continue;
+                const double flat[3] = {spin[k][0], spin[k][1], 0.0};
+                turns(size[s], flat, ", motion: {wz: 0}", turn[t], 2e-3, &angle, &off);
+                worst_held = fmax(worst_held, fmax(angle, off));
+            }
+    print_message("# after ten turns: %.2g rad, %.2g of the spin; with bearings %.2g\n", worst,
+                  worst_spin, worst_held);
+    assert_true(worst < 1e-3 && worst_spin < 1e-3 && worst_held < 1e-3);
+}
+
+/* A box whose farthest vertex is 0.0602 m from its centre, and twice that from a corner. */
+static void spins_beyond_light_are_refused(void **state) {
+    (void)state;
+    text *t = calloc(1, sizeof *t);
+    add(t, "%sbodies: [{name: b, " BLOCK ", motion: {wz: 1}}]\ntime: {end: 1}\n", head3);
+    assert_change_refused(t->s, "wz: 1", "wz: 1e12",
+                          "bodies[0].motion.wz: expected at most 2.491e");
+    assert_change_refused(t->s, "wz: 1", "wx: [[0, 0], [1, -1e12]]", "bodies[0].motion.wx");
+    assert_change_refused(t->s, "motion: {wz: 1}",
+                          "free: true, density: 1, initial_spin: [0, 6e9, 0]",
+                          "bodies[0].initial_spin: expected at most 4.983e+09 rad/s");
+    assert_change_refused(t->s, "wz: 1", "wz: 1e12", "s.yaml:8:");
+    free(t);
+    gn_world *w =
+        world_of("%sbodies: [{name: b, " BLOCK ", motion: {wz: 2.4e9}}]\ntime: {end: 1}\n", head3);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
         cmocka_unit_test(a_long_fall_is_exact),
         cmocka_unit_test(a_resumed_run_lowers_its_step_alike),
         cmocka_unit_test(a_body_alone_has_a_step),
+        cmocka_unit_test(ten_turns_are_right_at_any_step),
+        cmocka_unit_test(spins_beyond_light_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

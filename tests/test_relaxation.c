@@ -7,7 +7,7 @@
 
 /* A block of elements of 2 mm, held all around, and a lattice in it whose particles are shifted by
  * up to a quarter of their radius: a packing that knows no affine equilibrium. */
-typedef struct block {
+typedef struct packed {
     int cells[3]; /* of elements */
     bool space;
     double jitter;         /* of a radius */
@@ -16,11 +16,9 @@ typedef struct block {
     const char *materials; /* keys besides */
     const char *rest;      /* NULL: one thread */
     bool loose;            /* not held all around */
-} block;
+} packed;
 
-static const double modulus = 24e9, density = 7800.0, width = 6e-3;
-
-static text *text_of(const block *s) {
+static text *packed_text(const packed *s) {
     text *t = calloc(1, sizeof *t);
     char cells[64], count[64], size[96];
     const int *n = s->cells;
@@ -61,28 +59,21 @@ static text *text_of(const block *s) {
     return t;
 }
 
-static gn_world *block_of(const block *s) {
-    text *t = text_of(s);
+static gn_world *packed_of(const packed *s) {
+    text *t = packed_text(s);
     gn_world *w = world_of("%s", t->s);
     free(t);
     return w;
 }
 
-static const block plate = {.cells = {20, 20, 0}, .jitter = 0.25};
-static const block cube = {.cells = {10, 10, 10}, .space = true, .jitter = 0.25};
-
-static void strain(const double *x, const void *of, double u[3], double v[3]) {
-    const double *gradient = of;
-    (void)v;
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
-}
+static const packed packed_plate = {.cells = {20, 20, 0}, .jitter = 0.25};
+static const packed packed_cube = {.cells = {10, 10, 10}, .space = true, .jitter = 0.25};
 
 static const double stretched[9] = {1e-5, 4e-6, 0, -2e-6, -3e-6, 0, 0, 0, 0};
 
-/* The middle of a block under a strain converts: 8 mm, in space 4 mm broad. */
-static gn_world *converted(const block *s, field *motion, const void *of) {
-    gn_world *w = block_of(s);
+/* The middle of a packed under a strain converts: 8 mm, in space 4 mm broad. */
+static gn_world *converted(const packed *s, field *motion, const void *of) {
+    gn_world *w = packed_of(s);
     gneiss_error error = {0};
     const double half = s->space ? 2e-3 : 4e-3;
     double low[3], high[3];
@@ -96,8 +87,8 @@ static gn_world *converted(const block *s, field *motion, const void *of) {
     return w;
 }
 
-static block with(const block *s, const char *relax) {
-    block changed = *s;
+static packed with(const packed *s, const char *relax) {
+    packed changed = *s;
     changed.convert = relax;
     return changed;
 }
@@ -184,11 +175,11 @@ static void a_disordered_packing_is_in_balance_afterwards(void **state) {
     static const char *const wanted[] = {"relax: 1e-2", "relax: 1e-3", "relax: 1e-7"};
     const double most[] = {1e-2, 1e-3, 1e-7};
     for (int space = 0; space < 2; space++) {
-        const block as_it_was = with(space ? &cube : &plate, "relax: none");
+        const packed as_it_was = with(space ? &packed_cube : &packed_plate, "relax: none");
         gn_world *before = converted(&as_it_was, strain, stretched);
         if (!(unbalanced(before) > 0.1)) fail_msg("%g", unbalanced(before));
         for (int k = 0; k < 3; k++) {
-            const block relaxed = with(&as_it_was, wanted[k]);
+            const packed relaxed = with(&as_it_was, wanted[k]);
             gn_world *w = converted(&relaxed, strain, stretched);
             if (!(unbalanced(w) <= 1.001 * most[k])) fail_msg("%d %g", space, unbalanced(w));
             assert_true(w->couple.relaxed.count == 1.0 && w->couple.relaxed.missed == 0.0);
@@ -203,8 +194,8 @@ static void a_disordered_packing_is_in_balance_afterwards(void **state) {
 static void it_takes_energy_and_leaves_velocities(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
-        const block as_it_was = with(space ? &cube : &plate, "relax: none"),
-                    relaxed = with(&as_it_was, "relax: 1e-6");
+        const packed as_it_was = with(space ? &packed_cube : &packed_plate, "relax: none"),
+                     relaxed = with(&as_it_was, "relax: 1e-6");
         gn_world *a = converted(&as_it_was, strain, stretched),
                  *b = converted(&relaxed, strain, stretched);
         const double less = stored(a) - stored(b);
@@ -223,7 +214,7 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
     }
 }
 
-/* A block that is held and was in equilibrium: what relaxation takes would swing between springs
+/* A packed that is held and was in equilibrium: what relaxation takes would swing between springs
  * and motion, one half on the mean each. (What the zone is out of balance is sent out all the
  * same.) */
 static void half_of_what_it_takes_would_have_moved(void **state) {
@@ -231,7 +222,7 @@ static void half_of_what_it_takes_would_have_moved(void **state) {
     enum { LOOKS = 40 };
     double kinetic[2], held[2];
     for (int k = 0; k < 2; k++) {
-        const block s = with(&plate, k ? "relax: 1e-3" : "relax: none");
+        const packed s = with(&packed_plate, k ? "relax: 1e-3" : "relax: none");
         gn_world *w = converted(&s, strain, stretched);
         held[k] = stored(w);
         kinetic[k] = 0.0;
@@ -255,9 +246,10 @@ static void a_lattice_in_uniform_strain_stays(void **state) {
     const double ghost = sqrt(3.0) * 1e-3 / (4.0 * width);
     const double swollen[9] = {1e-5, 0, 0, 0, 1e-5, 0, 0, 0, 1e-5};
     for (int space = 0; space < 2; space++) {
-        block as_it_was = with(space ? &cube : &plate, "relax: none");
+        packed as_it_was = with(space ? &packed_cube : &packed_plate, "relax: none");
         as_it_was.jitter = 0.0;
-        const block relaxed = with(&as_it_was, "relax: 0.08"), more = with(&relaxed, "relax: 1e-8");
+        const packed relaxed = with(&as_it_was, "relax: 0.08"),
+                     more = with(&relaxed, "relax: 1e-8");
         gn_world *a = converted(&as_it_was, strain, swollen),
                  *b = converted(&relaxed, strain, swollen), *c = converted(&more, strain, swollen);
         assert_true(unbalanced(a) < ghost);
@@ -282,10 +274,10 @@ static void a_block_that_moves_and_turns_does_not_relax(void **state) {
     (void)state;
     const double spin = 50.0;
     for (int space = 0; space < 2; space++) {
-        block as_it_was = with(space ? &cube : &plate, "relax: none");
+        packed as_it_was = with(space ? &packed_cube : &packed_plate, "relax: none");
         as_it_was.loose = true;
-        const block relaxed = with(&as_it_was, "relax: 1e-3");
-        gn_world *w[2] = {block_of(&as_it_was), block_of(&relaxed)};
+        const packed relaxed = with(&as_it_was, "relax: 1e-3");
+        gn_world *w[2] = {packed_of(&as_it_was), packed_of(&relaxed)};
         for (int k = 0; k < 2; k++) {
             set_elements(w[k], turn_about, &spin);
             convert(w[k], 8e-3, 14e-3, 8e-3, 14e-3);
@@ -296,9 +288,9 @@ static void a_block_that_moves_and_turns_does_not_relax(void **state) {
     }
 }
 
-/* Half a wave over the block, at its largest: what is balanced is what accelerates it, not nothing,
- * which would straighten the 8 mm that convert (by (pi 8/40)^2/8 = 5 % of its size). Kinks at the
- * corners of elements are rounded: (pi 2/40)^2/8 = 0.3 %. */
+/* Half a wave over the packed, at its largest: what is balanced is what accelerates it, not
+ * nothing, which would straighten the 8 mm that convert (by (pi 8/40)^2/8 = 5 % of its size). Kinks
+ * at the corners of elements are rounded: (pi 2/40)^2/8 = 0.3 %. */
 static void swing(const double *x, const void *of, double u[3], double v[3]) {
     (void)v;
     u[*(const int *)of] = 1e-7 * sin(pi * x[0] / 40e-3);
@@ -307,10 +299,10 @@ static void swing(const double *x, const void *of, double u[3], double v[3]) {
 static void a_wave_stays_a_wave(void **state) {
     (void)state;
     for (int along = 0; along < 2; along++) {
-        block as_it_was = with(&plate, "relax: none");
+        packed as_it_was = with(&packed_plate, "relax: none");
         as_it_was.jitter = 0.0;
         as_it_was.loose = true;
-        const block relaxed = with(&as_it_was, "relax: 1e-6");
+        const packed relaxed = with(&as_it_was, "relax: 1e-6");
         const int axis = !along;
         gn_world *a = converted(&as_it_was, swing, &axis), *b = converted(&relaxed, swing, &axis);
         if (!(moved(b, a) < 0.003 * 1e-7)) fail_msg("%g", moved(b, a));
@@ -337,13 +329,14 @@ static double most_borne(const gn_world *w) {
 static void no_bond_breaks_by_it(void **state) {
     (void)state;
     char strength[32];
-    const block as_it_was = with(&plate, "relax: none"), relaxed = with(&plate, "relax: 1e-3");
+    const packed as_it_was = with(&packed_plate, "relax: none"),
+                 relaxed = with(&packed_plate, "relax: 1e-3");
     gn_world *a = converted(&as_it_was, strain, stretched),
              *b = converted(&relaxed, strain, stretched);
     const double before = 1e15 * most_borne(a), after = 1e15 * most_borne(b);
     assert_true(after > 1.02 * before);
     snprintf(strength, sizeof strength, "%.17g", 0.5 * (before + after));
-    block weak = relaxed;
+    packed weak = relaxed;
     weak.strength = strength;
     gn_world *w = converted(&weak, strain, stretched);
     assert_true(most_borne(w) < 1.0);
@@ -360,7 +353,7 @@ static void no_bond_breaks_by_it(void **state) {
 
 static void iterations_end_where_they_are_to(void **state) {
     (void)state;
-    const block few = with(&plate, "relax: 1e-3, relax_iterations: 4");
+    const packed few = with(&packed_plate, "relax: 1e-3, relax_iterations: 4");
     gn_world *w = converted(&few, strain, stretched);
     assert_true(w->couple.relaxed.iterations == 4.0 && w->couple.relaxed.missed == 1.0);
     assert_true(w->couple.relaxed.worst > 1e-3);
@@ -369,7 +362,7 @@ static void iterations_end_where_they_are_to(void **state) {
 
 /* --- beside the rest --- */
 
-static void stir(const double *x, const void *of, double u[3], double v[3]) {
+static void lift(const double *x, const void *of, double u[3], double v[3]) {
     const double *space = of;
     strain(x, stretched, u, v);
     v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
@@ -379,7 +372,7 @@ static void stir(const double *x, const void *of, double u[3], double v[3]) {
 
 static gn_run *busy_run(bool space, int threads, const char *precision) {
     char rest[512];
-    block s = space ? cube : plate;
+    packed s = space ? packed_cube : packed_plate;
     gn_run *run = calloc(1, sizeof *run);
     gneiss_error error = {0};
     gn_scene scene;
@@ -388,13 +381,13 @@ static gn_run *busy_run(bool space, int threads, const char *precision) {
              "coefficient: 0.1}}\ngravity: [0, -9.81%s]\nrun: {threads: %d, precision: %s}\n",
              space ? ", 0" : "", threads, precision);
     s.rest = rest;
-    text *t = text_of(&s);
+    text *t = packed_text(&s);
     if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
         gn_run_create(&scene, run, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     free(t);
     const double depth = space, low[3] = {8e-3, 8e-3, 8e-3}, high[3] = {12e-3, 12e-3, 12e-3};
-    set_elements(&run->world, stir, &depth);
+    set_elements(&run->world, lift, &depth);
     run_steps(&run->world, 20);
     if (convert_box(&run->world, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
     return run;
@@ -459,7 +452,7 @@ static void instruction_sets_give_the_same_bits(void **state) {
         char rest[128];
         if (!runs_here(gn_kernel_set_at(k))) continue;
         snprintf(rest, sizeof rest, "run: {threads: 1, isa: %s}\n", gn_kernel_set_at(k)->name);
-        block s = with(&plate, "relax: 1e-3");
+        packed s = with(&packed_plate, "relax: 1e-3");
         s.rest = rest;
         gn_world *w = converted(&s, strain, stretched);
         run_steps(w, 20);

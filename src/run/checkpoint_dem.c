@@ -43,6 +43,7 @@ static const gn_piece pieces[] = {
     LIMIT(radius_min),
     LIMIT(done.motion.speed2),
     DOUBLES(push),
+    DOUBLES(depth),
     DOUBLES(scaling.unscaled),
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),

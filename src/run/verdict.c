@@ -504,6 +504,20 @@ static void warn_of_depth(const gn_run *run, gn_warnings *list) {
              p->deepest.value);
 }
 
+/* What the springs of particles cannot hold. */
+static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
+    const gn_depth *d = &run->world.dem.depth;
+    char who[160];
+    if (!(d->share > GN_DEPTH_MOST)) return;
+    gn_warning *to = add(list, "contacts_too_deep");
+    snprintf(to->text, sizeof to->text,
+             "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
+             "no law of contacts holds, and what is deeper than a radius comes out at the other "
+             "side; more stiffness, or less load or speed, keeps overlaps small",
+             gn_depth_text(&run->world, who, sizeof who), d->overlap, d->share, d->time,
+             GN_DEPTH_MOST);
+}
+
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
@@ -573,6 +587,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_control(run, list);
     warn_of_bodies(run, list);
     warn_of_depth(run, list);
+    warn_of_overlap(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);
     warn_of_normal(run, list);

@@ -4,7 +4,8 @@
  * keeps the angular momentum in space and lets the body run about its principal axes one after the
  * other, each turn exact: x y z y x with half, half, whole, half, half of the step (Dullweber,
  * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
- * exactly and the energy without drift; it is symplectic, reversible and of second order. */
+ * exactly and the energy without drift; it is symplectic, reversible and of second order, of fourth
+ * in steps in which the body turns far. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "sim/body_walls.h"
@@ -233,17 +234,39 @@ static void rotate_held(gn_rigid *b, double dt) {
     spin_from_momentum(b);
 }
 
-static void rotate_freely(gn_rigid *b, double dt, bool space) {
+/* rad of a turn that the second order is good for, and of one in parts of a longer one. After ten
+ * turns in steps of these a body is off by 9e-4 and by 1e-5 rad, at most, of boxes from rods to
+ * plates. */
+static const double turn_plain = 0.005, turn_part = 0.1;
+
+static void run_about_axes(gn_rigid *b, double dt) {
     static const int order[5] = {0, 1, 2, 1, 0};
     static const double part[5] = {0.5, 0.5, 1.0, 0.5, 0.5};
+    for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
+}
+
+/* Of fourth order, with what the second one keeps: parts s, s, 1 - 4 s, s, s of the step, s = 1/(4
+ * - 4^(1/3)) (Suzuki 1990, Phys. Lett. A 146, 319). */
+static void run_far(gn_rigid *b, double dt) {
+    const double s = 1.0 / (4.0 - cbrt(4.0));
+    const double part[5] = {s, s, 1.0 - 4.0 * s, s, s};
+    for (int k = 0; k < 5; k++) run_about_axes(b, part[k] * dt);
+}
+
+/* Steps go by springs and grains, and are no measure of how far a body turns. */
+static void rotate_freely(gn_rigid *b, double dt, bool space) {
     if (is_held(b)) {
         rotate_held(b, dt);
         return;
     }
-    if (space)
-        for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
-    else
+    double turn = dt * sqrt(gn_dot3(b->spin, b->spin));
+    /* What is not finite is found after the step. */
+    int parts = turn > turn_plain ? (int)fmin(ceil(turn / turn_part), 1000.0) : 0;
+    if (!space)
         turn_about_axis(b, 2, dt);
+    else if (parts == 0)
+        run_about_axes(b, dt);
+    for (int k = 0; space && k < parts; k++) run_far(b, dt / parts);
     spin_from_momentum(b);
 }
 

@@ -13,6 +13,13 @@
  * would is held to half of it, so that the step need not be lowered again before long. */
 static const double path_most = 0.25, turn_most = 0.25;
 
+/* The largest size of a table's values. */
+static double largest(const gn_table *t) {
+    double most = 0.0;
+    for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
+    return most;
+}
+
 static double length(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
@@ -20,6 +27,21 @@ static double length(const double v[3]) {
 static double change(const double now[3], const double past[3]) {
     const double d[3] = {now[0] - past[0], now[1] - past[1], now[2] - past[2]};
     return length(d);
+}
+
+/* Bearings beside free spins: about two free axes, or with bearings that turn, a step is of second
+ * order in the turn (rotate_held of bodies.c), which leaves 6e-4 rad after ten turns
+ * (of four bodies at most); about one it is exact. */
+static const double turn_held = 0.01;
+
+static double largest_turn(const gn_world *w, size_t k) {
+    const gn_rigid *b = &w->boundary.bodies[k];
+    double axes = 0.0, led = 0.0;
+    for (int a = 0; a < 3; a++) {
+        axes += b->held[a];
+        if (b->held[a] > 0.0) led = fmax(led, largest(&w->scene.bodies[k].motion.spin[a]));
+    }
+    return axes == 1.0 || (axes == 2.0 && led > 0.0) ? turn_held : turn_most;
 }
 
 /* m/s and rad/s of a body in a coming step of `dt`. */
@@ -46,22 +68,16 @@ static void speeds_in(const gn_world *w, size_t k, double dt, double *speed, dou
 void gn_bodies_follow(const gn_world *w, double *dt) {
     const double most = path_most * w->dem.radius_min;
     for (size_t k = 0; k < w->scene.body_count; k++) {
+        const double turn = largest_turn(w, k);
         /* Tables may hold more for the middle of a shorter step; it shrinks every time. */
         for (bool far = true; far;) {
             double speed, spin;
             speeds_in(w, k, *dt, &speed, &spin);
             speed += spin * w->boundary.bodies[k].reach;
-            far = *dt * speed > most || *dt * spin > turn_most;
-            if (far) *dt = 0.5 * fmin(most / speed, spin > 0.0 ? turn_most / spin : INFINITY);
+            far = *dt * speed > most || *dt * spin > turn;
+            if (far) *dt = 0.5 * fmin(most / speed, spin > 0.0 ? turn / spin : INFINITY);
         }
     }
-}
-
-/* The largest size of a table's values. */
-static double largest(const gn_table *t) {
-    double most = 0.0;
-    for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
-    return most;
 }
 
 /* The largest root of fall t^2 + speed t = way, s. */
@@ -84,8 +100,36 @@ double gn_bodies_step(const gn_world *w) {
         }
         double spin = length(turn), speed = length(v) + spin * b->reach;
         step = fmin(step, time_for(0.5 * path_most * w->dem.radius_min, speed, fall));
-        if (spin > 0.0) step = fmin(step, 0.5 * turn_most / spin);
+        if (spin > 0.0) step = fmin(step, 0.5 * largest_turn(w, k) / spin);
     }
     /* What hardly moves has some steps all the same. */
     return isfinite(step) ? fmin(step, 0.01 * (w->scene.end - w->time)) : step;
+}
+
+/* m/s; GN_SPEEDS of scenes. */
+static const double light = 3e8;
+
+static gneiss_status check_speed(const gn_world *w, size_t k, double spin, const char *of,
+                                 gneiss_error *error) {
+    const double reach = w->boundary.bodies[k].reach;
+    char key[64];
+    if (spin * reach <= light) return GNEISS_OK;
+    snprintf(key, sizeof key, "bodies[%zu].%s", k, of);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected at most %.4g rad/s, with which the farthest vertex, %.4g m from "
+                   "the point about which the body turns, goes at %g m/s; found %.4g rad/s",
+                   gn_scene_at(&w->scene, w->scene.bodies[k].where, key).text, light / reach, reach,
+                   light, spin);
+}
+
+gneiss_status gn_bodies_check_speeds(const gn_world *w, gneiss_error *error) {
+    static const char *const channel[] = {"motion.wx", "motion.wy", "motion.wz"};
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_body_def *def = &w->scene.bodies[k];
+        if (def->has_initial_spin)
+            GN_TRY(check_speed(w, k, length(def->initial_spin), "initial_spin", error));
+        for (int a = 0; a < 3; a++)
+            GN_TRY(check_speed(w, k, largest(&def->motion.spin[a]), channel[a], error));
+    }
+    return GNEISS_OK;
 }

@@ -5,12 +5,17 @@
 #include "sim/world.h"
 
 /* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
- * quarter of the smallest radius, and no body turns by more than a quarter of a radian. */
+ * quarter of the smallest radius, and no body turns by more than a quarter of a
+ * radian, with bearings about some of its axes by 0.01. */
 void gn_bodies_follow(const gn_world *world, double *dt);
 
 /* s: the same from the start on, where nothing else limits the step: for the fastest that bodies
  * are driven at any time, and a hundredth of what is left of the run at most. INFINITY: no body
  * moves. */
 double gn_bodies_step(const gn_world *world);
+
+/* That no spin, at the start or prescribed, moves a vertex faster than light, as velocities are
+ * bounded in scenes. */
+gneiss_status gn_bodies_check_speeds(const gn_world *world, gneiss_error *error);
 
 #endif

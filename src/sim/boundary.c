@@ -2,6 +2,7 @@
 #include "sim/boundary.h"
 
 #include "base/memory.h"
+#include "sim/body_paths.h"
 #include "sim/body_walls.h"
 #include "sim/internal.h"
 
@@ -13,6 +14,7 @@
 gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_walls_create(w, error));
     GN_TRY(gn_bodies_create(w, error));
+    GN_TRY(gn_bodies_check_speeds(w, error));
     GN_TRY(gn_body_walls_check(w, error));
     return gn_body_pairs_check(w, error);
 }

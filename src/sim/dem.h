@@ -11,6 +11,7 @@
 #include "neigh/pairs.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
+#include "sim/depth.h"
 #include "sim/events.h"
 #include "sim/flow.h"
 #include "sim/near.h"
@@ -154,6 +155,7 @@ typedef struct gn_dem {
                           * within a hundredth of the step or below it; else INFINITY */
     double listed_holds; /* s: step of the particles alone at which all that is listed holds */
     gn_resolution resolution; /* the shortest so far */
+    gn_depth depth;           /* the furthest so far */
     uint8_t *loose;           /* [ids]: not bonded at the start, see resolution.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;

@@ -3,6 +3,7 @@
 #include "scene/stages.h"
 
 #include "base/memory.h"
+#include "sim/body_paths.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
 #include "sim/origin.h"
@@ -61,6 +62,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_membrane_enter(w, pressure);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(w);
+    GN_TRY(gn_bodies_check_speeds(w, error));
     GN_TRY(gn_elements_enter(w, error));
     if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
     const bool forms = w->scene.bonds_stage == stage + 1 && w->scene.bonds == GN_SWITCH_ON;

@@ -223,12 +223,16 @@ static double fastest_body(const gn_world *w) {
 }
 
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
- * since: a particle goes a tenth of the smallest radius in a step at most. */
+ * since: a particle goes a tenth of the smallest radius in a step at most, also one that begins to
+ * fall. */
 static void follow_flight(gn_world *w) {
     const double most = 0.1 * w->dem.radius_min;
     double speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
     if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w)) + w->dem.gain;
-    if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
+    if (!(w->effects & GN_FX_HERTZ)) return;
+    double fall = sqrt(gn_dot3(w->scene.gravity, w->scene.gravity));
+    if (w->dt * w->dt * fall > most) lower(w, sqrt(0.5 * most / fall));
+    if (w->dt * speed > most) lower(w, 0.5 * most / speed);
 }
 
 /* Particles by themselves do not hold the step with all that may touch; with elements they may. */

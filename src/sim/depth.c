@@ -1,0 +1,91 @@
+#include "sim/depth.h"
+
+#include "sim/internal.h"
+
+#include <math.h>
+
+/* Looks cost a third of a step. */
+enum { LOOK_INTERVAL = 50 };
+
+static void note(gn_world *w, double overlap, double radius, size_t p, double second) {
+    w->dem.depth.share = overlap / radius;
+    w->dem.depth.overlap = overlap;
+    w->dem.depth.time = w->time;
+    const double id = w->dem.particles.id[p];
+    w->dem.depth.first = second >= 0.0 ? fmin(id, second) : id;
+    w->dem.depth.second = second >= 0.0 ? fmax(id, second) : second;
+}
+
+static void look_at_pairs(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_contacts *k = &w->dem.pairs;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        const double *a = q->pos + 4 * i, *b = q->pos + 4 * j;
+        const double radius = fmin(a[3], b[3]), most = a[3] + b[3] - w->dem.depth.share * radius;
+        double d[3], d2 = gn_branch(w, a, b, d);
+        if (!(most > 0.0 && d2 < most * most)) continue;
+        if (!(gn_inverse_mass_along(w, i, d) + gn_inverse_mass_along(w, j, d) > 0.0)) continue;
+        note(w, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
+    }
+}
+
+static size_t look_at_surface(gn_world *w, size_t row) {
+    const size_t p = (size_t)w->boundary.contacts.i[row];
+    const double radius = w->dem.particles.pos[4 * p + 3];
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    size_t count = 0;
+    row = gn_surface_contacts_at(w, row, 0.0, found, &count);
+    for (size_t k = 0; k < count; k++) {
+        const gn_surface *s = found[k].surface;
+        const double overlap = -found[k].contact.overlap;
+        if (!(overlap > w->dem.depth.share * radius)) continue;
+        if (!(gn_inverse_mass_along(w, p, found[k].contact.n) > 0.0 || gn_surface_yields(w, s)))
+            continue;
+        note(w, overlap, radius, p,
+             -1.0 - (double)w->scene.wall_count - (double)(s - w->boundary.surfaces));
+    }
+    return row;
+}
+
+static void look_at_walls(gn_world *w) {
+    const gn_wall_contacts *k = &w->boundary.contacts;
+    for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
+        const size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
+        if (wall >= w->scene.wall_count) {
+            c = look_at_surface(w, c);
+            continue;
+        }
+        const gn_wall *of = &w->boundary.walls[wall];
+        const double *x = w->dem.particles.pos + 4 * p;
+        const double overlap = x[3] + k->gap0[c] - gn_wall_distance(of, x);
+        if (overlap > w->dem.depth.share * x[3] && gn_inverse_mass_along(w, p, of->normal) > 0.0)
+            note(w, overlap, x[3], p, -1.0 - (double)wall);
+        c++;
+    }
+}
+
+void gn_depth_look(gn_world *w) {
+    look_at_pairs(w);
+    look_at_walls(w);
+    w->dem.depth.looked = (double)w->step;
+}
+
+void gn_depth_look_again(gn_world *w) {
+    if ((double)w->step - w->dem.depth.looked >= LOOK_INTERVAL) gn_depth_look(w);
+}
+
+const char *gn_depth_text(const gn_world *w, char *text, size_t size) {
+    const gn_depth *d = &w->dem.depth;
+    const size_t walls = w->scene.wall_count, k = d->second < 0.0 ? (size_t)(-1.0 - d->second) : 0;
+    if (d->second >= 0.0)
+        snprintf(text, size, "particles %.0f and %.0f", d->first, d->second);
+    else if (k < walls)
+        snprintf(text, size, "particle %.0f and wall '%.60s'", d->first, w->scene.walls[k].name);
+    else if (k - walls < w->scene.body_count)
+        snprintf(text, size, "particle %.0f and body '%.60s'", d->first,
+                 w->scene.bodies[k - walls].name);
+    else
+        snprintf(text, size, "particle %.0f and the finite elements", d->first);
+    return text;
+}
