@@ -71,7 +71,7 @@ static const packed packed_cube = {.cells = {10, 10, 10}, .space = true, .jitter
 
 static const double stretched[9] = {1e-5, 4e-6, 0, -2e-6, -3e-6, 0, 0, 0, 0};
 
-/* The middle of a packed under a strain converts: 8 mm, in space 4 mm broad. */
+/* The middle of a block under a strain converts: 8 mm, in space 4 mm broad. */
 static gn_world *converted(const packed *s, field *motion, const void *of) {
     gn_world *w = packed_of(s);
     gneiss_error error = {0};
@@ -214,7 +214,7 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
     }
 }
 
-/* A packed that is held and was in equilibrium: what relaxation takes would swing between springs
+/* A block that is held and was in equilibrium: what relaxation takes would swing between springs
  * and motion, one half on the mean each. (What the zone is out of balance is sent out all the
  * same.) */
 static void half_of_what_it_takes_would_have_moved(void **state) {
