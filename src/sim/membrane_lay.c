@@ -193,7 +193,8 @@ static void add_patches(gn_world *w, const look *l, double arms[9]) {
             if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
         if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
-    d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
+    if (d->membrane->pressure > 0.0)
+        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
