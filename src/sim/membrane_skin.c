@@ -191,11 +191,15 @@ static void skin_of_particles(gn_world *w, const double *arms, gn_patch *all) {
             all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * sum[k];
 }
 
+/* Whether the surface is that of the shape, or that of the particles. */
+static bool on_shape(const gn_world *w) {
+    return w->scene.specimen.pack.shape != GN_SHAPE_NONE;
+}
+
 static gneiss_status find_patches(gn_world *w, const bool *held, gn_patch *all,
                                   gneiss_error *error) {
     const double radius = gn_world_mean_radius(w);
-    if (w->scene.specimen.pack.shape != GN_SHAPE_NONE)
-        return skin_of_shape(w, radius, held, all, error);
+    if (on_shape(w)) return skin_of_shape(w, radius, held, all, error);
     double *arms = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
     if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     gneiss_status status = gn_membrane_free_skin(w, radius, arms, error);
@@ -260,7 +264,7 @@ static int by_owner(const void *a, const void *b) {
 static gneiss_status share_again(gn_world *w, const bool *held, int32_t *body,
                                  gneiss_error *error) {
     gn_dem *d = &w->dem;
-    if (w->scene.specimen.pack.shape == GN_SHAPE_NONE) {
+    if (!on_shape(w)) {
         gn_world_body_groups(w, INT32_MAX, body);
         GN_TRY(hand_over(w, held, body, error));
         qsort(d->patches, d->patch_count, sizeof *d->patches, by_owner);
