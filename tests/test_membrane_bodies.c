@@ -53,6 +53,28 @@ static void areas_turn_with_the_body_that_they_are_of(void **state) {
     world_end(w);
 }
 
+/* However far bodies have come from one another: each is followed as what is around a patch has
+ * moved, and a patch is held to the stretch of its own body. */
+static void bodies_that_drift_apart_keep_their_areas(void **state) {
+    (void)state;
+    gn_world *w = two_blocks(7e6, 0);
+    gn_particles *q = &w->dem.particles;
+    const double face = pitch * pitch;
+    press_at(w, 100); /* finds that they are two */
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (q->id[p] >= 64) q->pos[4 * p] += 0.3;
+    double *start = calloc(4 * q->soa.count, sizeof *start);
+    assert_non_null(start);
+    memcpy(start, q->skin, 4 * q->soa.count * sizeof *start);
+    for (int look = 2; look <= 41; look++) press_at(w, 100 * look);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            assert_near(q->applied[4 * p + a], -7e6 * start[4 * p + a], 1e-9 * 7e6 * face);
+    assert_true(w->dem.membrane->unlike == 0);
+    free(start);
+    world_end(w);
+}
+
 /* The pressure has the energy p V: what swings and turns under it, and nothing damps, has what it
  * was given. (Areas that stayed as they were for 100 steps made a million times as much of it.) */
 static void two_bodies_that_swing_and_turn_gain_no_energy(void **state) {
@@ -188,6 +210,7 @@ static void a_block_that_turns_keeps_its_angular_momentum(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_turn_with_the_body_that_they_are_of),
+        cmocka_unit_test(bodies_that_drift_apart_keep_their_areas),
         cmocka_unit_test(two_bodies_that_swing_and_turn_gain_no_energy),
         cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
         cmocka_unit_test(what_has_no_volume_is_not_pressed),

@@ -33,14 +33,16 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
     return values ? values[row] : 0.0;
 }
 
-/* The last row with the full pressure and no broken bond; SIZE_MAX: there is none. */
+/* The last row with the full pressure and bonds of which none has broken; SIZE_MAX: there is none.
+ */
 static size_t row_of_pressure(const gn_run *run) {
     const double *pressure = gn_history_column(&run->history, "membrane_pressure");
     double most = 0.0;
     size_t found = SIZE_MAX;
     for (size_t r = 0; pressure && r < run->history.row_count; r++) most = fmax(most, pressure[r]);
     for (size_t r = 0; most > 0.0 && r < run->history.row_count; r++) {
-        const bool whole = in_row(run, "broken_tension", r) + in_row(run, "broken_shear", r) == 0.0;
+        const bool whole = in_row(run, "bonds_intact", r) > 0.0 &&
+                           in_row(run, "broken_tension", r) + in_row(run, "broken_shear", r) == 0.0;
         if (pressure[r] >= 0.99 * most && whole) found = r;
     }
     return found;

@@ -267,10 +267,11 @@ static gneiss_status check_damage(const check *c, const gn_scene *before, const 
 /* The skin is found once, when the run begins. */
 static gneiss_status check_skin(const check *c, const gn_scene *before, const gn_scene *now) {
     const gn_membrane_def *was = &before->membrane, *is = &now->membrane;
-    const char *other = was->faces != is->faces     ? "membrane.faces"
-                        : was->axis != is->axis     ? "membrane.axis"
-                        : was->follow != is->follow ? "membrane.follow"
-                                                    : NULL;
+    const char *other = was->faces != is->faces       ? "membrane.faces"
+                        : was->axis != is->axis       ? "membrane.axis"
+                        : was->follow != is->follow   ? "membrane.follow"
+                        : was->surface != is->surface ? "membrane.surface"
+                                                      : NULL;
     if (!other) return GNEISS_OK;
     return gn_check_fail(c, other,
                          "expected what holds before this stage too: of a membrane pressure and "

@@ -45,6 +45,7 @@ static const char *const may_change[] = {
     "bodies.*.friction",
     "membrane.pressure",
     "membrane.ramp",
+    "membrane.surface",
     "membrane.faces", /* as they are from the start on, check_stages.c */
     "membrane.axis",
     "membrane.follow",
@@ -405,7 +406,7 @@ static const gn_node *first_membrane(const gn_node *stages) {
 }
 
 gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
-    static const char *const kept[] = {"pressure", "faces", "axis", "follow"};
+    static const char *const kept[] = {"pressure", "surface", "faces", "axis", "follow"};
     gn_node *root = (gn_node *)gn_tree_root(tree);
     const gn_node *first = first_membrane(gn_node_child(root, "stages"));
     if (!first || gn_node_child(root, "membrane")) return GNEISS_OK;

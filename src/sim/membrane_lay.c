@@ -62,20 +62,56 @@ static bool says_how(const view *v, double radius, double gradient[9]) {
     return gn_dot3(gradient, cofactor) > 0.0;
 }
 
+/* What a look knows before it: bodies, the grid of who says how they have moved, and how the skin
+ * of each has as a whole. */
+typedef struct look {
+    const int32_t *group;        /* NULL: all are one */
+    const gn_start_grid *around; /* NULL: as at the start */
+    double radius;
+    double (*whole)[9]; /* [particles] of who stands for a body, with several bodies */
+} look;
+
+static const double *whole_of(const gn_world *w, const look *l, size_t p) {
+    return l->whole ? l->whole[l->group[p]] : w->dem.membrane->gradient;
+}
+
 /* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
  */
-static void gradient_around(const gn_world *w, const int32_t *group, const gn_start_grid *grid,
-                            double radius, size_t p, double gradient[9]) {
+static void gradient_around(const gn_world *w, const look *l, size_t p, double gradient[9]) {
     for (int k = 0; k <= WIDENED; k++) {
         view v = {.particles = &w->dem.particles,
-                  .group = group,
+                  .group = l->group,
                   .middle = p,
-                  .reach = around * radius * pow(wider, k),
+                  .reach = around * l->radius * pow(wider, k),
                   .fit = {.dimension = (int)w->scene.dimension}};
-        gn_start_grid_visit(grid, w->dem.particles.start + 4 * p, v.reach, see, &v);
-        if (says_how(&v, radius, gradient)) return;
+        gn_start_grid_visit(l->around, w->dem.particles.start + 4 * p, v.reach, see, &v);
+        if (says_how(&v, l->radius, gradient)) return;
     }
-    memcpy(gradient, w->dem.membrane->gradient, 9 * sizeof *gradient);
+    memcpy(gradient, whole_of(w, l, p), 9 * sizeof *gradient);
+}
+
+/* Of the skin of each of several bodies, from who stands for it on. */
+static gneiss_status fit_bodies(const gn_world *w, look *l, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const size_t n = q->soa.count;
+    gn_gradient_fit *fit = gn_alloc_array(n + 1, sizeof *fit);
+    l->whole = gn_alloc_array(n + 1, sizeof *l->whole);
+    for (size_t p = 0; fit && l->whole && p < n; p++) {
+        const size_t lead = (size_t)l->group[p];
+        double from[3], to[3];
+        if (!gn_is_pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) {
+            from[a] = q->start[4 * p + a] - q->start[4 * lead + a];
+            to[a] = q->pos[4 * p + a] - q->pos[4 * lead + a];
+        }
+        fit[lead].dimension = (int)w->scene.dimension;
+        gn_gradient_add(&fit[lead], 1.0, from, to);
+    }
+    for (size_t p = 0; fit && l->whole && p < n; p++) gn_gradient_of(&fit[p], l->whole[p]);
+    const bool made = fit && l->whole;
+    gn_free(fit);
+    return made ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
 }
 
 /* --- areas --- */
@@ -118,28 +154,27 @@ static double stretch_of(const gn_patch *patch, const double turn[9], const doub
 }
 
 /* What is around the bearer of patches from the k-th on cannot have stretched one of them so much
- * more or less than the skin as a whole has been, for all that the shape of a body changes: then it
- * is taken to have moved as that. Returns the size of these patches, otherwise 0. */
-static double hold_to_whole(const gn_dem *d, size_t k, double gradient[9]) {
+ * more or less than the skin of its body has been, for all that the shape of a body changes: then
+ * it is taken to have moved as that. Returns the size of these patches, otherwise 0. */
+static double hold_to(const double as_whole[9], const gn_dem *d, size_t k, double gradient[9]) {
     const double owner = d->patches[k].owner;
     double turn[9], whole[9], size = 0.0;
     bool holds = true;
     gn_cofactor3(gradient, turn);
-    gn_cofactor3(d->membrane->gradient, whole);
+    gn_cofactor3(as_whole, whole);
     for (; k < d->patch_count && d->patches[k].owner == owner; k++) {
         const double stretch = stretch_of(&d->patches[k], turn, whole);
         holds = holds && stretch < stretch_most && stretch * stretch_most > 1.0;
         size += size_of(&d->patches[k]);
     }
     if (holds) return 0.0;
-    memcpy(gradient, d->membrane->gradient, 9 * sizeof *gradient);
+    memcpy(gradient, as_whole, 9 * sizeof *gradient);
     return size;
 }
 
-/* All patches, of which those of one particle follow one another; with a grid as what is around
- * them has moved, without as at the start. */
-static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *grid, double radius,
-                        double arms[9]) {
+/* All patches, of which those of one particle follow one another; as what is around them has moved
+ * or as at the start. */
+static void add_patches(gn_world *w, const look *l, double arms[9]) {
     gn_dem *d = &w->dem;
     double gradient[9], unlike = 0.0;
     for (size_t p = 0; p < d->particles.soa.count; p++)
@@ -150,15 +185,16 @@ static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *
         const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         double bared[3] = {0};
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
-        if (grid && at >= 0) {
-            gradient_around(w, group, grid, radius, (size_t)at, gradient);
-            unlike += hold_to_whole(d, k, gradient);
+        if (l->around && at >= 0) {
+            gradient_around(w, l, (size_t)at, gradient);
+            unlike += hold_to(whole_of(w, l, (size_t)at), d, k, gradient);
         }
         for (; k < d->patch_count && d->patches[k].owner == owner; k++)
             if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
         if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
-    d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
+    if (d->membrane->pressure > 0.0)
+        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
@@ -355,20 +391,32 @@ static gneiss_status grid_of_held(const gn_world *w, double cell, gn_start_grid 
     return status;
 }
 
+/* As what is around the bearers has moved. */
+static gneiss_status add_moved(gn_world *w, const int32_t *group, double arms[9],
+                               gneiss_error *error) {
+    gn_start_grid grid = {0};
+    look l = {.group = group, .radius = gn_world_mean_radius(w)};
+    gneiss_status status = grid_of_held(w, cell_size * l.radius, &grid, error);
+    if (status != GNEISS_OK) return status;
+    l.around = &grid;
+    if (group) status = fit_bodies(w, &l, error);
+    if (status == GNEISS_OK) add_patches(w, &l, arms);
+    gn_start_grid_free(&grid);
+    gn_free(l.whole);
+    return status;
+}
+
 /* From what was, which is room for it, or all of the way. */
 static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
     const gn_membrane *m = w->dem.membrane;
-    const double radius = gn_world_mean_radius(w);
     const bool follow = w->scene.membrane.follow && w->step > 0;
     double arms[9], had[9], turn[9], half[9];
-    gn_start_grid grid;
     if (was) carry_on(w, was, had);
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
-    if (follow) GN_TRY(grid_of_held(w, cell_size * radius, &grid, error));
-    add_patches(w, group, follow ? &grid : NULL, radius, arms);
-    if (follow) gn_start_grid_free(&grid);
+    if (follow) GN_TRY(add_moved(w, group, arms, error));
+    if (!follow) add_patches(w, &(look){0}, arms);
     if (was) blend(w, was, had, arms);
     GN_TRY(balance_bodies(
         w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));

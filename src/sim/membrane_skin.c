@@ -259,7 +259,7 @@ static int by_owner(const void *a, const void *b) {
 static gneiss_status share_again(gn_world *w, const bool *held, int32_t *body,
                                  gneiss_error *error) {
     gn_dem *d = &w->dem;
-    if (w->scene.specimen.pack.shape == GN_SHAPE_NONE) {
+    if (!gn_scene_membrane_on_shape(&w->scene)) {
         gn_world_body_groups(w, INT32_MAX, body);
         GN_TRY(hand_over(w, held, body, error));
         qsort(d->patches, d->patch_count, sizeof *d->patches, by_owner);
