@@ -94,7 +94,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
     gn_world_follow_bodies(w);
-    if (measure) gn_depth_look_again(w);
+    if (measure) GN_TRY(gn_depth_look_again(w, error));
 
     if (measure && w->scene.has_couple) gn_coupled_mean_stress(w, w->couple.stress);
     gn_control_look(w);
