@@ -42,8 +42,9 @@ static void resting(text *t, int on, double share) {
 }
 
 static bool same(const gn_depth *a, const gn_depth *b) {
-    return a->share == b->share && a->overlap == b->overlap && a->time == b->time &&
-           a->first == b->first && a->second == b->second && a->looked == b->looked;
+    return a->excess == b->excess && a->share == b->share && a->overlap == b->overlap &&
+           a->time == b->time && a->first == b->first && a->second == b->second &&
+           a->looked == b->looked;
 }
 
 static void what_lies_too_deep_is_warned_of(void **state) {

@@ -159,7 +159,7 @@ def a_skin_below_the_path_of_a_step_is_widened_alike_after_resume_and_named(fold
     resume(parts, "--set", "time.end=0.5 ms")
     assert state_hash(straight) == state_hash(parts)
     for where in (straight, parts):
-        assert [w["name"] for w in summary(where)["warnings"]] == ["neighbours_skin"], summary(where)["warnings"]
+        assert [w["name"] for w in summary(where)["warnings"]] == ["neighbours_skin", "contacts_too_deep"], summary(where)["warnings"]
 
 
 @fact

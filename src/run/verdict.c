@@ -508,14 +508,14 @@ static void warn_of_depth(const gn_run *run, gn_warnings *list) {
 static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
     const gn_depth *d = &run->world.dem.depth;
     char who[160];
-    if (!(d->share > GN_DEPTH_MOST)) return;
+    if (!(d->excess > 1.0)) return;
     gn_warning *to = add(list, "contacts_too_deep");
     snprintf(to->text, sizeof to->text,
              "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
              "no law of contacts holds, and what is deeper than a radius comes out at the other "
              "side; more stiffness, or less load or speed, keeps overlaps small",
              gn_depth_text(&run->world, who, sizeof who), d->overlap, d->share, d->time,
-             GN_DEPTH_MOST);
+             d->share / d->excess);
 }
 
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {

@@ -12,7 +12,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_refresh(w, error));
     GN_TRY(gn_boundary_refresh(w, first, error));
     GN_TRY(gn_exchanges_mark(w, error));
-    gn_depth_look(w);
+    GN_TRY(gn_depth_look(w, error));
     gn_world_assert_lists(w);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;

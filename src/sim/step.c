@@ -104,7 +104,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
     gn_world_follow_bodies(w);
-    if (measure) gn_depth_look_again(w);
+    if (measure) GN_TRY(gn_depth_look_again(w, error));
 
     if (measure && w->scene.has_couple) read_zones(w);
     GN_TRY(gn_gauge_look(w, error));
