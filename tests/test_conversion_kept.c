@@ -133,7 +133,8 @@ static gn_world *packed(void) {
         "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
         "elements: {rectangle: {size: [30 mm, 16 mm], cells: [15, 8]}, materials: [{young: 24e9, "
         "poisson: 0.2, density: 7800}]}\n"
-        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 6 mm, stress: 1e30}}\n"
+        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 6 mm, stress: 1e30, relax: "
+        "none}}\n"
         "time: {end: 1}\nrun: {threads: 1}\n");
 }
 

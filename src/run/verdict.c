@@ -262,23 +262,15 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
     }
 }
 
-static gneiss_status warn_of_packing(const gn_run *run, gn_warnings *list, gneiss_error *error) {
-    gn_conversion_figures f;
-    if (!gn_converts(&run->world)) return GNEISS_OK;
-    GN_TRY(gn_conversion_measure(&run->world, &f, error));
-    for (size_t k = 0; k < f.materials; k++) {
-        const gn_zone_material *m = &f.material[k];
-        if (!gn_zone_differs(m)) continue;
-        gn_warning *to = add(list, "packing_differs");
-        snprintf(
-            to->text, sizeof to->text,
-            "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
-            "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
-            "converts is not the body that it was; calibrate the particles to the elements",
-            m->modulus[0], m->density[0], m->modulus[1], m->density[1]);
-        return GNEISS_OK;
-    }
-    return GNEISS_OK;
+static void warn_of_packing(const gn_run *run, gn_warnings *list) {
+    const gn_packing_differs *d = &run->world.couple.differs;
+    if (!(d->modulus[0] > 0.0)) return;
+    gn_warning *to = add(list, "packing_differs");
+    snprintf(to->text, sizeof to->text,
+             "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
+             "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
+             "converts is not the body that it was; calibrate the particles to the elements",
+             d->modulus[0], d->density[0], d->modulus[1], d->density[1]);
 }
 
 /* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
@@ -595,7 +587,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_sources(run, list);
     warn_of_lost(run, list);
     warn_of_zone_masses(run, list);
-    GN_TRY(warn_of_packing(run, list, error));
+    warn_of_packing(run, list);
     warn_of_conversion(run, list);
     warn_of_relaxation(run, list);
     GN_TRY(warn_of_rest(run, list, error));

@@ -70,11 +70,22 @@ static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *
     return GNEISS_OK;
 }
 
+/* Once all has converted there is nothing left to compare. */
+static void keep_difference(gn_world *w, const gn_conversion_figures *f) {
+    for (size_t k = f->materials; k-- > 0;) {
+        const gn_zone_material *m = &f->material[k];
+        if (!gn_zone_differs(m)) continue;
+        memcpy(w->couple.differs.modulus, m->modulus, sizeof m->modulus);
+        memcpy(w->couple.differs.density, m->density, sizeof m->density);
+    }
+}
+
 /* Elements can become particles only where these are. */
 static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
     gn_conversion_figures f;
     char message[200];
     GN_TRY(gn_conversion_measure(w, &f, error));
+    keep_difference(w, &f);
     if (!f.elements)
         return refuse(w, w->scene.couple.convert.where, "couple.convert.box",
                       "expected elements of which all nodes start in the box, found none", error);
@@ -362,8 +373,11 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
     return GNEISS_OK;
 }
 
-/* Lists anew, which must not take the conversion for particles that move fast. */
-static gneiss_status make_lists(const gn_conversion *c, gneiss_error *error) {
+/* Lists anew, which must not take the conversion for particles that move fast. Who is free is
+ * balanced with the mass of the packing and where it is then keeps what the body has as a whole, so
+ * that no place and no mass changes after that. */
+static gneiss_status make_lists(const gn_conversion *c, const gn_tally *before,
+                                gneiss_error *error) {
     enum { NEITHER_SHORT_NOR_LONG = 1000 };
     gn_world *w = c->world;
     gn_free(w->dem.bond_sums);
@@ -371,7 +385,8 @@ static gneiss_status make_lists(const gn_conversion *c, gneiss_error *error) {
     w->dem.verlet.last_step = w->step - NEITHER_SHORT_NOR_LONG;
     GN_TRY(gn_world_rebuild(w, error));
     GN_TRY(gn_conversion_relax(c, error));
-    gn_dem_step_changed(w); /* dashpots */
+    GN_TRY(gn_conversion_keep(c, before, error));
+    gn_dem_masses_changed(w);
     GN_TRY(gn_elements_converted(w->elements[0], error));
     GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
@@ -392,8 +407,7 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
     GN_TRY(gn_fem_keep(b, c->kind, error));
     GN_TRY(gn_coupled_again(w, error));
-    GN_TRY(gn_conversion_keep(c, &before, error));
-    GN_TRY(make_lists(c, error));
+    GN_TRY(make_lists(c, &before, error));
     w->energy.conversion +=
         before.energy - gn_conversion_tally(c).energy + held - gn_conversion_held(c);
     return GNEISS_OK;

@@ -60,6 +60,12 @@ typedef struct gn_most_loaded {
     int32_t element;
 } gn_most_loaded;
 
+/* Of the first packed material that differs from the elements (gn_zone_differs), at the start: Pa
+ * and kg/m3 of its particles and of theirs; 0: none differs. Doubles, as checkpoints have it. */
+typedef struct gn_packing_differs {
+    double modulus[2], density[2];
+} gn_packing_differs;
+
 /* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
  * as checkpoints have it. */
 typedef struct gn_relaxations {
@@ -91,6 +97,7 @@ struct gn_world {
         double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                            * the last measured instant */
         gn_relaxations relaxed;
+        gn_packing_differs differs;
     } couple;
 
     gn_most_loaded most_loaded; /* of what looks found since the run began or was resumed */
