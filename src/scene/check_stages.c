@@ -87,9 +87,16 @@ static bool prescribed(const gn_motion *motion) {
     return given(motion->velocity) || given(motion->spin);
 }
 
+/* Whether contacts may begin with a force: bonds that are free of stress at another distance, or
+ * that another run had loaded. */
+static bool prestressed(const gn_scene *s) {
+    return s->specimen.from_bonds || (s->bonds == GN_SWITCH_ON && !s->passive_gaps);
+}
+
 /* Whether anything could change a specimen that is at rest. */
 static bool anything_acts(const gn_scene *s) {
-    bool acts = gn_scene_presses(s) || s->source_count || s->has_pulse || s->random_velocity != 0;
+    bool acts = gn_scene_presses(s) || prestressed(s) || s->source_count || s->has_pulse ||
+                s->random_velocity != 0;
     for (int a = 0; a < 3; a++) acts = acts || s->gravity[a] != 0;
     for (size_t k = 0; k < s->set_count; k++)
         acts = acts || s->sets[k].has_initial_velocity || s->sets[k].has_initial_spin;

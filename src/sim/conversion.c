@@ -70,22 +70,11 @@ static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *
     return GNEISS_OK;
 }
 
-/* Once all has converted there is nothing left to compare. */
-static void keep_difference(gn_world *w, const gn_conversion_figures *f) {
-    for (size_t k = f->materials; k-- > 0;) {
-        const gn_zone_material *m = &f->material[k];
-        if (!gn_zone_differs(m)) continue;
-        memcpy(w->couple.differs.modulus, m->modulus, sizeof m->modulus);
-        memcpy(w->couple.differs.density, m->density, sizeof m->density);
-    }
-}
-
 /* Elements can become particles only where these are. */
 static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
     gn_conversion_figures f;
     char message[200];
     GN_TRY(gn_conversion_measure(w, &f, error));
-    keep_difference(w, &f);
     if (!f.elements)
         return refuse(w, w->scene.couple.convert.where, "couple.convert.box",
                       "expected elements of which all nodes start in the box, found none", error);
@@ -134,6 +123,19 @@ gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     return status == GNEISS_OK ? check_room(w, error) : status;
 }
 
+/* Once all has converted there is nothing left to compare. */
+static gneiss_status keep_difference(gn_world *w, gneiss_error *error) {
+    gn_conversion_figures f;
+    GN_TRY(gn_conversion_measure(w, &f, error));
+    for (size_t k = f.materials; k-- > 0;) {
+        const gn_zone_material *m = &f.material[k];
+        if (!gn_zone_differs(m)) continue;
+        memcpy(w->couple.differs.modulus, m->modulus, sizeof m->modulus);
+        memcpy(w->couple.differs.density, m->density, sizeof m->density);
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_particles *q = &d->particles;
@@ -149,7 +151,8 @@ gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
         if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
         q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
     }
-    return gn_partials_build(&d->bonds, q->soa.count, w->threads, &d->bond_partials, error);
+    GN_TRY(gn_partials_build(&d->bonds, q->soa.count, w->threads, &d->bond_partials, error));
+    return keep_difference(w, error);
 }
 
 gneiss_status gn_conversion_find_still(gn_world *w, gneiss_error *error) {
