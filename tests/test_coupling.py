@@ -380,6 +380,40 @@ def a_run_that_converts_nothing_says_how_near_it_came(folder):
 
 
 @fact
+def springs_hold_the_outermost_particles_of_a_zone_too(folder):
+    """A strain along the edge on which the particles end, where they have no part and lie on sides of elements."""
+    for diagonals in ("parallel", "alternating"):
+        scene = write_scene(folder, """
+dimension: 2
+specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [25, 31], origin: [-0.5 mm, 19.5 mm]}}
+materials: [{name: r, density: 9931.27, normal_stiffness: 24e9, kratio: 4, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements:
+  rectangle: {size: [24 mm, 32 mm], cells: [6, 8], diagonals: %s}
+  materials: [{young: 24e9, poisson: 0, density: 7800}]
+  motions:
+    - {name: left, group: x_lower, motion: {vx: 0}}
+    - {name: right, group: x_upper, motion: {vx: [[0, 0], [0.1 ms, 5 mm/s], [0.2 ms, 5 mm/s], [0.3 ms, 0]]}}
+couple: {constraint: penalty, zones: [{edges: [{from: [0, 32 mm], to: [0, 20 mm]}]}]}
+time: {end: 0.6 ms}
+output: {history_rows: 2, snapshots: 0}
+damping: {background: {model: viscous, coefficient: 3e4}}
+sets:
+  - {name: r, select: {box: {min: [23.5 mm, 32.5 mm], max: [1, 1]}}, motion: {vx: [[0, 0], [0.1 ms, 5 mm/s], [0.2 ms, 5 mm/s], [0.3 ms, 0]]}}
+  - {name: l, select: {box: {min: [-1, 32.5 mm], max: [1 um, 1]}}, motion: {vx: 0}}
+""" % diagonals)
+        out = os.path.join(folder, diagonals)
+        run(scene, out)
+        with h5py.File(os.path.join(out, "results.h5")) as file:
+            u = file["particles/displacement"][()]
+            x = file["particles/position"][()] - u
+        row = abs(x[:, 1] - 20e-3) < 1e-5
+        off = abs(u[row, 0] - x[row, 0] * (1e-6 / 24e-3))
+        assert row.sum() == 25 and off.max() < 0.02e-6, off  # those without a spring stay behind by half of the 1 um
+
+
+@fact
 def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
     scene = write_scene(folder, MEETING)
     run(scene, os.path.join(folder, "same"))

@@ -402,6 +402,10 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
     keep_row_spacing(run, step_before);
+    if (w->halt[0] && !run->finished && last(run, "step") != (double)(w->step - 1)) {
+        GN_TRY(gn_history_step(w, &run->history, error)); /* how far it came */
+        GN_TRY(gn_run_check_ledger(run, error));
+    }
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
     if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) gn_run_out_of_time(run);

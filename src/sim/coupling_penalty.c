@@ -59,6 +59,9 @@ void gn_penalty_set(const gn_world *w, gn_coupled *q) {
         double mass = 0.0, own = 0.0;
         for (int a = 0; a < t->corners; a++) {
             size_t n = (size_t)t->tie[k].own[a];
+            /* Of who lies on a side rounding may give the corner across it a part, of either sign.
+             */
+            if (!(t->tie[k].shape[a] > 1e-9)) continue;
             mass += t->tie[k].shape[a] * node_mass(w, q, n) / sum[n];
         }
         double inverse = q->place[k] >= 0 ? w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;

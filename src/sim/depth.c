@@ -37,6 +37,8 @@ static void look_at_pairs(gn_world *w) {
         double d[3], d2 = gn_branch(w, a, b, d);
         if (!(most > 0.0 && d2 < most * most)) continue;
         if (!(gn_inverse_mass_along(w, i, d) + gn_inverse_mass_along(w, j, d) > 0.0)) continue;
+        /* Elements stand for their bond as yet: the packing's own overlap, without force. */
+        if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
         note(w, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
     }
 }

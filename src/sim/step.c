@@ -30,9 +30,9 @@ static void lap(watch *t, gn_phase phase) {
 }
 
 /* Bonds that are made beyond their strength break in the first evaluation: what contacts lose there
- * was stored. */
+ * was stored, as was what a sink or the domain took out before. */
 static void begin_ledger(gn_energy *e) {
-    e->stored_at_start = gn_energy_stored(e);
+    e->stored_at_start = gn_energy_stored(e) + e->removed;
 #define X(name, text) e->stored_at_start += e->name;
     GN_CONTACT_LOSSES(X)
 #undef X
