@@ -7,9 +7,9 @@
 #include "sim/coupling.h"
 #include "sim/ends.h"
 #include "sim/exchange.h"
+#include "sim/gauge.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
-#include "sim/gauge.h"
 #include "sim/membrane.h"
 #include "sim/origin.h"
 
