@@ -32,7 +32,7 @@ LAWS = {"linear": {"materials": [{"name": "grain", "density": 1, "normal_stiffne
         "hertz": {"materials": [{"name": "grain", "density": 1, "young": 2e7, "poisson": 0.25, "friction": 0.5, "restitution": 0.9}],
                   "law": {"stiffness": "hertz"}}}
 HELD = {"vx": 0, "vy": 0, "vz": 0, "wx": 0, "wy": 0, "wz": 0}
-LENGTHS = 1220, 20  # steps of a longer and a shorter run, the same for all: two lists of gneiss and five of the others are made in them
+LENGTHS = 1220, 20  # steps of a longer and a shorter run, the same for all: two lists of gneiss and eight of the others are made in them
 CODES = {"LAMMPS": ("lmp", "lammps_bed.in"), "LIGGGHTS": ("liggghts", "liggghts_bed.in")}
 
 

@@ -155,7 +155,7 @@ def penetration(folder):
     return (study.table(("t, ms", "gneiss, mm", "LIGGGHTS here, mm", "mean of codes", "2 s.d. of codes", "2 s.d. of packings", "off, mm"), rows)
             + f"\n\nLowest {1e3 * z[:, 1].min():.2f} mm at {1e3 * z[np.argmin(z[:, 1]), 0]:.1f} ms, codes {1e3 * mean.min():.2f} mm at "
               f"{1e3 * t[np.argmin(mean)]:.1f} ms; upwards at 34 ms {up[0]:.3f} m/s, codes {up[1]:.3f} m/s. {100 * inside:.0f} % of the rows after 22 ms lie "
-              f"within 2 standard deviations of the codes. Residual {done.residual:.1e}, {done.summary['steps']} steps of at most {done.summary['dt']:.3g} s, "
+              f"within 2 standard deviations of the codes. Residual {done.residual:.1e}, {done.summary['steps']} steps, the last of {done.summary['dt']:.3g} s, "
               f"{done.seconds:.0f} s on one thread of a machine that others used.\n\n"
               f"The published curve is missed: from 1 ms after the touch on the sphere is braked less than in the mean of the codes, and comes back faster. The cause is not in gneiss' law or "
               f"steps: LIGGGHTS (its Hertz law with its tangential dashpot, planes for the walls, step 1 us, from the touch on) takes the same path with the same inputs, "
