@@ -1093,6 +1093,8 @@ def two_ends_on_one_side_are_refused(folder):
         for kind, more in (("compression", {}), ("oedometer", {}), ("shear", {"axis": "x", "normal": "y"}), ("biaxial", {})):
             given = bonded(walls=walls, test={**ends(kind, "a", "b"), **more}, **({"membrane": {"pressure": 1e6}} if kind == "biaxial" else {}))
             refused(folder, given, pattern)
+    along = [{**plate("a", 0, 1), "normal": [1, 0]}, {**plate("b", 0, 1), "point": [0.02, 0], "normal": [-1, 0]}]
+    refused(folder, bonded(walls=along, test=ends("compression", "a", "b")), "test.lower: expected a wall that stands across the axis of the test, y, found 'a', which lies along it")
     above = "test.upper: expected an end above the lower one along y, found "
     way, side = above + "them the other way round: lower is at 0.015 to 0.015 m, upper at 0.001 to 0.001 m", above + "both on one side of the specimen"
     left, right = place("left", [0, 0.013], [6e-3, 0.02], vx=0, vy=0), place("right", [9e-3, 0.013], [0.02, 0.02], vx=0, vy=0)
@@ -1156,6 +1158,8 @@ def a_confinement_needs_what_confines(folder):
         refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), sides)
     for more in ({"walls": [left, right]}, {"bodies": [body]}, {"sets": [place("side", [0, 0], [2e-3, 0.02], vx=0)]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
         accepted(bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}))
+    cup = {"name": "low", "polyline": [[-0.001, 0.02], [-0.001, 0], [0.02, 0], [0.02, 0.02]], "stiffness": 1e9}
+    accepted(bonded(test=test, walls=plates[1:], bodies=[cup]))  # its bottom is an end, and it holds the sides
 
 
 @fact

@@ -56,12 +56,17 @@ static bool wall_stands(const gn_scene *s, int axis, double sense) {
     return false;
 }
 
+/* Whether the specimen may stand in it, so that it is an end and what holds the sides in one. */
+static bool may_be_cup(const gn_body_def *b) {
+    return !b->has_box;
+}
+
 bool gn_scene_stands(const gn_scene *s, int axis) {
     if (gn_scene_periodic_along(s, axis) ||
         (wall_stands(s, axis, 1.0) && wall_stands(s, axis, -1.0)))
         return true;
     for (size_t k = 0; k < s->body_count; k++)
-        if (!is_end(s, s->bodies[k].name)) return true;
+        if (!is_end(s, s->bodies[k].name) || may_be_cup(&s->bodies[k])) return true;
     for (size_t k = 0; k < s->set_count; k++)
         if (!is_end(s, s->sets[k].name) &&
             (s->stage_count || s->sets[k].motion.velocity[axis].count))

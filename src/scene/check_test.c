@@ -82,9 +82,30 @@ static gneiss_status check_two_walls(const check *c, const gn_wall_def *lower,
                          lower -> point[way]);
 }
 
+/* A wall along the direction of loading bears nothing of the load. A sheared specimen may be pushed
+ * by walls across either direction. */
+static gneiss_status check_across(const check *c, const gn_scene *s, const char *key,
+                                  const gn_test_end *end) {
+    const int way = (int)s->test.axis;
+    for (size_t k = 0; way >= 0 && k < end->count; k++) {
+        const int wall = gn_scene_find_wall(s, end->name[k]);
+        if (wall < 0 || fabs(s->walls[wall].normal[way]) > 0.1) continue;
+        const char axis = "xyz"[way];
+        return gn_check_fail(c, key,
+                             "expected a wall that stands across the axis of the test, %c, found "
+                             "'%s', which lies along it",
+                             axis, end->name[k]);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
+    if (!gn_test_in(t->kind, GN_TESTS_SHEARED)) {
+        GN_TRY(check_across(c, s, "test.lower", &t->lower));
+        GN_TRY(check_across(c, s, "test.upper", &t->upper));
+    }
     for (size_t k = 0; way >= 0 && k < t->lower.count; k++)
         for (size_t m = 0; m < t->upper.count; m++) {
             int lower = gn_scene_find_wall(s, t->lower.name[k]),
