@@ -94,6 +94,8 @@ def draw_panel(figure, axes, section, what):
     both = np.concatenate([of_particles] + ([] if of_mesh is None else [of_mesh[section.owner]]))
     factor, text = scale_of(both, unit)
     norm = norm_of(both / factor)
+    if unit == "1":  # a share, of which all may be 0 but a few
+        factor, text, norm = 1.0, "1", Normalize(0, 1)
     if symmetric:
         top = max(abs(norm.vmin), abs(norm.vmax))
         norm = Normalize(-top, top)
