@@ -1311,6 +1311,8 @@ def the_scene_of_the_oedometer_gives_a_modulus_and_a_lateral_ratio(folder):
     out = small(folder, "oedometer", "--set", "specimen.particles=500")
     read = readings(out)
     assert read["oedometric_modulus"] > 0 and 0 < read["lateral_stress_ratio"] < 1, (read, absent(out))
+    expect(gneiss("report", out), 0)
+    assert os.path.exists(os.path.join(out, "report", "lateral.png"))  # stress across over the strain
 
 
 @fact

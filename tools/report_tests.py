@@ -64,6 +64,22 @@ def plot_confined(results, path):
             + (" Strains count from the start of the stage." if results.of_stage else ""))
 
 
+def plot_lateral(results, path):
+    """Of an oedometer test: axial stress and the mean stress across, compression positive, over the strain."""
+    strain, stress = results.in_last_stage("strain"), results.in_last_stage("stress")
+    across = [results.in_last_stage("stress_" + 2 * a) for k, a in enumerate("xyz"[: results.dimension]) if k != results.test_axis()]
+    if results.test_kind != "oedometer" or strain is None or stress is None or any(a is None for a in across):
+        return None
+    lateral = -np.mean(across, axis=0)
+    factor, unit = scale_of(np.concatenate([stress, lateral]), "Pa")
+    figure, axes = new_axes(f"Stress along and across{results.of_stage}", "axial strain [%]", f"stress [{unit}]")
+    for values, color, label in ((stress, INK, "axial, of the ends"), (lateral, BLUE, "across, mean of the specimen")):
+        axes.plot(100 * strain, values / factor, color=color, label=label, **style_for(values))
+    axes.legend(loc="best")
+    save(figure, path)
+    return "Axial stress of the ends and mean stress of the specimen across, compression positive."
+
+
 def plot_opening(results, path):
     return plot_force_over(results, path, "opening", "the opening of the gauge.")
 
@@ -153,7 +169,7 @@ def plot_rose(results, path):
     normals = broken_normals(results)
     if normals is None:
         return None
-    axis = 1 if results.dimension == 2 else results.test_axis()
+    axis = results.test_axis()
     along = np.abs(normals[:, axis])
     angle = np.degrees(np.arcsin(np.clip(along, 0, 1)))  # of the crack's plane with the axis
     edges = np.linspace(0, 90, 19)
@@ -208,6 +224,7 @@ def plot_fragments(results, path):
 
 CURVES = {
     "confined": plot_confined,
+    "lateral": plot_lateral,
     "force_opening": plot_opening,
     "centre": plot_centre,
     "shear": plot_shear,
