@@ -33,7 +33,7 @@ static inline size_t gn_held_work(size_t particles) {
  * left is `tolerance` of the load in the metric of the diagonal, or after `most` iterations; what
  * nothing resists is resisted by 1e-3 of the diagonal. Returns the iterations. One thread: sums
  * have one order. */
-int gn_held_solve(const gn_held_system *system, const double *load, double tolerance, int most,
+int gn_held_solve(const gn_held_system *y, const double *load, double tolerance, int most,
                   double *u);
 
 #endif

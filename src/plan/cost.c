@@ -35,8 +35,8 @@ static void put_ends(gn_scene *s, gn_wall_def wall[2], char names[2][GN_NAME_SIZ
     s->wall_count = 2;
     s->test = (gn_test){.kind = GN_TEST_COMPRESSION,
                         .axis = axis,
-                        .lower = {1, names},
-                        .upper = {1, names + 1},
+                        .lower = {.count = 1, .name = names},
+                        .upper = {.count = 1, .name = names + 1},
                         .centre = s->test.centre,
                         .normal = -1};
 }
