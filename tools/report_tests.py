@@ -267,15 +267,17 @@ class At:
 
 
 def moments(results, folder):
-    """[(title, results, file, time)]: the first snapshot, the nearest to the peak, the last."""
+    """[(title, results, file, time)]: the first snapshot, the one with most of the peak's stress, the last."""
     time, stress = results.in_last_stage("time"), results.in_last_stage("stress")
     taken = snapshots(folder)
     if time is None or stress is None or len(taken) < 3 or not results.particle_count:
         return []
-    peak = time[int(np.nanargmax(stress))]
-    nearest = min(taken, key=lambda entry: abs(entry[0] - peak))
+    peak = np.nanmax(stress)
+    held = [float(np.interp(at, time, np.nan_to_num(stress))) for at, _ in taken]  # a broken bar would be near its peak in time as well
+    most = int(np.argmax(held))
+    share = f"near the peak ({held[most] / peak:.2f} of it)" if peak > 0 else "near the peak"
     chosen = []
-    for title, (at, path) in (("before", taken[0]), ("near the peak", nearest), ("at the end", taken[-1])):
+    for title, (at, path) in (("before", taken[0]), (share, taken[most]), ("at the end", taken[-1])):
         factor, unit = scale_of([max(taken[-1][0], 1e-30)], "s")
         try:
             chosen.append((f"{title}, {at / factor:.3g} {unit}", At(results, path), path, at))
@@ -310,7 +312,7 @@ def plot_moments(results, folder, path):
         a.set_title(title)
     color_bar(figure, axes[-1], norm, colors, label, "neither")
     save(figure, path)
-    return "The specimen at the first snapshot, at the one nearest to the peak and at the last."
+    return "The specimen at the first snapshot, at the one with most of the stress of the peak, and at the last."
 
 
 # --- parameters and tables -------------------------------------------------------------------------------
