@@ -253,6 +253,8 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
     assert summary["time"] < 0.9e-4
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        assert file["history/step"][-1] == summary["steps"] - 1  # the last row is how far it came
     assert re.search(r"the run ended at \S+ s of 0\.0001 s, and what comes after is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
                      r"couple\.convert\.box and the packing in it have to reach farther on that side .* by the width of the zone, 0\.006 m", said), said
     page = gneiss("report", out)

@@ -37,6 +37,19 @@ def rows_are_by_id_and_no_id_comes_twice(folder):
 
 
 @fact
+def what_a_sink_takes_before_the_first_step_was_stored_at_the_start(folder):
+    """A grain that moves lies in the sink from the start, another moves on."""
+    given = {key: SCENE[key] for key in ("dimension", "materials", "law", "bonds", "run")}
+    given.update(specimen={"particles": [[0, 0, 0, 1e-3], [10e-3, 0, 0, 1e-3]], "group": 0},
+                 sets=[{"name": "all", "select": {"all": True}, "initial_velocity": [1, 0, 0]}],
+                 sinks=[{"name": "here", "box": {"size": [4e-3, 4e-3, 4e-3]}, "origin": [-2e-3, -2e-3, -2e-3]}], time={"end": 1e-3})
+    run(write_scene(folder, given), os.path.join(folder, "out"))
+    with results(os.path.join(folder, "out")) as file:
+        assert file["history/sink_here_number"][-1] == 1
+        assert abs(file["history/energy_residual"][:]).max() < 1e-12, file["history/energy_residual"][:]
+
+
+@fact
 def bonds_are_between_rows(folder):
     with results(reference()) as file:
         i, j = file["bonds/i"][:].reshape(-1), file["bonds/j"][:].reshape(-1)
