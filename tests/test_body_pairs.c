@@ -1,7 +1,7 @@
 /* Convex rigid bodies that meet each other. */
 #include "body_helpers.h"
+#include "run_helpers.h"
 
-#include "run/run.h"
 #include "sim/body_pairs.h"
 #include "surfaces/body_shape.h"
 
@@ -431,42 +431,26 @@ static void pile(text *lines, int threads) {
         threads);
 }
 
-static void pile_run(gn_run *run, int threads) {
-    gn_scene scene;
-    gneiss_error error = {0};
+static gn_run *pile_run(int threads) {
     text *lines = calloc(1, sizeof *lines);
     pile(lines, threads);
-    assert_ok(gn_scene_parse(lines->s, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
-    assert_ok(gn_run_create(&scene, run, &error), &error);
+    gn_run *run = run_of("%s", lines->s);
     free(lines);
+    return run;
 }
 
 static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
-    const char *const saved = "/tmp/gneiss-body-pairs.h5";
-    gn_run straight, stopped, resumed;
-    gneiss_error error = {0};
-    pile_run(&straight, 3);
-    pile_run(&stopped, 1);
+    gn_run *straight = pile_run(3), *stopped = pile_run(1);
     double held = 0.0; /* what there is to carry over */
-    while (held == 0.0 && stopped.world.step < 9000) {
-        run_steps(&stopped.world, 7);
-        const gn_body_pairs *q = &stopped.world.boundary.pairs;
+    while (held == 0.0 && stopped->world.step < 9000) {
+        run_steps(&stopped->world, 7);
+        const gn_body_pairs *q = &stopped->world.boundary.pairs;
         for (size_t c = 0; c < q->count; c++)
             held += length3(q->pair[c].shear) * fabs(q->pair[c].twisting);
     }
     assert_true(held > 0.0);
-    run_steps(&straight.world, stopped.world.step + 700);
-    assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
-    assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
-    assert_true(gn_world_hash(&stopped.world) == gn_world_hash(&resumed.world));
-    run_steps(&resumed.world, 700);
-    assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
-    assert_true(memcmp(&straight.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
-    gn_run_free(&straight);
-    gn_run_free(&stopped);
-    gn_run_free(&resumed);
-    unlink(saved);
+    end_resumed_alike(straight, stopped, 700);
 }
 
 static void blocks_come_to_rest_on_each_other(void **state) {

@@ -35,14 +35,16 @@ bool gn_scene_presses(const gn_scene *s) {
 
 /* --- sides that stand --- */
 
-static bool named(const gn_test_end *end, const char *name) {
-    for (size_t k = 0; k < end->count; k++)
+bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name) {
+    for (size_t k = 0; k < parts; k++)
         if (strcmp(end->name[k], name) == 0) return true;
     return false;
 }
 
 static bool is_end(const gn_scene *s, const char *name) {
-    return named(&s->test.lower, name) || named(&s->test.upper, name);
+    const gn_test *t = &s->test;
+    return gn_scene_in_end(&t->lower, t->lower.count, name) ||
+           gn_scene_in_end(&t->upper, t->upper.count, name);
 }
 
 /* Any that leans against the direction will do: a tube of many walls has few that face it. */

@@ -11,9 +11,13 @@ bool gn_table_acts(const gn_table *table);
  * bodies or elements that move or are loaded. Gravity is not looked at. */
 bool gn_scene_presses(const gn_scene *scene);
 
-/* Whether something beside the ends of the test holds the specimen at both sides along an axis:
- * walls that face it, sides of a periodic box, bodies, sets or elements that are held there. Of a
- * scene with stages a wall with a servo and a set without a motion may be so later. */
+/* Whether a name is among the first `parts` of an end of a test. */
+bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
+
+/* Whether something beside the ends of the test, or a body that is one and no box, holds the
+ * specimen at both sides along an axis: walls that face it, sides of a periodic box, bodies, sets
+ * or elements that are held there. Of a scene with stages a wall with a servo and a set without a
+ * motion may be so later. */
 bool gn_scene_stands(const gn_scene *scene, int axis);
 
 /* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is

@@ -171,12 +171,6 @@ static bool servo(const gn_scene *s) {
     return false;
 }
 
-static bool presses(const gn_scene *s) {
-    for (size_t k = 0; s->has_membrane && k < s->membrane.pressure.count; k++)
-        if (s->membrane.pressure.value[k] > 0.0) return true;
-    return false;
-}
-
 /* What is looked at in rows of the history alone. */
 static const char *end_by_rows(const gn_stage *e) {
     return e->strain > 0       ? "end.strain"
@@ -212,7 +206,7 @@ static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t sta
         return gn_check_fail(c, end_by_rows(e),
                              "expected output.history_rows above 0, as it is looked at in rows of "
                              "the history, found 0: the stage would never end by it");
-    if (e->held > 0 && !servo(s) && !presses(s))
+    if (e->held > 0 && !servo(s) && !gn_table_acts(&s->membrane.pressure))
         return gn_check_fail(
             c, "end.held",
             "expected a wall or a periodic box with a servo, or a membrane with a pressure, in "

@@ -9,12 +9,6 @@
 
 /* ---- ends ---- */
 
-static bool in_end(const gn_test_end *end, size_t before, const char *name) {
-    for (size_t k = 0; k < before; k++)
-        if (strcmp(end->name[k], name) == 0) return true;
-    return false;
-}
-
 /* All that can be an end. */
 static gn_names names_of_ends(const gn_scene *s, const char *wanted) {
     gn_names names = gn_names_for(wanted);
@@ -41,7 +35,7 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
         if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
             gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
             return no_end(c, s, key, name);
-        if (in_end(end, k, name))
+        if (gn_scene_in_end(end, k, name))
             return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
     }
     return GNEISS_OK;
@@ -54,7 +48,7 @@ static gneiss_status check_sides(const check *c, const gn_scene *s, const char *
     GN_TRY(gn_check_keep(c, check_end(c, s, lower_key, lower)));
     GN_TRY(gn_check_keep(c, check_end(c, s, upper_key, upper)));
     for (size_t k = 0; k < upper->count; k++)
-        if (in_end(lower, lower->count, upper->name[k]))
+        if (gn_scene_in_end(lower, lower->count, upper->name[k]))
             return gn_check_fail(c, upper_key, "expected another end than lower, found '%s'",
                                  upper->name[k]);
     return GNEISS_OK;
