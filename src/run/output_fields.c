@@ -215,7 +215,7 @@ static double criterion_of(const gn_output_view *v, size_t c) {
 
 enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
 
-static double state_of(const gn_contacts *b, size_t c) {
+int32_t gn_output_bond_state(const gn_contacts *b, size_t c) {
     if (b->cause[c] != GN_INTACT || !(b->soa.effects & GN_FX_SOFTENING)) return b->cause[c];
     gn_bond_condition is = gn_softening_condition(b, c);
     if (is.tension > 0.0 || is.shear > 0.0) return BOND_SOFTENING;
@@ -230,7 +230,7 @@ static double end_of(const gn_output_view *v, size_t c, int end) {
 
 READ(first, end_of(v, k, 0))
 READ(second, end_of(v, k, 1))
-READ(state, state_of(&w->dem.bonds, k))
+READ(state, gn_output_bond_state(&w->dem.bonds, k))
 READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
 READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
 READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
@@ -319,9 +319,10 @@ gn_output_source gn_output_bonds(const gn_output_view *v) {
 
 /* --- what takes more than one particle --- */
 
-static void count_contacts(const gn_contacts *list, double *coordination) {
+/* Whether a bond holds is the world's; the copy may have broken it at the present places. */
+static void count_contacts(const gn_contacts *list, const gn_contacts *seen, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {
-        if (!gn_contact_bonded(list, c) && !gn_contact_carries(list, c)) continue;
+        if (!gn_contact_bonded(list, c) && !gn_contact_carries(seen, c)) continue;
         coordination[list->i[c]] += 1.0;
         coordination[list->j[c]] += 1.0;
     }
@@ -383,8 +384,8 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     }
     if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
     if (gn_converts(w)) damage_of_the_awake(w, v->damage);
-    count_contacts(&seen->bonds, v->coordination);
-    count_contacts(&seen->pairs, v->coordination);
+    count_contacts(&w->dem.bonds, &seen->bonds, v->coordination);
+    count_contacts(&w->dem.pairs, &seen->pairs, v->coordination);
     split_forces(v);
     return GNEISS_OK;
 }

@@ -25,6 +25,8 @@ gn_output_source gn_output_bonds(const gn_output_view *view);
 
 /* Where a particle is, as the user sees it, m. */
 void gn_output_place(const gn_output_view *view, size_t particle, double place[3]);
+/* As the field `state` says. */
+int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond);
 /* The ends of a bond as rows of particles, the smaller one first. */
 void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]);
 

@@ -29,6 +29,7 @@ typedef struct gn_output_table {
 enum { GN_OUTPUT_FIELDS_MOST = 24 };
 
 extern const gn_output_table gn_particle_outputs, gn_bond_outputs; /* output_fields.c */
+extern const gn_output_table gn_contact_outputs;                   /* output_contacts.c */
 extern const gn_output_table gn_event_outputs;                     /* events.c */
 extern const gn_output_table gn_node_outputs, gn_element_outputs;  /* output_elements.c */
 extern const gn_output_table gn_body_outputs, gn_vertex_outputs,

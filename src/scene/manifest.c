@@ -499,6 +499,9 @@ static const gn_key output_keys[] = {
     KEY("events", CHOICE, gn_scene, events, .choices = switches, .fallback = "auto",
         .text = "list of when and where bonds broke, began to soften or to yield, in results.h5; "
                 "auto: on"),
+    KEY("contacts", CHOICE, gn_scene, contact_rows, .choices = switches, .fallback = "auto",
+        .text = "all contacts that act, never bonded ones and those with walls and bodies among "
+                "them, in snapshots and results.h5; auto: off"),
     ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
           .text = "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
                   "material, skin, total_force, total_moment, damping_force, damping_moment, area, "
