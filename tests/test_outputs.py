@@ -184,5 +184,158 @@ def contacts_are_refused_where_there_are_no_particles(folder):
     expect(gneiss("check", path, *ALL), 2, r"output\.contacts: expected a specimen beside it")
 
 
+# --- bursts --------------------------------------------------------------------------------------------
+
+def bursts_by_hand(folder, period=None):
+    """Which burst each break is of, by comparing all with all."""
+    e = at_end(folder, "events")
+    with results(folder) as file:
+        reach, window = (float(file["bursts"].attrs[name]) for name in ("reach", "window"))
+    broke = np.flatnonzero(np.isin(e["cause"], (1, 2)))
+    place = np.stack([e[name][broke] for name in "xyz"], axis=1)
+    way = place[:, None] - place[None]
+    if period:
+        way[..., :len(period)] -= np.round(way[..., :len(period)] / period) * period
+    near = ((way ** 2).sum(2) <= reach ** 2) & (np.abs(e["time"][broke][:, None] - e["time"][broke][None]) <= window)
+    label = np.arange(len(broke))
+    while True:
+        least = np.where(near, label[None], len(broke)).min(1)
+        if np.array_equal(least, label):
+            break
+        label = least
+    return np.unique(label, return_inverse=True)[1], broke
+
+
+def check_bursts(folder, period=None):
+    b, e = at_end(folder, "bursts"), at_end(folder, "events")
+    of, broke = bursts_by_hand(folder, period)
+    assert np.array_equal(e["burst"][broke], of) and (np.delete(e["burst"], broke) == -1).all()
+    counts = summary(folder)["counts"]
+    assert b["size"].sum() == counts["broken_tension"] + counts["broken_shear"] and b["tension"].sum() == counts["broken_tension"]
+    assert np.array_equal(b["size"], np.bincount(of)) and np.allclose(b["energy"], np.bincount(of, e["energy"][broke]), rtol=1e-12, atol=1e-18)
+    for k in range(len(b["size"])):
+        times = e["time"][broke][of == k]
+        assert b["time"][k] == times.min() and b["duration"][k] == np.ptp(times)
+    gives = b["energy"] > 0
+    assert np.allclose(b["magnitude"][gives], 2 / 3 * np.log10(b["energy"][gives]) - 3.2) and np.isnan(b["magnitude"][~gives]).all()
+    with results(folder) as file:
+        assert abs(b["energy"].sum() - file["energy/bond_breaking"][0]) < 1e-9 * b["energy"].sum()
+        if "events" in file["readings"]:
+            assert file["readings/events"][0] == len(b["size"])
+    return b
+
+
+SLOW = ("--set", "time.end=0.2 ms", "--set", "output.burst_reach=2")  # before all breaks at once
+
+
+@fact
+def bursts_are_breaks_that_are_near_in_place_and_time(folder):
+    place = os.path.join(folder, "out")
+    run(UCS, place, *SLOW)
+    b = check_bursts(place)
+    assert len(b["size"]) > 20 and 5 < b["size"].max() < 0.9 * b["size"].sum(), b["size"]
+    e = at_end(place, "events")
+    for k in np.flatnonzero(b["size"] > 1)[:5]:
+        assert abs(b["x"][k] - e["x"][e["burst"] == k].mean()) < 1e-12
+    p, bonds = at_end(place, "particles"), at_end(place, "bonds")
+    sums = (p["radius"][bonds["i"]] + p["radius"][bonds["j"]]).mean()
+    with results(place) as file:
+        assert abs(file["bursts"].attrs["reach"] - 2 * sums) < 1e-12 * sums
+        r = 1 / (0.5 / p["radius"][bonds["i"]] + 0.5 / p["radius"][bonds["j"]])
+        slow = np.sqrt(2 / (1 / p["mass"][bonds["i"]] + 1 / p["mass"][bonds["j"]]) / (2 * 10e9 * r)) / bonds["rest_length"]
+        assert abs(file["bursts"].attrs["window"] / (2 * sums * slow.mean()) - 1) < 1e-12
+
+
+@fact
+def bursts_are_the_same_whatever_rows_threads_and_interruptions(folder):
+    one, two = (os.path.join(folder, name) for name in ("one", "two"))
+    run(UCS, one, *SLOW, "--threads", 1)
+    run(UCS, two, "--threads", 2, "--set", "time.end=0.15 ms", "--set", "output.burst_reach=2", "--set", "output.history_rows=11")
+    resume(two, "--threads", 2, "--set", "time.end=0.2 ms")
+    for group in ("bursts", "events", "fragments"):
+        a, b = at_end(one, group), at_end(two, group)
+        assert a.keys() == b.keys() and all(a[name].tobytes() == b[name].tobytes() for name in a), group
+    assert summary(one)["readings"]["b_value"] == summary(two)["readings"]["b_value"] and summary(one)["readings"]["events"] > 20
+
+
+@fact
+def bursts_across_a_periodic_box_are_one(folder):
+    """Two bonds at the two sides, a third in the middle."""
+    place = os.path.join(folder, "out")
+    pairs = [[0.4e-3, 5e-3], [10e-3, 5e-3], [19.6e-3, 5e-3]]
+    particles = [[x, y + side * 1e-3, 1e-3] for x, y in pairs for side in (-1, 1)]
+    run(write_scene(folder, {
+        "dimension": 2, "specimen": {"particles": particles, "material": "m"},
+        "materials": [{"name": "m", "density": 2500, "contact_modulus": 1e9, "kratio": 2, "tensile_strength": 1e6, "shear_strength": 1e6}],
+        "law": {"stiffness": "harmonic"}, "bonds": {}, "periodic": {"min": [0, 0], "max": [20e-3, 10e-3]},
+        "sets": [{"name": "up", "select": {"box": {"min": [0, 5.5e-3], "max": [1, 1]}}, "motion": {"vy": 1}},
+                 {"name": "low", "select": {"box": {"min": [0, 0], "max": [1, 4.5e-3]}}, "motion": {"vy": -1}}],
+        "time": {"end": 1e-5}, "output": {"burst_reach": 1.5}}), place)
+    b = check_bursts(place, [20e-3, 10e-3])
+    assert sorted(b["size"]) == [1, 2], b
+    assert abs(b["x"][b["size"] == 2][0] % 20e-3 - 0) < 1e-5 or abs(b["x"][b["size"] == 2][0] % 20e-3 - 20e-3) < 1e-5
+    with results(place) as file:
+        assert abs(file["bursts"].attrs["reach"] - 3e-3) < 1e-12
+
+
+# --- fragments -----------------------------------------------------------------------------------------
+
+def pieces_by_hand(folder):
+    b, count = at_end(folder, "bonds"), len(at_end(folder, "particles")["radius"])
+    holds = np.isin(b["state"], (0, 4, 5))
+    label = np.arange(count)
+    while True:
+        least = np.minimum(label[b["i"][holds]], label[b["j"][holds]])
+        new = label.copy()
+        np.minimum.at(new, b["i"][holds], least)
+        np.minimum.at(new, b["j"][holds], least)
+        if np.array_equal(new, label):
+            return label
+        label = new
+
+
+@fact
+def fragments_are_what_bonds_hold_together_with_their_mass_and_momentum(folder):
+    place = os.path.join(folder, "out")
+    run(UCS, place, "--set", "output.fields=[fragment, fragment_size]")
+    f, p = at_end(place, "fragments"), at_end(place, "particles")
+    label = pieces_by_hand(place)
+    lone, index, sizes = np.unique(label, return_inverse=True, return_counts=True)
+    assert len(f["mass"]) == len(lone) > 50
+    assert np.array_equal(p["fragment_size"], sizes[index])
+    assert np.array_equal(f["particles"], np.bincount(p["fragment"])) and np.array_equal(f["first"][p["fragment"]], lone[index])
+    assert (np.diff(f["volume"]) <= 0).all()
+    m = p["mass"]
+    assert np.allclose(f["mass"], np.bincount(p["fragment"], m), rtol=1e-12)
+    assert np.allclose(f["volume"], np.bincount(p["fragment"], 4 / 3 * np.pi * p["radius"] ** 3), rtol=1e-12)
+    for name, of in (("centre", "position"), ("velocity", "velocity")):
+        for a in range(3):
+            want = np.bincount(p["fragment"], m * p[of][:, a]) / f["mass"]
+            assert np.allclose(f[name][:, a], want, rtol=1e-9, atol=1e-12 * np.abs(p[of]).max()), name
+    r = summary(place)["readings"]
+    assert r["fragments"] == np.count_nonzero(f["particles"] > 1)
+    assert abs(r["largest_fragment"] - f["volume"][0] / f["volume"].sum()) < 1e-12
+    with h5py.File(os.path.join(place, series(place)[-1][0])) as file:
+        assert np.array_equal(file["VTKHDF/PointData/fragment"][:].ravel(), p["fragment"])
+    with h5py.File(os.path.join(place, series(place)[0][0])) as file:
+        first = file["VTKHDF/PointData/fragment_size"][:].ravel()
+        assert first.max() > 0.99 * len(first)
+
+
+@fact
+def who_was_removed_belongs_to_no_fragment(folder):
+    place = os.path.join(folder, "out")
+    run(write_scene(folder, {
+        "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [10e-3, 0, 1e-3], [20e-3, 0, 1e-3]]},
+        "materials": [{"name": "m", "density": 2500, "contact_modulus": 1e9, "kratio": 2, "tensile_strength": 1e6, "shear_strength": 1e6}],
+        "law": {"stiffness": "harmonic"}, "bonds": {}, "domain": {"min": [-1, -1], "max": [0.021, 1], "lost": "remove"},
+        "sets": [{"name": "out", "select": {"ids": [3]}, "initial_velocity": [3, 0]}, {"name": "up", "select": {"ids": [0, 1]},
+                 "initial_velocity": [0, 2]}], "time": {"end": 2e-3}, "output": {"fields": ["fragment", "fragment_size"]}}), place)
+    f, p = at_end(place, "fragments"), at_end(place, "particles")
+    assert list(p["fragment"]) == [0, 0, 1, -1] and list(p["fragment_size"]) == [2, 2, 1, 0] and list(p["removed"]) == [0, 0, 0, 1]
+    assert np.allclose(f["velocity"], [[0, 2, 0], [0, 0, 0]]) and np.allclose(f["centre"][0], [1e-3, 4e-3, 0], atol=2e-6), f
+    assert np.allclose(f["mass"], 2500 * np.pi * 1e-6 * np.array([2, 1]))
+
+
 if __name__ == "__main__":
     sys.exit(main())

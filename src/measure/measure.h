@@ -199,7 +199,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS_SHEARED,    \
       "1", "share of the peak that the stress lost by the end of the run (Bishop 1967)")           \
     Y(X, events, ~GN_TESTS(NONE), "1",                                                             \
-      "bursts: rows in a row of the history in which bonds broke")                                 \
+      "bursts of breaking bonds: breaks near each other in place and time (output.burst_reach)")   \
     Y(X, b_value, ~GN_TESTS(NONE), "1",                                                            \
       "slope of log N over log10 of the bonds that a burst breaks, N as many or more: maximum "    \
       "likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")                        \
@@ -242,8 +242,11 @@ typedef struct gn_tested {
     bool falls;                         /* under gravity */
     double section;                     /* m2, of what breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
-    bool zones;                         /* particles and elements share some */
-    double returned;                    /* at the end, found elsewhere; NaN: of nothing */
+    const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
+    size_t burst_count;
+    const char *no_bursts; /* why there are none */
+    bool zones;            /* particles and elements share some */
+    double returned;       /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

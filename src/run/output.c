@@ -315,12 +315,6 @@ static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *err
     return status;
 }
 
-static gneiss_status put_events(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_output_source events = {
-        &gn_event_outputs, &w->dem.events, w->effects, w->dem.events.count, NULL, NULL, 0};
-    return w->effects & GN_FX_EVENTS ? gn_output_put(&events, file, error) : GNEISS_OK;
-}
-
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
@@ -333,7 +327,8 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_owners_results(&run->world, file, error);
     if (status == GNEISS_OK) status = put_state(&run->world, file, error);
-    if (status == GNEISS_OK) status = put_events(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_fragments_results(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_events_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);

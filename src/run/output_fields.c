@@ -75,6 +75,8 @@ static void read_applied(const void *view, size_t k, double *value) {
 }
 READ(material, w->dem.particles.material[k])
 READ(group, w->dem.particles.group[k])
+READ(fragment, v->fragments.of[k])
+READ(fragment_size, v->fragments.of[k] < 0 ? 0 : v->fragments.row[v->fragments.of[k]].particles)
 READ(skin, w->dem.particles.skin[4 * k + 3] > 0.0)
 static void read_total_force(const void *view, size_t k, double *value) {
     memcpy(value, ((const gn_output_view *)view)->total + 6 * k, 3 * sizeof *value);
@@ -135,6 +137,12 @@ static const gn_output_field of_particles[] = {
      false, 1, read_material, 0},
     {"skin", "1", "1: the membrane presses on it", GN_ON_REQUEST(skin), GN_U8, false, 1, read_skin,
      GN_FX_MEMBRANE},
+    {"fragment", "1",
+     "row of fragments that it belongs to, the largest first; -1: removed or asleep",
+     GN_ON_REQUEST(fragment), GN_I32, false, 1, read_fragment, GN_FX_BONDS},
+    {"fragment_size", "1",
+     "particles that bonds which hold keep together with it, itself among them",
+     GN_ON_REQUEST(fragment_size), GN_I32, false, 1, read_fragment_size, GN_FX_BONDS},
     {"total_force", "N",
      "of contacts, walls, surfaces, weight, what is applied and background damping; of walls and "
      "surfaces in the last step; without what zones of elements do and what leads a set",
@@ -340,6 +348,12 @@ static void damage_of_the_awake(const gn_world *w, double *damage) {
     }
 }
 
+static gneiss_status read_fragments(gn_output_view *v, gneiss_error *error) {
+    const unsigned wanted = GN_ASKED(fragment) | GN_ASKED(fragment_size);
+    if (!(v->world->scene.asked & wanted)) return GNEISS_OK;
+    return gn_fragments_list(v->world, &v->fragments, error);
+}
+
 /* Nothing costs what nobody asks for. */
 static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
     const size_t n = v->world->dem.particles.soa.count;
@@ -378,6 +392,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
     if (status == GNEISS_OK) status = read_loads(v, error);
+    if (status == GNEISS_OK) status = read_fragments(v, error);
     if (status != GNEISS_OK) {
         gn_output_view_free(v);
         return status;
@@ -398,6 +413,7 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->shear);
     free(v->total);
     free(v->damping);
+    gn_fragments_free(&v->fragments);
     free(v->row);
     gn_free(v->places);
     *v = (gn_output_view){0};

@@ -3,6 +3,7 @@
 #define GN_RUN_OUTPUT_FIELDS_H
 
 #include "run/output_table.h"
+#include "sim/fragments.h"
 #include "sim/world.h"
 
 typedef struct gn_output_view {
@@ -10,9 +11,10 @@ typedef struct gn_output_view {
     const gn_observed *seen;
     double *damage, *stress, *coordination; /* per particle; stress [particles][6] */
     double *normal, *shear;                 /* N, per bond, of what is seen */
-    double *total, *damping; /* N and N m, [particles][6]; NULL unless they are asked for */
-    int32_t *row;            /* [particles] in files, where they stand by id */
-    int32_t *places;         /* of elements, where particles sleep in them; NULL: none do */
+    double *total, *damping;    /* N and N m, [particles][6]; NULL unless they are asked for */
+    gn_fragment_list fragments; /* empty unless they are asked for */
+    int32_t *row;               /* [particles] in files, where they stand by id */
+    int32_t *places;            /* of elements, where particles sleep in them; NULL: none do */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,

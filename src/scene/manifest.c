@@ -502,10 +502,15 @@ static const gn_key output_keys[] = {
     KEY("contacts", CHOICE, gn_scene, contact_rows, .choices = switches, .fallback = "auto",
         .text = "all contacts that act, never bonded ones and those with walls and bodies among "
                 "them, in snapshots and results.h5; auto: off"),
+    KEY("burst_reach", REAL, gn_scene, burst_reach, .unit = "1", .range = "[0, 1e6]",
+        .fallback = "5",
+        .text = "breaks belong to one burst that are so many mean diameters of bonded particles "
+                "apart at most, and in time no more than a wave takes for that"),
     ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
-          .text = "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
-                  "material, skin, total_force, total_moment, damping_force, damping_moment, area, "
-                  "shear_stress (docs/quantities.md)"),
+          .text =
+              "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
+              "material, skin, total_force, total_moment, damping_force, damping_moment, fragment, "
+              "fragment_size, area, shear_stress (docs/quantities.md)"),
 };
 TABLE_OF(output);
 
