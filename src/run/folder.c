@@ -157,7 +157,8 @@ static const char *const series[] = {"particles",        "bonds",           "ele
 enum { SERIES = sizeof series / sizeof *series, LISTED = 5 };
 
 /* What only a run's end writes. */
-static const char *const single[] = {"results.h5", "summary.json", "report.html", "report.csv"};
+static const char *const single[] = {"results.h5", "summary.json",      "report.html",
+                                     "report.csv", "report_bursts.csv", "report_fragments.csv"};
 enum { SINGLE = sizeof single / sizeof *single };
 
 /* --- files of somebody else --- */
