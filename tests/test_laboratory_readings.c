@@ -95,6 +95,22 @@ static void brittleness_is_what_the_stress_lost_of_its_peak(void **state) {
     assert_close(r.brittleness, 0.8, 1e-9);
 }
 
+static void what_falls_below_nothing_is_lost_and_no_more(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    table t = table_of(names, 4);
+    for (int k = 0; k <= 60; k++) {
+        double row[] = {k, k < 50 ? k : 49 - 10 * (k - 49), k, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_true(r.brittleness == 1);
+    /* The row before the peak has 48 of 49 Pa; the rows beside it stand at 48 and 50. */
+    assert_close(r.peak_rise, 1.0 / 49, 1e-12);
+    assert_true(r.peak_strain_least == 48 && r.peak_strain_most == 50);
+}
+
 static table few(void) {
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
     table t = table_of(names, 4);
@@ -246,6 +262,7 @@ int main(void) {
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
         cmocka_unit_test(few_bursts_have_no_slope),
+        cmocka_unit_test(what_falls_below_nothing_is_lost_and_no_more),
         cmocka_unit_test(fracture_energy_is_the_area_under_the_curve_over_the_section),
         cmocka_unit_test(peak_force_and_stiffness_of_a_beam_are_those_of_the_ends),
         cmocka_unit_test(readings_of_other_tests_are_absent_for_that),
