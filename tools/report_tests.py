@@ -410,7 +410,7 @@ def write_csv(results, folder):
     for name, columns in (("report", results.history if results.rows else {}), ("report_bursts", results.bursts),
                           ("report_fragments", results.fragments)):
         path = os.path.join(folder, name + ".csv")
-        if columns:
+        if any(np.size(column.value) for column in columns.values()):
             write_columns(path, columns)
         elif os.path.exists(path):
             os.remove(path)
