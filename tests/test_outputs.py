@@ -177,6 +177,25 @@ def sections_of_laws_by_area_are_those_of_bonds(folder):
 
 
 @fact
+def a_disc_on_a_beam_of_elements_presses_a_facet_with_its_weight(folder):
+    place = os.path.join(folder, "out")
+    r, weight = 5e-3, 2500 * np.pi * 25e-6 * 9.81
+    run(write_scene(folder, {
+        "dimension": 2, "specimen": {"particles": [[1.3e-3, 0.1 + r, r]], "group": 0}, "gravity": [0, -9.81],
+        "materials": [{"name": "m", "density": 2500, "contact_modulus": 1e6, "kratio": 2}], "law": {"stiffness": "harmonic"},
+        "elements": {"beam": {"length": "440 mm", "height": "100 mm", "span": "400 mm", "notch_depth": "30 mm", "notch_width": "2 mm",
+                              "cell": "20 mm"}, "contact": {"stiffness": 1e4},
+                     "materials": [{"young": 30e9, "poisson": 0.2, "density": 2400}],
+                     "motions": [{"name": "held", "box": {"min": [-1, -1], "max": [1, 1]}, "motion": {"vx": 0, "vy": 0}}]},
+        "damping": {"background": {"model": "viscous", "coefficient": 300}}, "domain": {"min": [-1, -1], "max": [1, 1]},
+        "time": {"end": 0.1}, "output": {"history_rows": 20, "snapshots": 1, "contacts": "on"}, "run": {"threads": 1}}), place)
+    c = at_end(place, "contacts")
+    assert list(c["with"]) == [3] and list(c["state"]) == [7] and c["side"][0] >= 0, c
+    assert np.allclose(c["force"], [[0, weight, 0]], rtol=1e-6, atol=1e-6 * weight) and np.allclose(c["branch"], [[0, -r, 0]], atol=1e-9)
+    assert np.allclose(c["overlap"], weight / 1e4, rtol=1e-4) and np.allclose(c["area"], 2 * r) and np.allclose(c["normal_stress"], -weight / (2 * r))
+
+
+@fact
 def contacts_are_refused_where_there_are_no_particles(folder):
     with open(os.path.join(SCENES, "elements.yaml")) as file:
         scene = file.read()
