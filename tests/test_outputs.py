@@ -278,6 +278,19 @@ def bursts_are_the_same_whatever_rows_threads_and_interruptions(folder):
 
 
 @fact
+def every_burst_is_one_of_the_stage_in_which_it_began(folder):
+    with open(UCS) as file:
+        scene = file.read().replace("../../scenes/specimens", os.path.join(os.path.dirname(SCENES), "..", "scenes", "specimens"))
+    place = os.path.join(folder, "out")
+    run(write_scene(folder, scene + "stages: [{name: a, end: {time: 0.171 ms}}, {name: b, end: {time: 0.013 ms}}, {name: c}]\n"), place,
+        *SLOW, "--set", "output.history_rows=7")
+    stages = summary(place)["stages"]
+    begins, began = [stage["time"] for stage in stages], at_end(place, "bursts")["time"]
+    want = [np.count_nonzero((began >= low) & (began < high)) for low, high in zip(begins, begins[1:] + [1])]
+    assert min(want) > 3 and [stage["readings"]["events"] for stage in stages] == want, (want, stages)
+
+
+@fact
 def bursts_across_a_periodic_box_are_one(folder):
     """Two bonds at the two sides, a third in the middle."""
     place = os.path.join(folder, "out")

@@ -47,16 +47,16 @@ static double returned(const gn_world *w, const gn_history *rows, bool over) {
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
 
-/* Sizes of those that began in the rows, and in them alone where their stage is over. */
-static size_t sizes_of(const gn_bursts *bursts, const gn_history *rows, bool all, bool over,
-                       int32_t *size) {
-    const double *time = gn_history_column(rows, "time");
-    const bool none = !time || !rows->row_count;
+/* s: from when to before when bursts count. */
+typedef struct span {
+    double from, until;
+} span;
+
+static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
     size_t count = 0;
     for (size_t k = 0; k < bursts->count; k++) {
         const double at = bursts->row[k].time;
-        if (!all && (none || at < time[0] || (over && at > time[rows->row_count - 1]))) continue;
-        size[count++] = bursts->row[k].size;
+        if (at >= when.from && at < when.until) size[count++] = bursts->row[k].size;
     }
     return count;
 }
@@ -83,8 +83,8 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                                                              : "the scene has no bonds"};
 }
 
-/* `all`: rows are those of the whole run; `over`: they have ended before it. */
-static gneiss_status compute(const gn_world *w, const gn_history *rows, bool all, bool over,
+/* `over`: the rows have ended before the run. */
+static gneiss_status compute(const gn_world *w, const gn_history *rows, span when, bool over,
                              gn_readings *r, gneiss_error *error) {
     gn_tested tested = tested_of(w, rows, over);
     gn_bursts bursts;
@@ -94,7 +94,7 @@ static gneiss_status compute(const gn_world *w, const gn_history *rows, bool all
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bursts", bursts.count);
     if (status == GNEISS_OK) {
         tested.bursts = w->effects & GN_FX_EVENTS ? size : NULL;
-        tested.burst_count = sizes_of(&bursts, rows, all, over, size);
+        tested.burst_count = sizes_of(&bursts, when, size);
         gn_readings_compute(rows, &tested, r);
         /* A quotient by nothing is no reading either. */
 #define X(name, unit, text)                                                                        \
@@ -177,8 +177,10 @@ static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings 
                                    gneiss_error *error) {
     gn_history part;
     GN_TRY(part_of(run, stage, &part, error));
-    gneiss_status status =
-        compute(&run->world, &part, false, stage < run->world.stage, readings, error);
+    const gn_world *w = &run->world;
+    const bool over = stage < w->stage;
+    const span when = {w->stages[stage].time, over ? w->stages[stage + 1].time : INFINITY};
+    gneiss_status status = compute(w, &part, when, over, readings, error);
     if (stage != stage_read(run)) leave_fragments(readings);
     free(part.columns[part.column_count].value);
     free(part.columns);
@@ -206,7 +208,8 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
     if (gn_run_staged(run))
         GN_TRY(compute_stage(run, stage_read(run), &read->readings, error));
     else
-        GN_TRY(compute(w, &run->history, true, false, &read->readings, error));
+        GN_TRY(
+            compute(w, &run->history, (span){-INFINITY, INFINITY}, false, &read->readings, error));
     read->known = true;
     read->of = now;
     return GNEISS_OK;
