@@ -87,6 +87,19 @@ def put_history(writer, rows, test, dimension):
     writer.put("energy/stored_at_start", 0.0, "J")
 
 
+def sizes_of(pairs, count):
+    """Particles in the pieces that pairs hold together, the most first."""
+    label = np.arange(count)
+    for _ in range(count):
+        new = label.copy()
+        np.minimum.at(new, pairs[:, 0], label[pairs[:, 1]])
+        np.minimum.at(new, pairs[:, 1], label[pairs[:, 0]])
+        if np.array_equal(new, label):
+            break
+        label = new
+    return np.sort(np.unique(label, return_counts=True)[1])[::-1]
+
+
 def put_state(writer, position, radius, dimension, with_bonds):
     rng = np.random.default_rng(5)
     axis = dimension - 1
@@ -109,6 +122,10 @@ def put_state(writer, position, radius, dimension, with_bonds):
     broken = rng.random(len(pairs)) < 0.02 + 0.85 * at_plane
     state = np.where(broken, np.where(rng.random(len(pairs)) < 0.55, 1, 2), 0).astype(np.uint8)
     at_start = np.bincount(pairs.ravel(), minlength=len(radius))
+    if with_bonds:
+        sizes = sizes_of(pairs[~broken], len(radius))
+        writer.put("fragments/particles", sizes.astype(np.int32))
+        writer.put("fragments/centre", np.outer(sizes, [1.0, 2.0, 3.0]), "m")
     lost = np.bincount(pairs[broken].ravel(), minlength=len(radius))
     writer.put("particles/damage", lost / np.maximum(1, at_start))
     if with_bonds:
@@ -133,6 +150,8 @@ def put_events(writer):
     writer.put("events/cause", state[some])
     for name in "ij":
         writer.put(f"events/{name}", np.asarray(writer.file[f"bonds/{name}"])[some])
+    writer.put("bursts/time", time[-1] * np.array([0.5, 0.7, 0.75, 0.85, 0.9]), "s")
+    writer.put("bursts/size", np.array([1, 1, 3, 40, 2], np.int32))
 
 
 def put_readings(writer, missing):

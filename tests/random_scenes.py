@@ -150,6 +150,7 @@ class Maker:
             self.far()
         self.by_area(Draw(f"gneiss by area {seed}"))
         self.bond_laws(Draw(f"gneiss laws of bonds {seed}"))
+        self.outputs(Draw(f"gneiss outputs {seed}"))
 
     # Small and large ones in one scene, or all of nearly one size.
     def particles(self):
@@ -248,6 +249,13 @@ class Maker:
             materials[0]["stiffness_scatter"] = {"distribution": "normal", "deviation": d.uniform(0.01, 0.3)}
         if d.chance(0.15):
             self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
+
+    def outputs(self, d):
+        """What files have on request, with draws apart."""
+        if d.chance(0.3):
+            self.scene["output"]["contacts"] = "on"
+        if self.bonded and d.chance(0.2):
+            self.scene["output"]["fields"] = ["fragment", "fragment_size"]
 
     def bond_laws(self, d):
         """Friction of bonds, couplings, softening and yield, with draws apart; where bonds have moments what goes with those."""

@@ -95,8 +95,23 @@ static void brittleness_is_what_the_stress_lost_of_its_peak(void **state) {
     assert_close(r.brittleness, 0.8, 1e-9);
 }
 
-static void too_few_broken_bonds_have_no_first_hundredth(void **state) {
+static void what_falls_below_nothing_is_lost_and_no_more(void **state) {
     (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    table t = table_of(names, 4);
+    for (int k = 0; k <= 60; k++) {
+        double row[] = {k, k < 50 ? k : 49 - 10 * (k - 49), k, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_true(r.brittleness == 1);
+    /* The row before the peak has 48 of 49 Pa; the rows beside it stand at 48 and 50. */
+    assert_close(r.peak_rise, 1.0 / 49, 1e-12);
+    assert_true(r.peak_strain_least == 48 && r.peak_strain_most == 50);
+}
+
+static table few(void) {
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
     table t = table_of(names, 4);
     for (int k = 0; k <= 60; k++) {
@@ -104,10 +119,30 @@ static void too_few_broken_bonds_have_no_first_hundredth(void **state) {
         memcpy(t.row, row, sizeof row);
         put(&t);
     }
-    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    return t;
+}
+
+static void too_few_broken_bonds_have_no_first_hundredth(void **state) {
+    (void)state;
+    table t = few();
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION, .no_bursts = "why"});
     absent_for(&r, GN_READING_crack_initiation_stress, "of 100 the first is 1 %");
+    absent_for(&r, GN_READING_events, "why");
+}
+
+static void few_bursts_have_no_slope(void **state) {
+    (void)state;
+    table t = few();
+    static int32_t size[60] = {61};
+    gn_tested tested = {.kind = GN_TEST_COMPRESSION, .bursts = size, .burst_count = 1};
+    gn_readings r = read_as(&t, tested);
     absent_for(&r, GN_READING_b_value, "1 bursts, 50 are needed");
     assert_true(r.events == 1);
+    for (int k = 0; k < 60; k++) size[k] = 1;
+    tested.burst_count = 60;
+    t = few();
+    r = read_as(&t, tested);
+    absent_for(&r, GN_READING_b_value, "every burst broke one bond");
 }
 
 /* Force up to 10 N at 2 m and down to 0.5 N at 6 m, over a section of 4 m2. */
@@ -174,19 +209,14 @@ static int drawn_size(double a) {
 
 static void the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from(void **state) {
     (void)state;
-    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
     enum { BURSTS = 2000 };
     const double b = 1.2; /* N(>= n) ~ n^-b: sizes n^-(b + 1) */
-    table t = table_of(names, 4);
-    double broken = 0;
+    static int32_t size[BURSTS];
+    table t = course();
     srand(3);
-    for (int k = 0; k < 2 * BURSTS; k++) {
-        if (k % 2) broken += drawn_size(b + 1);
-        double row[] = {k, k, broken, 0};
-        memcpy(t.row, row, sizeof row);
-        put(&t);
-    }
-    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    for (int k = 0; k < BURSTS; k++) size[k] = drawn_size(b + 1);
+    gn_readings r = read_as(
+        &t, (gn_tested){.kind = GN_TEST_COMPRESSION, .bursts = size, .burst_count = BURSTS});
     assert_true(r.events == BURSTS);
     /* Three standard errors, b/sqrt(n) (Aki 1965). */
     assert_true(fabs(r.b_value - b) < 3 * b / sqrt(BURSTS));
@@ -231,6 +261,8 @@ int main(void) {
         cmocka_unit_test(damage_begins_where_the_volume_is_least),
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
+        cmocka_unit_test(few_bursts_have_no_slope),
+        cmocka_unit_test(what_falls_below_nothing_is_lost_and_no_more),
         cmocka_unit_test(fracture_energy_is_the_area_under_the_curve_over_the_section),
         cmocka_unit_test(peak_force_and_stiffness_of_a_beam_are_those_of_the_ends),
         cmocka_unit_test(readings_of_other_tests_are_absent_for_that),

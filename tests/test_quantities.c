@@ -72,7 +72,8 @@ static char *page(void) {
         file,
         "# Quantities\n\nWritten by `build/tests/test_quantities docs/quantities.md` from the "
         "tables that also drive what is measured and\nwritten (src/run/quantities.c, "
-        "src/run/output_fields.c, events.c, output_elements.c, output_bodies.c, "
+        "src/run/output_fields.c, output_contacts.c, events.c, output_fragments.c, "
+        "output_elements.c, output_bodies.c, "
         "src/measure/energy.h, "
         "src/measure/measure.h). Where they "
         "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
@@ -104,7 +105,10 @@ static char *page(void) {
         const gn_output_table *table;
     } tables[] = {{"Particles", &gn_particle_outputs},
                   {"Bonds", &gn_bond_outputs},
+                  {"Contacts", &gn_contact_outputs},
                   {"Events", &gn_event_outputs},
+                  {"Bursts", &gn_burst_outputs},
+                  {"Fragments", &gn_fragment_outputs},
                   {"Nodes", &gn_node_outputs},
                   {"Elements", &gn_element_outputs},
                   {"Bodies", &gn_body_outputs},

@@ -230,5 +230,25 @@ def without_a_test_every_reading_is_absent_for_that(folder):
     assert set(absent(out).values()) == {"the scene has no test"}
 
 
+@fact
+def a_peak_off_few_rows_is_said_with_where_it_may_have_been(folder):
+    """Of a brittle block: the same bits, read off many rows and off few."""
+    peaks = {}
+    for rows in (300, 6, 3):
+        out = os.path.join(folder, str(rows))
+        done = run(UCS, out, "--set", f"output.history_rows={rows}")
+        h = history(out)
+        peaks[rows] = h["stress"].max()
+        assert summary(out)["readings"]["peak_stress"] == peaks[rows]
+        assert ("peak_rows" in warnings(out)) == (rows < 300) == ("warning: peak_rows" in done.stderr), warnings(out)
+        k = h["stress"].argmax()
+        least, most = h["strain"][k - 1], h["strain"][k + 1]
+        assert rows == 300 or f"{least + 0.0:.4g} and {most:.4g}" in warnings(out)["peak_rows"], warnings(out)
+        if rows < 300:
+            said = re.search(r"may have been (\S+) Pa instead of (\S+) Pa", warnings(out)["peak_rows"])
+            assert float(said[2]) <= peaks[300] <= float(said[1]), (said[0], peaks)
+            assert least < history(os.path.join(folder, "300"))["strain"][np.argmax(history(os.path.join(folder, "300"))["stress"])] < most
+
+
 if __name__ == "__main__":
     sys.exit(main())

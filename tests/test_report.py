@@ -69,7 +69,7 @@ def expected_pictures(kind):
     expected = {"profile"}
     if rows:
         expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
-        expected |= {"events"} if kind in WITH_EVENTS else {"breaking"} if rows > 2 else set()
+        expected |= {"events", "bursts"} if kind in WITH_EVENTS else {"breaking"} if rows > 2 else set()
         expected |= {"forces"} if kind == "stages" else set()
     if kind != "no_particles":
         expected |= {"slice"} | ({"surface"} if dimension == 3 else set()) | ({"rose", "fragments"} if with_bonds else set())
@@ -157,6 +157,205 @@ def curves_of_a_test_are_those_of_the_last_stage(folder):
         assert len(x) == 150 and x[0] == 0, (name, x)
         grown = np.ptp(rows) / np.ptp(y)  # the unit of the axis
         assert np.allclose(y * grown, rows - (rows[0] if name in ("volumetric_strain", "lateral_strain", "dilation") else 0)), name
+
+
+# Of each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
+TRIAXIAL = {
+    "columns": {"volumetric_strain": 0.004, "lateral_strain": -0.006},
+    "readings": {"axial_strength": (250e6, "Pa"), "confinement": (10e6, "Pa"), "crack_initiation_stress": (110e6, "Pa"),
+                 "crack_damage_stress": (210e6, "Pa")},
+    "tiles": [("axial strength", "250 MPa"), ("deviator at the peak", "240 MPa"), ("confinement", "10 MPa"), ("Young's modulus", "18.1 GPa"),
+              ("Poisson's ratio", "0.17"), ("stress at which cracks begin", "110 MPa"), ("stress at which damage begins", "210 MPa")],
+    "curves": {"confined": ("deviator", "axial strain [%]")}, "marks": 2,
+}
+SHEAR = {
+    "columns": {"normal_stress": 5e6, "dilation": 2e-5},
+    "readings": {"shear_strength": (12e6, "Pa"), "normal_stress_at_peak": (5e6, "Pa"), "shear_modulus": (4.5e9, "Pa"), "dilation_at_peak": (-3.2e-6, "m")},
+    "tiles": [("shear strength", "12 MPa"), ("normal stress at the peak", "5 MPa"), ("shear modulus", "4.5 GPa"), ("dilation at the peak", "-3.2 µm")],
+    "curves": {"shear": ("normal stress", "shear strain [%]")}, "marks": 0,
+}
+TESTS = {
+    "compression": {
+        "columns": {"deflection": 7e-4, "force": 1e4},
+        "readings": {"crack_initiation_stress": (94e6, "Pa"), "crack_damage_stress": (132e6, "Pa")},
+        "tiles": [("Young's modulus", "18.1 GPa"), ("Poisson's ratio", "0.17"), ("peak stress", "240 MPa"), ("strain at the peak", "1.44 %"),
+                  ("stress at which cracks begin", "94 MPa"), ("stress at which damage begins", "132 MPa")],
+        "curves": {"force_deflection": ("force", "deflection [µm]")}, "marks": 2},
+    "tension": {
+        "columns": {}, "readings": {"crack_initiation_stress": (np.nan, "Pa"), "fracture_energy": (44.65, "J/m2")},
+        "tiles": [("Young's modulus", "18.1 GPa"), ("Poisson's ratio", "0.17"), ("peak stress", "240 MPa"), ("strain at the peak", "1.44 %"),
+                  ("stress at which cracks begin", "–"), ("fracture energy", "44.65 J/m2")],
+        "curves": {}, "marks": 0},
+    "brazilian": {
+        "columns": {"centre_stress_xx": 7e6, "centre_stress_yy": -2.1e7},
+        "readings": {"indirect_tensile_strength": (8.06e6, "Pa"), "centre_tension": (6.2e6, "Pa"), "centre_ratio": (0.955, "1"),
+                     "centre_compression_ratio": (3.006, "1")},
+        "tiles": [("indirect tensile strength", "8.06 MPa"), ("tension in the middle at the peak", "6.2 MPa"),
+                  ("tension in the middle over 2P/πDt", "0.955"), ("pressure in the middle over 2P/πDt", "3.006")],
+        "curves": {"centre": ("mean stress", "2P/(πDt) [MPa]")}, "marks": 0},
+    "bending": {
+        "columns": {"force": 24e3, "deflection": 3e-4, "opening": 2.5e-4},
+        "readings": {"flexural_strength": (7.1e6, "Pa"), "flexural_modulus": (np.nan, "Pa"), "fracture_energy": (81.0, "J/m2"), "opening_at_peak": (12e-6, "m")},
+        "tiles": [("flexural strength", "7.1 MPa"), ("flexural modulus", "–"), ("fracture energy", "81 J/m2"), ("opening at the peak", "12 µm")],
+        "curves": {"force_opening": ("force", "opening [µm]"), "force_deflection": ("force", "deflection [µm]")}, "marks": 0},
+    "triaxial": TRIAXIAL, "biaxial": TRIAXIAL,
+    "hydrostatic": {
+        "columns": {"volumetric_strain": 0.01}, "readings": {"bulk_modulus": (11e9, "Pa")},
+        "tiles": [("bulk modulus", "11 GPa"), ("largest mean pressure", "241 MPa")], "curves": {}, "marks": 0},
+    "oedometer": {
+        "columns": {"stress_xx": -6e7, "stress_yy": -8e7, "stress_zz": -2.4e8},
+        "readings": {"oedometric_modulus": (21e9, "Pa"), "lateral_stress_ratio": (0.29, "1")},
+        "tiles": [("oedometric modulus", "21 GPa"), ("lateral over axial stress", "0.29"), ("largest stress", "241 MPa")],
+        "curves": {"lateral": ("stress", "axial strain [%]")}, "marks": 0},
+    "shear": SHEAR, "simple_shear": SHEAR,
+}
+OF_KINDS = {"confined", "lateral", "force_opening", "force_deflection", "centre", "shear"}
+
+
+def tested(kind, folder):
+    """A results file of a test of that kind, with ramps for its columns."""
+    path, of = os.path.join(folder, "results.h5"), TESTS[kind]
+    make("cylinder", path)
+    with h5py.File(path, "r+") as file:
+        scene = file["scene"][()].decode().replace("kind: compression", f"kind: {kind}")
+        del file["scene"]
+        file["scene"] = scene
+        for name, last in of["columns"].items():
+            data = file.create_dataset("history/" + name, data=np.linspace(0, last, 800))
+            data.attrs["unit"] = {"force": "N", "deflection": "m", "opening": "m", "dilation": "m"}.get(name, "Pa" if "stress" in name else "1")
+        for name, (value, unit) in of["readings"].items():
+            file.create_dataset("readings/" + name, data=[value]).attrs.update({"unit": unit, "absent": "" if np.isfinite(value) else "why not"})
+    return report.Results(path)
+
+
+def the_page_of_a_test_has_its_tiles_and_curves(kind, folder):
+    results, of = tested(kind, folder), TESTS[kind]
+    shown = re.findall(r'<div class="card"><span>(.*?)</span><b>(.*?)</b>(?:<small>(.*?)</small>)?', report.cards(results))
+    assert [(html.unescape(title), value) for title, value, _ in shown] == of["tiles"], shown
+    assert all(said == "why not" for _, value, said in shown if value == "–")
+    figures = {}
+    every = {**report_tests.CURVES, **report_curves.CURVES}
+    for name, plot in ((name, every[name]) for name in (*sorted(OF_KINDS), "stress_strain")):
+        kept = [(module, module.save) for module in (report_tests, report_curves)]
+        for module, _ in kept:
+            module.save = lambda figure, path, name=name: figures.__setitem__(name, figure)
+        try:
+            plot(results, "")
+        finally:
+            for module, save in kept:
+                module.save = save
+            report_curves.plt.close("all")
+    assert OF_KINDS & set(figures) == set(of["curves"]), sorted(figures)
+    for name, (y_label, x_label) in of["curves"].items():
+        axes = figures[name].axes
+        assert axes[0].get_ylabel().startswith(y_label) and axes[-1].get_xlabel() == x_label, (name, axes[0].get_ylabel(), axes[-1].get_xlabel())
+        lines = [line for a in axes for line in a.lines if len(line.get_xdata()) > 100]
+        assert lines, name
+        for line in lines:  # each is a column of the history in the units of its axes
+            y = np.asarray(line.get_ydata(), float)
+            assert any(is_multiple(y, values) for values in columns_of(results, name)), name
+    marks = [line for line in figures["stress_strain"].axes[0].lines if line.get_marker() in "^s"]
+    assert len(marks) == of["marks"]
+    for mark, name in zip(marks, ("crack_initiation_stress", "crack_damage_stress")):
+        strain, stress, level = results.column("strain"), results.column("stress"), of["readings"][name][0]
+        assert abs(mark.get_ydata()[0] * 1e6 - level) < 1 and abs(np.interp(mark.get_xdata()[0] / 100, strain, stress) - level) < 3e6, name
+    words = results.words
+    assert figures["stress_strain"].axes[0].get_xlabel() == words[0] + " [%]" and figures["stress_strain"].axes[0].get_ylabel().startswith(words[1] + " [")
+
+
+def is_multiple(y, values):
+    n = len(y)
+    return any(len(v) >= n and np.allclose(y * factor, v[:n], rtol=1e-9, atol=1e-9 * np.nanmax(np.abs(v)))
+               for v in (values,) for factor in (1, 1e6, 1e-6, 1e3, 1e-2, 1e9))
+
+
+def columns_of(results, name):
+    columns = [results.column(column) for column in results.history]
+    if name == "lateral":
+        columns.append(-0.5 * (results.column("stress_xx") + results.column("stress_yy")))
+    return columns
+
+
+def bursts_are_drawn_with_their_number_and_size_beside_the_stress(folder):
+    path, drawn = os.path.join(folder, "results.h5"), []
+    make("cylinder", path)
+    results = report.Results(path)
+    kept, report_curves.save = report_curves.save, lambda figure, _: drawn.append(figure)
+    try:
+        assert "5 bursts" in report_curves.plot_bursts(results, "")
+    finally:
+        report_curves.save = kept
+    above, below, other = drawn[0].axes
+    assert sum(bar.get_height() for bar in above.patches) == 5
+    points = [line for line in below.lines if line.get_marker() == "o"][0]
+    assert list(points.get_ydata()) == [1, 1, 3, 40, 2]
+    assert np.allclose(points.get_xdata(), 1.75 * np.array([0.5, 0.7, 0.75, 0.85, 0.9]))  # of 1.75 % at the end
+    assert np.allclose(other.lines[0].get_ydata() * 1e6, results.column("stress"))
+
+
+def tables_beside_the_page_are_history_bursts_and_fragments(folder):
+    make("disc", os.path.join(folder, "results.h5"))
+    assert run_report(folder).returncode == 0
+    heads, tables = {}, {}
+    for name in ("report", "report_bursts", "report_fragments"):
+        with open(os.path.join(folder, name + ".csv"), encoding="utf-8") as file:
+            heads[name] = file.readline().strip().split(",")
+            tables[name] = np.loadtxt(file, delimiter=",", ndmin=2)
+    assert heads["report_bursts"] == ["size [1]", "time [s]"] and list(tables["report_bursts"][:, 0]) == [1, 1, 3, 40, 2]
+    assert heads["report_fragments"] == ["centre_x [m]", "centre_y [m]", "centre_z [m]", "particles [1]"]
+    assert tables["report"].shape == (400, len(heads["report"]))
+    assert (tables["report_fragments"][:, 2] == 3 * tables["report_fragments"][:, 3]).all()
+    make("no_bonds", os.path.join(folder, "results.h5"))
+    with h5py.File(os.path.join(folder, "results.h5"), "r+") as file:
+        file["bursts/time"], file["bursts/size"] = np.zeros(0), np.zeros(0, np.int32)  # nothing broke
+    assert run_report(folder).returncode == 0
+    assert not os.path.exists(os.path.join(folder, "report_bursts.csv")) and not os.path.exists(os.path.join(folder, "report_fragments.csv"))
+
+
+SCENE = """law:
+  stiffness: harmonic
+  gamma: auto
+  gamma_rule: volume
+  pull: true
+  softening: none
+  softening_curve: linear
+materials:
+  - name: "my_rock"
+    density: 2650
+    contact_modulus: 10000000000
+    kratio: 3.7000000000000002
+    young: none
+    alpha: 1
+    friction: 0.29999999999999999
+    rolling_friction: 0
+    tensile_strength: 30000000
+bonds:
+  enabled: on
+  radius_multiplier: 0
+  moment_share: 1
+damping:
+  background:
+    model: none
+    coefficient: 0
+  contact:
+    restitution: 0.5
+test:
+  kind: compression
+  length: 0.040000000000000001
+  centre: 0.20000000000000001
+"""
+
+
+def parameters_have_units_and_few_digits_and_no_idle_keys(_):
+    shown = dict(report_tests.parameters(SimpleNamespace(scene=SCENE)))
+    assert shown == {"law · stiffness": "harmonic", "materials · density": "2650 kg/m3", "materials · contact modulus": "10 GPa",
+                     "materials · kratio": "3.7", "materials · friction": "0.3", "materials · tensile strength": "30 MPa", "bonds · enabled": "on",
+                     "damping · contact · restitution": "0.5", "test · kind": "compression", "test · length": "40 mm"}, shown
+    two = SCENE.replace("bonds:", '  - name: "b_2"\n    density: 7800\nbonds:').replace("harmonic", "polyhedron").replace("radius_multiplier: 0", "radius_multiplier: 0.5")
+    shown = dict(report_tests.parameters(SimpleNamespace(scene=two)))
+    assert shown["materials · my_rock · density"] == "2650 kg/m3" and shown["materials · b_2 · density"] == "7800 kg/m3", shown
+    assert shown["materials · my_rock · alpha"] == "1" and shown["bonds · moment share"] == "1" and shown["law · gamma rule"] == "volume"
+    assert "materials · my_rock · contact modulus" not in shown
 
 
 def refused(folder, wanted):
@@ -402,10 +601,22 @@ def walls_are_where_they_have_come_to(folder):
     assert beside(np.zeros((0, 3), int), "").text() == ""
 
 
+def panes_of_walls_are_before_the_specimen(folder):
+    """Seen along y: the floor at -0.5 and a side at 0; of a wall that is far away, or that has all of it behind it, none."""
+    panes = beside().panes(np.zeros(3), np.array([2.0, 6.0, 1.0]))
+    assert panes.shape == (2, 4, 3) and np.allclose(panes[0, :, 1], -0.5) and np.allclose(panes[1, :, 2], 0), panes
+    for a, size in ((0, 2), (2, 1)):
+        assert np.isclose(panes[0, :, a].min(), -0.06 * size) and np.isclose(panes[0, :, a].max(), 1.06 * size), panes
+    assert len(beside().panes(np.array([0, -9.0, 20.0]), np.array([2.0, -8.0, 21.0]))) == 0
+
+
 def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
+    tests += [(f"page of {kind}", lambda folder, kind=kind: the_page_of_a_test_has_its_tiles_and_curves(kind, folder)) for kind in TESTS]
     tests += [(f.__name__, f) for f in (
-        a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
+        bursts_are_drawn_with_their_number_and_size_beside_the_stress, tables_beside_the_page_are_history_bursts_and_fragments,
+        parameters_have_units_and_few_digits_and_no_idle_keys,
+        panes_of_walls_are_before_the_specimen, a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
         a_damaged_chunk_is_refused, stages_are_those_of_the_history, curves_of_a_test_are_those_of_the_last_stage,
         curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,

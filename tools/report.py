@@ -239,7 +239,7 @@ def page(results, captions):
 {figure("profile", captions)}</div>
 <h2>Scene</h2>
 {scene or "<p>The file holds no scene.</p>"}
-<p class="soft">Numbers and arrays: <code>results.h5</code>, next to this page; the history also as <code>report.csv</code>.</p>
+<p class="soft">Numbers and arrays: <code>results.h5</code>, next to this page; the history also as <code>report.csv</code>, bursts and fragments as <code>report_bursts.csv</code> and <code>report_fragments.csv</code> where there are some.</p>
 </body></html>
 """
 

@@ -116,14 +116,43 @@ class Beside:
                 segments.append([points[0], points[-1]])
         return segments
 
-    def draw_seen(self, axes, turn, middle):
-        """Bodies before what is there already: folds and a breath of their facets, so that grains inside are seen."""
+    def panes(self, lower, upper):
+        """[walls][4][3]: of each wall that is near the specimen (farther by less than its size) the rectangle before it."""
+        corners = np.array([[x, y, z] for x in (lower[0], upper[0]) for y in (lower[1], upper[1]) for z in (lower[2], upper[2])])
+        found = []
+        for point, normal in self.walls:
+            n = normal / np.linalg.norm(normal)
+            away = (corners - point) @ n
+            if np.abs(away).min() > np.linalg.norm(upper - lower) or (away < 0).all():
+                continue
+            u = np.eye(3)[np.argmin(np.abs(n))]
+            u = np.cross(n, np.cross(u, n))
+            u /= np.linalg.norm(u)
+            v = np.cross(n, u)
+            foot = corners - away[:, None] * n
+            a, b = foot @ u, foot @ v
+            (a0, a1), (b0, b1) = ((s.min() - 0.06 * np.ptp(s), s.max() + 0.06 * np.ptp(s)) for s in (a, b))
+            base = (point @ n) * n
+            found.append([base + p * u + q * v for p, q in ((a0, b0), (a1, b0), (a1, b1), (a0, b1))])
+        return np.array(found).reshape(-1, 4, 3)
+
+    def draw_seen(self, axes, turn, middle, panes=()):
+        """Bodies and walls before what is there already: folds and a breath of their facets, so that grains inside are seen."""
+        if len(panes):
+            seen = ((np.asarray(panes) - middle) @ turn.T)[:, :, :2]
+            axes.add_collection(PolyCollection(seen, facecolors=WALL, edgecolors="none", alpha=0.05, zorder=2))
+            axes.add_collection(LineCollection(seen[:, [0, 1, 2, 3, 0]], colors=WALL, linewidths=0.9, zorder=2))
         if not len(self.facet) or self.facet.shape[1] == 2:
             return
         seen = (self.vertex - middle) @ turn.T
         axes.add_collection(PolyCollection(seen[self.facet][:, :, :2], facecolors=BODY, edgecolors="none", alpha=0.07, zorder=2))
         edges = _edges(self.facet, self.vertex[self.facet])
         axes.add_collection(LineCollection(seen[edges][:, :, :2], colors=BODY, linewidths=1.0, capstyle="round", zorder=3))
+
+    def text_seen(self, panes):
+        """The same of a picture in space."""
+        parts = [["rigid bodies (blue)"], []][not len(self.facet)] + [["walls (grey)"], []][not len(panes)]
+        return f" Lines: {' and '.join(parts)}." if parts else ""
 
     def text(self):
         """What the caption says of them."""

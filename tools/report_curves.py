@@ -108,6 +108,12 @@ def plot_stress(results, path):
     if stress[peak] > 0 and np.isfinite(strain[peak]):
         axes.plot(100 * strain[peak], stress[peak] / factor, "o", color=RED, ms=6, zorder=5,
                   label=f"{peak_name(results)} {stress[peak] / factor:.4g} {unit} at {100 * strain[peak]:.3g} %")
+    for name, marker, text in (("crack_initiation_stress", "^", "cracks begin"), ("crack_damage_stress", "s", "damage: least volume")):
+        level = results.scalar(results.readings, name)
+        rows = np.flatnonzero(stress[: peak + 1] >= level) if np.isfinite(level) else []
+        if len(rows):
+            axes.plot(100 * strain[rows[0]], level / factor, marker, color=GREY, mec=INK, ms=6, zorder=5,
+                      label=f"{text}, {level / factor:.3g} {unit}")
     axes.margins(x=0.02)
     axes.legend(loc="best")
     save(figure, path)
@@ -164,6 +170,45 @@ def plot_events(results, path):
     axes.legend(loc="best")
     save(figure, path)
     return "How many bonds broke, and began to soften or to yield, as the test went on."
+
+
+def plot_bursts(results, path):
+    """Bursts per span of the run beside the stress, and what each broke."""
+    x, label = abscissa(results)
+    time, stress = results.column("time"), results.column("stress")
+    if x is None or time is None or "time" not in results.bursts or not len(results.bursts["time"].value):
+        return None
+    known = np.isfinite(x) & np.isfinite(time)
+    if np.count_nonzero(known) < 2 or np.ptp(x[known]) == 0:
+        return None
+    at = np.interp(np.asarray(results.bursts["time"].value, float), time[known], x[known])
+    size = np.asarray(results.bursts["size"].value, float)
+    edges = np.linspace(x[known].min(), x[known].max(), 61)
+    figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 4.8), sharex=True, constrained_layout=True)
+    above.set_title("Bursts")
+    above.hist(at, edges, color=BLUE)
+    above.set_ylabel("bursts per 1/60 of the run")
+    few = size.max() < 10
+    below.vlines(at, 0 if few else 0.7, size, color=RED, lw=0.8)
+    below.plot(at, size, "o", color=RED, ms=2.5)
+    if not few:
+        below.set_yscale("log")
+        below.yaxis.set_major_formatter("{x:g}")
+    below.set_ylim(bottom=0 if few else 0.7)
+    below.set_ylabel("bonds broken in a burst")
+    below.set_xlabel(label)
+    if stress is not None:
+        factor, unit = scale_of(stress, "Pa")
+        other = above.twinx()
+        other.grid(False)
+        other.spines["right"].set_visible(True)
+        other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
+        other.set_ylabel(f"{results.words[1] if len(results.words[1]) < 15 else 'stress'} [{unit}]\n(thin line)")
+        other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
+    above.margins(x=0.02)
+    mark_stages(results, above, x)
+    save(figure, path)
+    return f"{len(at)} bursts of breaks that are near each other in place and time, with the stress (thin line); below, how many bonds each broke."
 
 
 def energy_columns(results):
@@ -361,6 +406,7 @@ CURVES = {
     "stress_strain": plot_stress,
     "broken_bonds": plot_broken,
     "events": plot_events,
+    "bursts": plot_bursts,
     "force_deflection": plot_deflection,
     "forces": plot_forces,
     "flow": plot_flow,

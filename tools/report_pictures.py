@@ -149,9 +149,11 @@ class Surface:
         self.middle = middle = specimen.middle
         self.beside = specimen.beside
         framed = ((specimen.framed - middle) @ turn.T)[:, :2]
-        bodies = ((self.beside.vertex[np.unique(self.beside.facet)] - middle) @ turn.T)[:, :2]
-        self.low = np.vstack([framed - specimen.radius[:, None], bodies]).min(axis=0)
-        self.high = np.vstack([framed + specimen.radius[:, None], bodies]).max(axis=0)
+        self.panes = specimen.beside.panes(specimen.lower, specimen.upper)
+        beside = np.vstack([self.beside.vertex[np.unique(self.beside.facet)], self.panes.reshape(-1, 3)])
+        beside = ((beside - middle) @ turn.T)[:, :2]
+        self.low = np.vstack([framed - specimen.radius[:, None], beside]).min(axis=0)
+        self.high = np.vstack([framed + specimen.radius[:, None], beside]).max(axis=0)
         margin = 0.04 * (self.high - self.low).max()
         self.low, self.high = self.low - margin, self.high + margin
         size = self.high - self.low
@@ -181,7 +183,7 @@ class Surface:
 
     def draw(self, axes, colors):
         axes.imshow(self.colored(colors), origin="lower", interpolation="antialiased", extent=(self.low[0], self.high[0], self.low[1], self.high[1]))
-        self.beside.draw_seen(axes, self.turn, self.middle)
+        self.beside.draw_seen(axes, self.turn, self.middle, self.panes)
         axes.axis("off")
         scale_bar(axes, self.low, self.high)
 
@@ -230,8 +232,7 @@ def plot_surface(specimen, path):
         a.set_title(title)
         color_bar(figure, a, norm, colors, label, "max" if values.max() > norm.vmax * (1 + 1e-9) else "neither")
     save(figure, path)
-    bodies = " Lines: rigid bodies." if len(specimen.beside.facet) else ""
-    return f"The surface at the end of the run, {specimen.names[1]} upward.{bodies}"
+    return f"The surface at the end of the run, {specimen.names[1]} upward.{specimen.beside.text_seen(surface.panes)}"
 
 
 # --- the slice -----------------------------------------------------------------------------------------

@@ -77,6 +77,8 @@ class Results:
         self.particles = _group(file, "particles")
         self.bonds = _group(file, "bonds")
         self.events = _group(file, "events")
+        self.bursts = _group(file, "bursts")
+        self.fragments = _group(file, "fragments")
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
         self.bodies = _group(file, "bodies")

@@ -13,17 +13,20 @@ import numpy as np
 
 from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, plot_force_over, save, style_for
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
-from report_results import scale_of
+from report_results import quantity, scale_of
 
 MODULUS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"))
 PEAK = (("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
+BEGIN, DAMAGE = ("crack_initiation_stress", "stress at which cracks begin"), ("crack_damage_stress", "stress at which damage begins")
 CARDS = {
+    "compression": (*MODULUS, *PEAK, BEGIN, DAMAGE),
+    "tension": (*MODULUS, *PEAK, BEGIN, ("fracture_energy", "fracture energy")),
     "brazilian": (("indirect_tensile_strength", "indirect tensile strength"), ("centre_tension", "tension in the middle at the peak"),
                   ("centre_ratio", "tension in the middle over 2P/πDt"), ("centre_compression_ratio", "pressure in the middle over 2P/πDt")),
     "bending": (("flexural_strength", "flexural strength"), ("flexural_modulus", "flexural modulus"),
                 ("fracture_energy", "fracture energy"), ("opening_at_peak", "opening at the peak")),
     "triaxial": (("axial_strength", "axial strength"), ("peak_stress", "deviator at the peak"), ("confinement", "confinement"),
-                 *MODULUS),
+                 *MODULUS, BEGIN, DAMAGE),
     "hydrostatic": (("bulk_modulus", "bulk modulus"), ("largest_stress", "largest mean pressure")),
     "oedometer": (("oedometric_modulus", "oedometric modulus"), ("lateral_stress_ratio", "lateral over axial stress"),
                   ("largest_stress", "largest stress")),
@@ -192,24 +195,9 @@ def plot_rose(results, path):
 
 
 def fragment_sizes(results):
-    """Particles in the pieces that bonds still hold, the largest first; None without bonds."""
-    state, count = results.bond_state, results.particle_count
-    if not len(state) or "i" not in results.bonds:
-        return None
-    holds = np.isin(state, (0, 4, 5))
-    i, j = (np.asarray(results.bonds[k].value, int).reshape(-1)[holds] for k in ("i", "j"))
-    label = np.arange(count)
-    while True:
-        least = np.minimum(label[i], label[j])
-        new = label.copy()
-        np.minimum.at(new, i, least)
-        np.minimum.at(new, j, least)
-        new = new[new]
-        if np.array_equal(new, label):
-            break
-        label = new
-    awake = label[~results.asleep]  # who sleeps is held by the element that it is in
-    return np.sort(np.bincount(awake)[np.unique(awake)])[::-1] if len(awake) else None
+    """Particles in the pieces that bonds still hold, the most first; None without bonds."""
+    sizes = results.fragments.get("particles")
+    return np.sort(np.asarray(sizes.value, int).reshape(-1))[::-1] if sizes is not None and np.size(sizes.value) else None
 
 
 def plot_fragments(results, path):
@@ -317,30 +305,115 @@ def plot_moments(results, folder, path):
 
 # --- parameters and tables -------------------------------------------------------------------------------
 
-def parameters(results):
-    """(what, value) that a reader wants to know first: of the scene's test, materials, bonds, damping, membrane."""
-    rows = []
-    for section in ("test", "membrane", "materials", "law", "bonds", "damping"):
-        block = re.search(rf"^{section}:\n(.*?)(?=^\S|\Z)", results.scene, re.MULTILINE | re.DOTALL)
+UNITS = {  # by the last word of a key, of what parameters are read from
+    "density": "kg/m3", "contact_modulus": "Pa", "normal_stiffness": "N/m", "young": "Pa", "tensile_strength": "Pa", "shear_strength": "Pa",
+    "bond_tension_limit": "N", "bond_shear_limit": "N", "fracture_energy": "J/m2", "shear_fracture_energy": "J/m2", "yield_stress_1": "Pa",
+    "yield_stress_2": "Pa", "yield_stress_3": "Pa", "pressure": "Pa", "ramp": "s", "length": "m", "area": "m2", "diameter": "m",
+    "thickness": "m", "span": "m", "load_span": "m", "height": "m", "notch": "m",
+}
+BY_AREA = ("dempack", "polyhedron")
+NOTHING = ("none", "auto", "off", "same", "free", "test", "false", "[]")
+
+
+def _is(scene, path, *values):
+    return scene.get(path) in values
+
+
+def _above(scene, path):
+    return any(float(v) > 0 for p, v in scene.items() if p.split("/")[0] + "/" + p.split("/")[-1] == path and re.fullmatch(r"[-+.\de]+", v))
+
+
+# What a key needs to do anything, by its place; those that are not listed always do.
+NEEDS = {
+    "materials/alpha": lambda s: _is(s, "law/stiffness", *BY_AREA), "materials/beta": lambda s: _is(s, "law/stiffness", *BY_AREA),
+    "materials/young": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA), "materials/poisson": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA),
+    "materials/contact_modulus": lambda s: not _is(s, "law/stiffness", "uniform", "hertz", *BY_AREA),
+    "materials/kratio": lambda s: not _is(s, "law/stiffness", "hertz", *BY_AREA),
+    "materials/normal_stiffness": lambda s: _is(s, "law/stiffness", "uniform"),
+    "materials/tensile_strength": lambda s: not _is(s, "law/stiffness", "uniform", "hertz") and _is(s, "bonds/enabled", "on"),
+    "materials/shear_strength": lambda s: not _is(s, "law/stiffness", "uniform", "hertz") and _is(s, "bonds/enabled", "on"),
+    "law/gamma": lambda s: _is(s, "law/stiffness", *BY_AREA), "law/gamma_rule": lambda s: _is(s, "law/stiffness", *BY_AREA),
+    "law/pull": lambda s: _is(s, "law/stiffness", "hertz"),
+    "law/confinement": lambda s: _above(s, "materials/bond_friction"),
+    **{f"law/{key}": (lambda s: not _is(s, "law/softening", "none")) for key in ("softening_curve", "fracture_energy_of")},
+    **{f"law/{key}": (lambda s: _is(s, "law/softening_curve", "bilinear")) for key in ("kink_stress", "initial_energy")},
+    **{f"bonds/{key}": (lambda s: _is(s, "bonds/enabled", "on")) for key in ("interaction_range", "overlap_range", "passive_gaps", "radius_multiplier")},
+    "bonds/moment_share": lambda s: _above(s, "bonds/radius_multiplier"),
+    **{f"damping/background/{key}": (lambda s: not _is(s, "damping/background/model", "none")) for key in ("coefficient", "rotation")},
+    "damping/background/velocity": lambda s: _is(s, "damping/background/model", "nonviscous_component"),
+    "test/centre": lambda s: _is(s, "test/kind", "brazilian"),
+}
+# Of these 0 is the same as nothing.
+ZEROS = ("friction", "rolling_friction", "twisting_friction", "bond_friction", "radius_multiplier", "interaction_range")
+
+
+def scene_values(text, sections):
+    """{"law/stiffness": "harmonic", "materials/rock/density": "2650", ..}: what the resolved scene says in these sections."""
+    found = {}
+    for section in sections:
+        block = re.search(rf"^{section}:\n(.*?)(?=^\S|\Z)", text, re.MULTILINE | re.DOTALL)
+        above, name = [], ""
         for line in block[1].splitlines() if block else []:
-            key, _, value = line.strip().lstrip("- ").partition(": ")
+            depth = (len(line) - len(line.lstrip(" -"))) // 2
+            key, _, value = line.strip().lstrip("- ").partition(":")
             value = value.strip().strip('"')
-            if value and value not in ("none", "auto", "off", "same", "free", "test", "false"):
-                rows.append((f"{section} · {key.replace('_', ' ')}", value))
+            if key == "name" and line.strip().startswith("-"):
+                name, above = value, [value]
+                continue
+            above = above[: depth - 1] + [key]
+            if value:
+                inner = above[1:] if name else above
+                found["/".join([section, *([name] if name else []), *inner])] = value
+    return found
+
+
+def parameter_text(key, value):
+    """With few digits and its unit: 10 GPa, 0.7."""
+    try:
+        number = float(value)
+    except ValueError:
+        return value
+    return quantity(number, UNITS.get(key, "1"), 6)
+
+
+def parameters(results):
+    """(what, value) that a reader wants to know first, of what does something in this scene: test, materials, bonds, damping, membrane."""
+    scene = scene_values(results.scene, ("test", "membrane", "materials", "law", "bonds", "damping"))
+    several = len({path.split("/")[1] for path in scene if path.startswith("materials/")}) > 1
+    rows = []
+    for path, value in scene.items():
+        parts = path.split("/")
+        place = "materials/" + "/".join(parts[2:]) if parts[0] == "materials" else path
+        if value in NOTHING or not NEEDS.get(place, lambda s: True)(scene) or (parts[-1] in ZEROS and float(value) == 0):
+            continue
+        shown = parts if several or parts[0] != "materials" else [parts[0], *parts[2:]]
+        name = parts[1] if several and parts[0] == "materials" else None  # as it stands
+        rows.append((" · ".join(part if part == name else part.replace("_", " ") for part in shown), parameter_text(parts[-1], value)))
     return rows
 
 
-def write_csv(results, folder):
-    """The history beside the page: a column each, with its unit in the head."""
-    if not results.rows:
-        return None
-    names = list(results.history)
-    table = np.stack([results.history[n].value for n in names], axis=1)
-    path = os.path.join(folder, "report.csv")
-    head = ",".join(f"{n} [{results.history[n].unit}]" for n in names)
-    np.savetxt(path + ".tmp", table, delimiter=",", header=head, comments="", fmt="%.10g")
+def write_columns(path, columns):
+    """A column each, with its unit in the head; vectors as x y z."""
+    table, heads = [], []
+    for name, column in columns.items():
+        values = np.asarray(column.value, float)
+        values = values.reshape(len(values), -1)
+        for k in range(values.shape[1]):
+            heads.append(f"{name}{'_' + 'xyz'[k] if values.shape[1] > 1 else ''} [{column.unit}]")
+            table.append(values[:, k])
+    np.savetxt(path + ".tmp", np.stack(table, axis=1), delimiter=",", header=",".join(heads), comments="", fmt="%.10g")
     os.replace(path + ".tmp", path)
-    return path
+
+
+def write_csv(results, folder):
+    """The history beside the page; bursts and fragments, where there are some."""
+    for name, columns in (("report", results.history if results.rows else {}), ("report_bursts", results.bursts),
+                          ("report_fragments", results.fragments)):
+        path = os.path.join(folder, name + ".csv")
+        if any(np.size(column.value) for column in columns.values()):
+            write_columns(path, columns)
+        elif os.path.exists(path):
+            os.remove(path)
 
 
 __all__ = ["CURVES", "STATES", "cards_of", "parameters", "plot_moments", "write_csv"]

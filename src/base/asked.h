@@ -14,6 +14,8 @@
     X(total_moment, GN_FX_ROTATION, "particles that rotate (law.rotation)")                        \
     X(damping_force, 0, "")                                                                        \
     X(damping_moment, GN_FX_ROTATION, "particles that rotate (law.rotation)")                      \
+    X(fragment, GN_FX_BONDS, "bonds")                                                              \
+    X(fragment_size, GN_FX_BONDS, "bonds")                                                         \
     X(area, GN_FX_AREA, "sections of bonds (law.stiffness dempack or polyhedron)")                 \
     X(shear_stress, GN_FX_AREA, "sections of bonds (law.stiffness dempack or polyhedron)")
 

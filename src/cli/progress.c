@@ -348,9 +348,10 @@ gneiss_status gn_print_summary(const gn_options *o, const gn_run *run, gneiss_er
     GN_TRY(print_outcome(run, error));
     if (o->quiet) return GNEISS_OK;
     print_profile(run);
-    printf("\nwritten to %s: results.h5, summary.json%s%s%s%s\n", run->directory,
+    printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n", run->directory,
            w->scene.has_specimen ? ", particles.hdf.series" : "",
            w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
+           w->scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
            w->element_count ? ", elements.hdf.series" : "",
            w->scene.body_count ? ", bodies.hdf.series" : "");
     return GNEISS_OK;

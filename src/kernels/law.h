@@ -156,6 +156,10 @@ typedef struct gn_law {
     /* The moments that contact c holds besides, with n from its first particle to its second; NULL:
      * contacts of this law carry none. */
     gn_law_moments (*moments)(const gn_contacts *list, size_t c, const double n[3]);
+
+    /* m2, that stresses of a contact are over; NULL: gn_linear_section. `rj` of a pair may be
+     * infinite. */
+    double (*area)(const gn_law_pair *pair, double overlap);
 } gn_law;
 
 #define X(name, ...) extern const gn_law gn_law_##name;
@@ -224,11 +228,14 @@ gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_ma
 double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double shear2);
 double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                       double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
+/* The circle of contact, pi R overlap. */
+double gn_hertz_area(const gn_law_pair *pair, double overlap);
 #define GN_HERTZ_FUNCTIONS                                                                         \
     .derive = gn_hertz_derive, .set_dashpot = gn_hertz_set_dashpot, .meeting = gn_hertz_meeting,   \
     .spring = gn_hertz_spring, .held = gn_hertz_held, .release = gn_linear_release,                \
     .criterion = gn_linear_criterion, .slips = gn_linear_slips,                                    \
-    .touch_spring = gn_hertz_touch_spring, .touch_stored = gn_hertz_touch_stored
+    .touch_spring = gn_hertz_touch_spring, .touch_stored = gn_hertz_touch_stored,                  \
+    .area = gn_hertz_area
 
 /* Of two materials (`b` NULL: a rigid wall) and what holds for them alone (NULL: nothing). */
 gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, const gn_material *b,

@@ -138,6 +138,10 @@ gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, doub
     return h;
 }
 
+double gn_hertz_area(const gn_law_pair *pair, double overlap) {
+    return M_PI * fmax(overlap, 0.0) / (1.0 / pair->ri + 1.0 / pair->rj);
+}
+
 /* --- walls and surfaces --- */
 
 static double kn_of(const gn_touch_side *s) {

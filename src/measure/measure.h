@@ -138,7 +138,9 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, plane_poisson_ratio, GN_OF_PRISMS, "1",                                                   \
       "2D: nu = nu'/(1 + nu'), the plane-strain correction")                                       \
     Y(X, end_imbalance, ~GN_TESTS(HYDROSTATIC), "1",                                               \
-      "difference of the forces of both ends over their mean, summed up to the largest stress")    \
+      "difference of the forces of both ends over their mean, each summed up to the largest "      \
+      "stress: "                                                                                   \
+      "waves between the ends cancel in it")                                                       \
     Y(X, indirect_tensile_strength, GN_TESTS(BRAZILIAN), "Pa",                                     \
       "2 P/(pi D t) at the peak of the load P (ISRM 1978)")                                        \
     Y(X, centre_tension, GN_TESTS(BRAZILIAN), "Pa",                                                \
@@ -197,9 +199,12 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
       "stress at which the specimen ceases to lose volume before the peak (Martin & Chandler "     \
       "1994)")                                                                                     \
     Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS_SHEARED,    \
-      "1", "share of the peak that the stress lost by the end of the run (Bishop 1967)")           \
+      "1",                                                                                         \
+      "share of the peak that the stress lost by the end of the run (Bishop 1967); what falls "    \
+      "below 0 "                                                                                   \
+      "lost all: at most 1")                                                                       \
     Y(X, events, ~GN_TESTS(NONE), "1",                                                             \
-      "bursts: rows in a row of the history in which bonds broke")                                 \
+      "bursts of breaking bonds: breaks near each other in place and time (output.burst_reach)")   \
     Y(X, b_value, ~GN_TESTS(NONE), "1",                                                            \
       "slope of log N over log10 of the bonds that a burst breaks, N as many or more: maximum "    \
       "likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")                        \
@@ -225,6 +230,9 @@ typedef struct gn_readings {
     GN_READINGS(X)
 #undef X
     char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
+    /* By how much of itself the largest stress is above that of the row before, at most 1; the
+     * strains of the rows before and after it. */
+    double peak_rise, peak_strain_least, peak_strain_most;
 } gn_readings;
 
 /* Whether a reading belongs to tests of a kind, in a scene with zones or without: results and
@@ -242,8 +250,11 @@ typedef struct gn_tested {
     bool falls;                         /* under gravity */
     double section;                     /* m2, of what breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
-    bool zones;                         /* particles and elements share some */
-    double returned;                    /* at the end, found elsewhere; NaN: of nothing */
+    const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
+    size_t burst_count;
+    const char *no_bursts; /* why there are none */
+    bool zones;            /* particles and elements share some */
+    double returned;       /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

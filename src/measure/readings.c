@@ -261,9 +261,19 @@ static void read_plane(const gn_curves *c, gn_readings *r) {
         gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
 }
 
+/* How far apart the rows around the largest stress are. */
+static void note_rows(const gn_curves *c, gn_readings *r) {
+    const size_t k = c->largest, last = c->history->row_count - 1;
+    r->peak_rise = k > 0 ? fmin(1.0, 1.0 - c->stress[k - 1] / c->stress[k]) : 1.0;
+    if (!c->strain) return;
+    r->peak_strain_least = c->strain[k > 0 ? k - 1 : k] + 0.0; /* no -0 */
+    r->peak_strain_most = c->strain[k < last ? k + 1 : k];
+}
+
 static void read_peak(const gn_curves *c, gn_readings *r) {
     r->largest_stress = r->peak_stress = c->stress[c->largest];
     r->largest_strain = r->peak_strain = c->strain ? c->strain[c->largest] : NAN;
+    note_rows(c, r);
     const char *reason = gn_no_peak(c);
     if (reason) gn_reading_absent(r, GN_READING_peak_stress, "%s", reason);
     if (reason) gn_reading_absent(r, GN_READING_peak_strain, "%s", reason);

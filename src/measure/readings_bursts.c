@@ -32,49 +32,29 @@ static double power_of(double mean_log) {
     return 0.5 * (low + high);
 }
 
-typedef struct bursts {
-    size_t count;
-    double logs, most;
-} bursts;
-
-static void end_burst(bursts *b, double *size) {
-    if (!(*size > 0)) return;
-    b->count++;
-    b->logs += log(*size);
-    b->most = fmax(b->most, *size);
-    *size = 0;
-}
-
-static bursts count_bursts(const double *tension, const double *shear, size_t rows) {
-    bursts b = {0};
-    double size = 0;
-    for (size_t k = 1; k < rows; k++) {
-        double broke = tension[k] + shear[k] - tension[k - 1] - shear[k - 1];
-        if (!(broke > 0)) end_burst(&b, &size);
-        size += fmax(broke, 0);
-    }
-    end_burst(&b, &size);
-    return b;
-}
-
 /* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 50 leave 14 %. */
 enum { EVENTS_LEAST = 50 };
 
 void gn_readings_of_bursts(const gn_curves *c, gn_readings *r) {
-    const double *tension = gn_history_column(c->history, "broken_tension"),
-                 *shear = gn_history_column(c->history, "broken_shear");
-    if (!tension || !shear) {
-        gn_reading_absent(r, GN_READING_events, "the scene has no bonds");
-        gn_reading_absent(r, GN_READING_b_value, "the scene has no bonds");
+    const gn_tested *t = c->tested;
+    double logs = 0.0;
+    int32_t most = 0;
+    if (!t->bursts) {
+        const char *why = t->no_bursts ? t->no_bursts : "no breaks were kept";
+        gn_reading_absent(r, GN_READING_events, "%s", why);
+        gn_reading_absent(r, GN_READING_b_value, "%s", why);
         return;
     }
-    bursts b = count_bursts(tension, shear, c->history->row_count);
-    r->events = (double)b.count;
-    if (b.count < EVENTS_LEAST)
-        gn_reading_absent(r, GN_READING_b_value, "%zu bursts, %d are needed", b.count,
+    for (size_t k = 0; k < t->burst_count; k++) {
+        logs += log(t->bursts[k]);
+        most = t->bursts[k] > most ? t->bursts[k] : most;
+    }
+    r->events = (double)t->burst_count;
+    if (t->burst_count < EVENTS_LEAST)
+        gn_reading_absent(r, GN_READING_b_value, "%zu bursts, %d are needed", t->burst_count,
                           EVENTS_LEAST);
-    else if (!(b.most > 1))
+    else if (most < 2)
         gn_reading_absent(r, GN_READING_b_value, "every burst broke one bond");
     else
-        r->b_value = power_of(b.logs / (double)b.count) - 1;
+        r->b_value = power_of(logs / (double)t->burst_count) - 1;
 }

@@ -1,7 +1,10 @@
-/* The list of events (sim/events.h) in results.h5 and in checkpoints. */
+/* The list of events (sim/events.h) and their bursts (sim/bursts.h) in results.h5, events in
+ * checkpoints. */
 #define GN_EVERY_EFFECT /* fields say what they need, whatever is built */
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
+#include "run/parts.h"
+#include "sim/bursts.h"
 #include "sim/internal.h"
 
 #include "base/memory.h"
@@ -10,9 +13,14 @@
 
 /* --- results.h5 --- */
 
+typedef struct gn_events_view {
+    const gn_events *events;
+    const gn_bursts *bursts;
+} gn_events_view;
+
 #define READ(name, expression)                                                                     \
     static void read_##name(const void *view, size_t k, double *value) {                           \
-        const gn_event *e = &((const gn_events *)view)->rows[k];                                   \
+        const gn_event *e = &((const gn_events_view *)view)->events->rows[k];                      \
         *value = (expression);                                                                     \
     }
 READ(step, (double)e->step)
@@ -24,6 +32,10 @@ READ(y, e->place[1])
 READ(z, e->place[2])
 READ(cause, e->cause)
 READ(energy, e->energy)
+
+static void read_burst(const void *view, size_t k, double *value) {
+    *value = ((const gn_events_view *)view)->bursts->of[k];
+}
 
 static const gn_output_field of_events[] = {
     {"step", "1", "steps done before the one whose forces did it", GN_IN_RESULTS, GN_F64, false, 1,
@@ -41,8 +53,63 @@ static const gn_output_field of_events[] = {
     {"energy", "J",
      "released by the break, with the ledger; those of all breaks add up to `bond_breaking`",
      GN_IN_RESULTS, GN_F64, false, 1, read_energy, GN_FX_ENERGY},
+    {"burst", "1", "row of bursts that a break belongs to; -1: no break", GN_IN_RESULTS, GN_I32,
+     false, 1, read_burst, 0},
 };
 const gn_output_table gn_event_outputs = {"events", of_events, COUNT(of_events)};
+
+#undef READ
+#define READ(name, expression)                                                                     \
+    static void read_burst_##name(const void *view, size_t k, double *value) {                     \
+        const gn_burst *b = &((const gn_bursts *)view)->row[k];                                    \
+        *value = (expression);                                                                     \
+    }
+READ(time, b->time)
+READ(duration, b->duration)
+READ(size, b->size)
+READ(tension, b->tension)
+READ(x, b->place[0])
+READ(y, b->place[1])
+READ(z, b->place[2])
+READ(energy, b->energy)
+READ(magnitude, gn_burst_magnitude(b))
+
+static const gn_output_field of_bursts[] = {
+    {"time", "s", "instant of its first break", GN_IN_RESULTS, GN_F64, false, 1, read_burst_time,
+     0},
+    {"duration", "s", "from that to its last", GN_IN_RESULTS, GN_F64, false, 1, read_burst_duration,
+     0},
+    {"size", "1", "bonds that broke in it", GN_IN_RESULTS, GN_I32, false, 1, read_burst_size, 0},
+    {"tension", "1", "those of them that broke in tension", GN_IN_RESULTS, GN_I32, false, 1,
+     read_burst_tension, 0},
+    {"x", "m", "place, the mean of its breaks", GN_IN_RESULTS, GN_F64, false, 1, read_burst_x, 0},
+    {"y", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_burst_y, 0},
+    {"z", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_burst_z, 0},
+    {"energy", "J", "released by its breaks, with the ledger", GN_IN_RESULTS, GN_F64, false, 1,
+     read_burst_energy, GN_FX_ENERGY},
+    {"magnitude", "1",
+     "2/3 log10 of that energy over 1 J, less 3.2 (Scholz 2003); NaN: it released none",
+     GN_IN_RESULTS, GN_F64, true, 1, read_burst_magnitude, GN_FX_ENERGY},
+};
+const gn_output_table gn_burst_outputs = {"bursts", of_bursts, COUNT(of_bursts)};
+
+gneiss_status gn_events_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    gn_bursts bursts;
+    if (!(w->effects & GN_FX_EVENTS)) return GNEISS_OK;
+    gneiss_status status = gn_bursts_find(w, &bursts, error);
+    const gn_events_view view = {&w->dem.events, &bursts};
+    const gn_output_source events = {
+        &gn_event_outputs, &view, w->effects, w->dem.events.count, NULL, NULL, 0};
+    const gn_output_source heard = {
+        &gn_burst_outputs, &bursts, w->effects, bursts.count, NULL, NULL, 0};
+    const gn_h5_attribute said[] = {{"reach", .number = &bursts.reach},
+                                    {"window", .number = &bursts.window}};
+    if (status == GNEISS_OK) status = gn_output_put(&events, file, error);
+    if (status == GNEISS_OK) status = gn_output_put(&heard, file, error);
+    if (status == GNEISS_OK) status = gn_h5_attributes(file, "bursts", said, COUNT(said), error);
+    gn_bursts_free(&bursts);
+    return status;
+}
 
 /* --- checkpoints --- */
 

@@ -150,13 +150,15 @@ static gneiss_status remove_snapshots(const char *directory, const char *name,
 }
 
 /* Of each there are NAME_<step>.hdf files, of the first ones NAME.hdf.series as well. */
-static const char *const series[] = {"particles",       "bonds",        "elements",
-                                     "bodies",          "failed_bonds", "failed_particles",
-                                     "failed_elements", "failed_bodies"};
-enum { SERIES = sizeof series / sizeof *series, LISTED = 4 };
+static const char *const series[] = {"particles",        "bonds",           "elements",
+                                     "bodies",           "contacts",        "failed_bonds",
+                                     "failed_particles", "failed_elements", "failed_bodies",
+                                     "failed_contacts"};
+enum { SERIES = sizeof series / sizeof *series, LISTED = 5 };
 
 /* What only a run's end writes. */
-static const char *const single[] = {"results.h5", "summary.json", "report.html", "report.csv"};
+static const char *const single[] = {"results.h5", "summary.json",      "report.html",
+                                     "report.csv", "report_bursts.csv", "report_fragments.csv"};
 enum { SINGLE = sizeof single / sizeof *single };
 
 /* --- files of somebody else --- */

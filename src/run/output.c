@@ -4,6 +4,7 @@
 #include "io/h5.h"
 #include "io/snapshot.h"
 #include "run/budget.h"
+#include "run/output_contacts.h"
 #include "run/output_fields.h"
 #include "run/output_flow.h"
 #include "run/parts.h"
@@ -43,8 +44,11 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
     return status;
 }
 
-static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
-                                    const char *particles_name, const char *bonds_name,
+static bool shows_contacts(const gn_world *w) {
+    return w->scene.contact_rows == GN_SWITCH_ON && w->dem.particles.soa.count;
+}
+
+static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v, const char *before,
                                     gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.particles.soa.count;
@@ -59,24 +63,29 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
             .bad = w->bad, .time = w->time, .step = w->step, .point_count = count, .points = place};
         s.point_arrays = points.of;
         s.point_array_count = points.count;
-        status = gn_snapshot_write(run->directory, particles_name, &s, error);
+        char name[64];
+        snprintf(name, sizeof name, "%sparticles", before);
+        status = gn_snapshot_write(run->directory, name, &s, error);
+        snprintf(name, sizeof name, "%sbonds", before);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
-            status = write_bonds(run, v, bonds_name, &s, error);
+            status = write_bonds(run, v, name, &s, error);
+        snprintf(name, sizeof name, "%scontacts", before);
+        if (status == GNEISS_OK && shows_contacts(w))
+            status = gn_output_contacts_snapshot(v, run->directory, name, &s, error);
         gn_output_arrays_free(&points);
     }
     free(place);
     return status;
 }
 
-gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
-                                 const char *bonds_name, gneiss_error *error) {
+gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_world_observe(&run->world, &seen, error));
     gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
     if (status == GNEISS_OK) {
-        status = write_snapshot(run, &view, particles_name, bonds_name, error);
+        status = write_snapshot(run, &view, before, error);
         gn_output_view_free(&view);
     }
     gn_observed_free(&seen);
@@ -94,6 +103,8 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
     }
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
+    if (shows_contacts(&run->world))
+        GN_TRY(gn_snapshot_series(run->directory, "contacts", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
     return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
 }
@@ -296,16 +307,12 @@ static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *err
         if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
             status = gn_output_put(&bonds, file, error);
+        if (status == GNEISS_OK && shows_contacts(w))
+            status = gn_output_contacts_put(&view, file, error);
         gn_output_view_free(&view);
     }
     gn_observed_free(&seen);
     return status;
-}
-
-static gneiss_status put_events(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_output_source events = {
-        &gn_event_outputs, &w->dem.events, w->effects, w->dem.events.count, NULL, NULL, 0};
-    return w->effects & GN_FX_EVENTS ? gn_output_put(&events, file, error) : GNEISS_OK;
 }
 
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
@@ -320,7 +327,8 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_owners_results(&run->world, file, error);
     if (status == GNEISS_OK) status = put_state(&run->world, file, error);
-    if (status == GNEISS_OK) status = put_events(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_fragments_results(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_events_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);

@@ -75,6 +75,8 @@ static void read_applied(const void *view, size_t k, double *value) {
 }
 READ(material, w->dem.particles.material[k])
 READ(group, w->dem.particles.group[k])
+READ(fragment, v->fragments.of[k])
+READ(fragment_size, v->fragments.of[k] < 0 ? 0 : v->fragments.row[v->fragments.of[k]].particles)
 READ(skin, w->dem.particles.skin[4 * k + 3] > 0.0)
 static void read_total_force(const void *view, size_t k, double *value) {
     memcpy(value, ((const gn_output_view *)view)->total + 6 * k, 3 * sizeof *value);
@@ -135,6 +137,12 @@ static const gn_output_field of_particles[] = {
      false, 1, read_material, 0},
     {"skin", "1", "1: the membrane presses on it", GN_ON_REQUEST(skin), GN_U8, false, 1, read_skin,
      GN_FX_MEMBRANE},
+    {"fragment", "1",
+     "row of fragments that it belongs to, the largest first; -1: removed or asleep",
+     GN_ON_REQUEST(fragment), GN_I32, false, 1, read_fragment, GN_FX_BONDS},
+    {"fragment_size", "1",
+     "particles that bonds which hold keep together with it, itself among them",
+     GN_ON_REQUEST(fragment_size), GN_I32, false, 1, read_fragment_size, GN_FX_BONDS},
     {"total_force", "N",
      "of contacts, walls, surfaces, weight, what is applied and background damping; of walls and "
      "surfaces in the last step; without what zones of elements do and what leads a set",
@@ -215,7 +223,7 @@ static double criterion_of(const gn_output_view *v, size_t c) {
 
 enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
 
-static double state_of(const gn_contacts *b, size_t c) {
+int32_t gn_output_bond_state(const gn_contacts *b, size_t c) {
     if (b->cause[c] != GN_INTACT || !(b->soa.effects & GN_FX_SOFTENING)) return b->cause[c];
     gn_bond_condition is = gn_softening_condition(b, c);
     if (is.tension > 0.0 || is.shear > 0.0) return BOND_SOFTENING;
@@ -230,7 +238,7 @@ static double end_of(const gn_output_view *v, size_t c, int end) {
 
 READ(first, end_of(v, k, 0))
 READ(second, end_of(v, k, 1))
-READ(state, state_of(&w->dem.bonds, k))
+READ(state, gn_output_bond_state(&w->dem.bonds, k))
 READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
 READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
 READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
@@ -319,9 +327,10 @@ gn_output_source gn_output_bonds(const gn_output_view *v) {
 
 /* --- what takes more than one particle --- */
 
-static void count_contacts(const gn_contacts *list, double *coordination) {
+/* Whether a bond holds is the world's; the copy may have broken it at the present places. */
+static void count_contacts(const gn_contacts *list, const gn_contacts *seen, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {
-        if (!gn_contact_bonded(list, c) && !gn_contact_carries(list, c)) continue;
+        if (!gn_contact_bonded(list, c) && !gn_contact_carries(seen, c)) continue;
         coordination[list->i[c]] += 1.0;
         coordination[list->j[c]] += 1.0;
     }
@@ -337,6 +346,12 @@ static void damage_of_the_awake(const gn_world *w, double *damage) {
         damage[b->i[c]] += 1.0 / fmax(1.0, bonds0[b->i[c]]);
         damage[b->j[c]] += 1.0 / fmax(1.0, bonds0[b->j[c]]);
     }
+}
+
+static gneiss_status read_fragments(gn_output_view *v, gneiss_error *error) {
+    const unsigned wanted = GN_ASKED(fragment) | GN_ASKED(fragment_size);
+    if (!(v->world->scene.asked & wanted)) return GNEISS_OK;
+    return gn_fragments_list(v->world, &v->fragments, error);
 }
 
 /* Nothing costs what nobody asks for. */
@@ -377,14 +392,15 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
     if (status == GNEISS_OK) status = read_loads(v, error);
+    if (status == GNEISS_OK) status = read_fragments(v, error);
     if (status != GNEISS_OK) {
         gn_output_view_free(v);
         return status;
     }
     if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
     if (gn_converts(w)) damage_of_the_awake(w, v->damage);
-    count_contacts(&seen->bonds, v->coordination);
-    count_contacts(&seen->pairs, v->coordination);
+    count_contacts(&w->dem.bonds, &seen->bonds, v->coordination);
+    count_contacts(&w->dem.pairs, &seen->pairs, v->coordination);
     split_forces(v);
     return GNEISS_OK;
 }
@@ -397,6 +413,7 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->shear);
     free(v->total);
     free(v->damping);
+    gn_fragments_free(&v->fragments);
     free(v->row);
     gn_free(v->places);
     *v = (gn_output_view){0};

@@ -3,6 +3,7 @@
 #define GN_RUN_OUTPUT_FIELDS_H
 
 #include "run/output_table.h"
+#include "sim/fragments.h"
 #include "sim/world.h"
 
 typedef struct gn_output_view {
@@ -10,9 +11,10 @@ typedef struct gn_output_view {
     const gn_observed *seen;
     double *damage, *stress, *coordination; /* per particle; stress [particles][6] */
     double *normal, *shear;                 /* N, per bond, of what is seen */
-    double *total, *damping; /* N and N m, [particles][6]; NULL unless they are asked for */
-    int32_t *row;            /* [particles] in files, where they stand by id */
-    int32_t *places;         /* of elements, where particles sleep in them; NULL: none do */
+    double *total, *damping;    /* N and N m, [particles][6]; NULL unless they are asked for */
+    gn_fragment_list fragments; /* empty unless they are asked for */
+    int32_t *row;               /* [particles] in files, where they stand by id */
+    int32_t *places;            /* of elements, where particles sleep in them; NULL: none do */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,
@@ -25,6 +27,8 @@ gn_output_source gn_output_bonds(const gn_output_view *view);
 
 /* Where a particle is, as the user sees it, m. */
 void gn_output_place(const gn_output_view *view, size_t particle, double place[3]);
+/* As the field `state` says. */
+int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond);
 /* The ends of a bond as rows of particles, the smaller one first. */
 void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]);
 

@@ -41,6 +41,16 @@ gneiss_status gn_scene_results(const gn_world *world, gn_h5 *file, gneiss_error 
 /* /bodies, /motions */
 gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
+/* --- what happened to bonds (events.c) --- */
+
+/* /events, /bursts */
+gneiss_status gn_events_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
+/* --- pieces that bonds hold (output_fragments.c) --- */
+
+/* /fragments */
+gneiss_status gn_fragments_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
 /* --- checkpoints (checkpoint_dem.c, _boundary.c, _elements.c) --- */
 
 /* Loading makes the part; `path` stands in messages. The boundary comes after the particles, and

@@ -2,6 +2,7 @@
 #include "run/budget.h"
 #include "run/run.h"
 #include "run/stages.h"
+#include "sim/bursts.h"
 #include "sim/coupling.h"
 #include "sim/fragments.h"
 #include "sim/laboratory.h"
@@ -46,30 +47,64 @@ static double returned(const gn_world *w, const gn_history *rows, bool over) {
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
 
-static void compute(const gn_world *w, const gn_history *rows, bool over, gn_readings *r) {
+/* s: from when to before when bursts count. */
+typedef struct span {
+    double from, until;
+} span;
+
+static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
+    size_t count = 0;
+    for (size_t k = 0; k < bursts->count; k++) {
+        const double at = bursts->row[k].time;
+        if (at >= when.from && at < when.until) size[count++] = bursts->row[k].size;
+    }
+    return count;
+}
+
+static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over) {
     const gn_test *t = &w->scene.test;
     const double *g = w->scene.gravity;
     const gn_fragments pieces = gn_world_fragments(w);
-    gn_tested tested = {.kind = t->kind,
-                        .dimension = (int)w->scene.dimension,
-                        .axis = (int)t->axis,
-                        .sign = gn_test_sign(t->kind),
-                        .notched = t->notch > 0.0,
-                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
-                        .fragments = pieces.count,
-                        .largest_fragment = pieces.largest,
-                        .zones = w->scene.couple.zone_count > 0,
-                        .returned = returned(w, rows, over),
-                        .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
-                        .elastic = !w->scene.has_specimen,
-                        .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
-                                   !gn_scene_end_drives(&w->scene, &t->upper)};
-    gn_readings_compute(rows, &tested, r);
-    /* A quotient by nothing is no reading either. */
+    return (gn_tested){.kind = t->kind,
+                       .dimension = (int)w->scene.dimension,
+                       .axis = (int)t->axis,
+                       .sign = gn_test_sign(t->kind),
+                       .notched = t->notch > 0.0,
+                       .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+                       .fragments = pieces.count,
+                       .largest_fragment = pieces.largest,
+                       .zones = w->scene.couple.zone_count > 0,
+                       .returned = returned(w, rows, over),
+                       .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
+                       .elastic = !w->scene.has_specimen,
+                       .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
+                                  !gn_scene_end_drives(&w->scene, &t->upper),
+                       .no_bursts = w->effects & GN_FX_BONDS ? "output.events off keeps no breaks"
+                                                             : "the scene has no bonds"};
+}
+
+/* `over`: the rows have ended before the run. */
+static gneiss_status compute(const gn_world *w, const gn_history *rows, span when, bool over,
+                             gn_readings *r, gneiss_error *error) {
+    gn_tested tested = tested_of(w, rows, over);
+    gn_bursts bursts;
+    gneiss_status status = gn_bursts_find(w, &bursts, error);
+    int32_t *size = calloc(bursts.count + 1, sizeof *size);
+    if (status == GNEISS_OK && !size)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bursts", bursts.count);
+    if (status == GNEISS_OK) {
+        tested.bursts = w->effects & GN_FX_EVENTS ? size : NULL;
+        tested.burst_count = sizes_of(&bursts, when, size);
+        gn_readings_compute(rows, &tested, r);
+        /* A quotient by nothing is no reading either. */
 #define X(name, unit, text)                                                                        \
     if (!isfinite(r->name)) r->name = NAN;
-    GN_READINGS(X)
+        GN_READINGS(X)
 #undef X
+    }
+    free(size);
+    gn_bursts_free(&bursts);
+    return status;
 }
 
 static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
@@ -142,11 +177,14 @@ static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings 
                                    gneiss_error *error) {
     gn_history part;
     GN_TRY(part_of(run, stage, &part, error));
-    compute(&run->world, &part, stage < run->world.stage, readings);
+    const gn_world *w = &run->world;
+    const bool over = stage < w->stage;
+    const span when = {w->stages[stage].time, over ? w->stages[stage + 1].time : INFINITY};
+    gneiss_status status = compute(w, &part, when, over, readings, error);
     if (stage != stage_read(run)) leave_fragments(readings);
     free(part.columns[part.column_count].value);
     free(part.columns);
-    return GNEISS_OK;
+    return status;
 }
 
 /* --- of the run --- */
@@ -170,7 +208,8 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
     if (gn_run_staged(run))
         GN_TRY(compute_stage(run, stage_read(run), &read->readings, error));
     else
-        compute(w, &run->history, false, &read->readings);
+        GN_TRY(
+            compute(w, &run->history, (span){-INFINITY, INFINITY}, false, &read->readings, error));
     read->known = true;
     read->of = now;
     return GNEISS_OK;

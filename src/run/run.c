@@ -314,7 +314,7 @@ void gn_run_free(gn_run *run) {
 /* --- running --- */
 
 static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
-    GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
+    GN_TRY(gn_output_snapshot(run, "", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
@@ -506,7 +506,7 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
     run->finished = false;
     run->world.bad = true;
-    GN_TRY(gn_output_snapshot(run, "failed_particles", "failed_bonds", error));
+    GN_TRY(gn_output_snapshot(run, "failed_", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
     return gn_output_results(run, error);

@@ -128,7 +128,7 @@ typedef struct gn_warning {
     const char *name;
     char text[640]; /* lists are on the stack */
 } gn_warning;
-enum { GN_WARNINGS_MAX = 32 };
+enum { GN_WARNINGS_MAX = 40 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];
@@ -147,9 +147,8 @@ gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_er
 gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
                                  size_t override_count, gn_run *run, gneiss_error *error);
 
-/* output.c */
-gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
-                                 const char *bonds_name, gneiss_error *error);
+/* output.c. Snapshots of what particles are part of, `before` in front of their names. */
+gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_error *error);
 gneiss_status gn_output_series(gn_run *run, gneiss_error *error);
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);

@@ -122,23 +122,6 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
              name, least / gn_energy_scale(&w->reading), gn_energy_scale(&w->reading), limit);
 }
 
-/* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
- * that is not counted leaves half of the load. */
-static const double imbalance_limit = 0.1;
-
-static gneiss_status warn_of_balance(const gn_run *run, gn_warnings *list, gneiss_error *error) {
-    const gn_readings *r;
-    GN_TRY(gn_run_readings(run, &r, error));
-    if (!(r->end_imbalance > imbalance_limit)) return GNEISS_OK;
-    gn_warning *to = add(list, "end_imbalance");
-    snprintf(to->text, sizeof to->text,
-             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
-             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
-             "part (it may be a list)",
-             100.0 * r->end_imbalance);
-    return GNEISS_OK;
-}
-
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!*gn_world_step_warning(&run->world, text, sizeof text)) return;
@@ -566,7 +549,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_residual(run, list);
     warn_of_change(run, list);
     warn_of_gain(run, list);
-    GN_TRY(warn_of_balance(run, list, error));
+    GN_TRY(gn_warn_of_readings(run, list, error));
     warn_of_skin(run, list);
     warn_of_softening(run, list);
     warn_of_mass_scaling(run, list);

@@ -29,6 +29,10 @@ static gneiss_status unknown(const check *c, const char *name) {
 
 gneiss_status gn_check_output(const check *c, gn_scene *s) {
     s->asked = 0;
+    if (s->contact_rows == GN_SWITCH_ON && !s->has_specimen)
+        return gn_check_fail(c, "output.contacts",
+                             "expected a specimen beside it, whose particles have contacts, found "
+                             "elements only");
     if (s->field_count && !s->has_specimen)
         return gn_check_fail(c, "output.fields",
                              "expected a specimen beside it, whose particles and bonds have them, "

@@ -478,33 +478,7 @@ static const gn_key wall_keys[] = {
 };
 ELEMENTS_OF(wall, gn_wall_def);
 
-/* ---- output, run ---- */
-
-static const gn_key output_keys[] = {
-    KEY("directory", TEXT, gn_scene, output_directory, .fallback = "",
-        .text = "folder of the results; left out: runs/ and the name of the scene"),
-    KEY("history_rows", INTEGER, gn_scene, history_rows, .range = "[0, 10000000]",
-        .fallback = "1000", .text = "rows of the history up to time.end"),
-    KEY("snapshots", INTEGER, gn_scene, snapshots, .range = "[0, 1000000]", .fallback = "10",
-        .text = "snapshots up to time.end; 0: only the last state"),
-    KEY("checkpoint", REAL, gn_scene, checkpoint_wall, .unit = "s", .range = "[0, inf)",
-        .word = "off", .fallback = "5 min",
-        .text = "wall time between checkpoints; off: only on a signal and at the end"),
-    KEY("energy", CHOICE, gn_scene, energy, .choices = switches, .fallback = "auto",
-        .text = "energy ledger; auto: on"),
-    KEY("orientation", CHOICE, gn_scene, orientation, .choices = switches, .fallback = "auto",
-        .text =
-            "turns of particles from the start, in snapshots and results.h5, where they rotate; "
-            "auto: off"),
-    KEY("events", CHOICE, gn_scene, events, .choices = switches, .fallback = "auto",
-        .text = "list of when and where bonds broke, began to soften or to yield, in results.h5; "
-                "auto: on"),
-    ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
-          .text = "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
-                  "material, skin, total_force, total_moment, damping_force, damping_moment, area, "
-                  "shear_stress (docs/quantities.md)"),
-};
-TABLE_OF(output);
+/* ---- neighbours, run ---- */
 
 static const gn_key neighbours_keys[] = {
     KEY("skin", REAL, gn_scene, skin, .unit = "m", .range = "[1e-12, 1e9]", .word = "auto",
@@ -590,7 +564,7 @@ static const gn_key scene_keys[] = {
     ARRAY("stages", LIST, gn_scene, stages, stage_count, .section = &gn_stage_section,
           .range = "[1, 1000]", PRESENT(COUNT, gn_scene, stage_count),
           .text = "what the run goes through one after the other; left out: one stage"),
-    SECTION("output", output_section, .packing = true, .text = "what is written"),
+    SECTION("output", gn_output_section, .packing = true, .text = "what is written"),
     SECTION("neighbours", neighbours_section, .text = "the neighbour list"),
     SECTION("run", run_section, .packing = true, .text = "how the run is carried out; no physics"),
 };

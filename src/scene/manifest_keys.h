@@ -60,6 +60,8 @@ extern const gn_section gn_elements_section;
 extern const gn_section gn_test_section, gn_membrane_section;
 /* The section `time` (manifest_time.c); as above. */
 extern const gn_section gn_time_section;
+/* The section `output` (manifest_output.c); as above. */
+extern const gn_section gn_output_section;
 /* Elements of `sources` and `sinks` (manifest_flow.c). */
 extern const gn_section gn_source_section, gn_sink_section;
 /* The section `couple` (manifest_couple.c), likewise. */

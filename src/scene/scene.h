@@ -489,7 +489,8 @@ typedef struct gn_scene {
     double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
-    gn_switch energy, orientation, events;
+    gn_switch energy, orientation, events, contact_rows;
+    double burst_reach; /* mean diameters of bonded particles */
     size_t field_count;
     char (*fields)[GN_NAME_SIZE]; /* asked for besides what files have anyway */
     unsigned asked;               /* the same, GN_ASKED(name) each (base/asked.h) */

@@ -6,6 +6,7 @@
 #include "sim/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The first of its piece, with the path to it halved on the way. */
@@ -122,4 +123,88 @@ gn_fragments gn_world_fragments(const gn_world *w) {
     start(q, n);
     join(&w->dem.bonds, q->parent);
     return measure(w, q->parent, q->volume, q->members);
+}
+
+/* --- as a list --- */
+
+static bool is_there(const gn_world *w, size_t p) {
+    return w->dem.particles.vel[4 * p + 3] > 0.0 && !gn_is_asleep(w, p);
+}
+
+/* `at`: the first particle of the piece by its id, for images. */
+static void add_particle(const gn_world *w, gn_fragment *f, size_t at, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    const double mass = gn_own_share(q, p) / q->vel[4 * p + 3];
+    double d[3];
+    gn_branch(w, q->pos + 4 * at, q->pos + 4 * p, d);
+    for (size_t a = 0; a < 3; a++) {
+        f->centre[a] += mass * d[a];
+        f->velocity[a] += mass * q->vel[4 * p + a];
+    }
+    f->mass += mass;
+    f->volume += gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+    f->particles++;
+}
+
+static void finish(const gn_world *w, gn_fragment *f, size_t at) {
+    double centre[3];
+    for (size_t a = 0; a < 3; a++) {
+        centre[a] = w->dem.particles.pos[4 * at + a] + f->centre[a] / f->mass;
+        f->velocity[a] /= f->mass;
+    }
+    gn_world_point_out(w, centre, f->centre);
+}
+
+static int by_volume(const void *a, const void *b) {
+    const gn_fragment *x = a, *y = b;
+    if (x->volume != y->volume) return x->volume > y->volume ? -1 : 1;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+/* Pieces in the order of the least of their ids, particles in that of their ids: the sums do not
+ * depend on how particles are sorted. *place: of each piece by its first particle's id. */
+static void sum_pieces(const gn_world *w, gn_fragment_list *list, int32_t *piece) {
+    const gn_dem *d = &w->dem;
+    for (int64_t id = 0; id < d->ids; id++) {
+        const int32_t p = d->index_of_id[id];
+        if (p < 0 || !is_there(w, (size_t)p)) continue;
+        const int32_t root = root_of(d->pieces.parent, p);
+        if (piece[root] < 0) {
+            piece[root] = (int32_t)list->count;
+            list->row[list->count++].first = (int32_t)id;
+        }
+        gn_fragment *f = &list->row[piece[root]];
+        add_particle(w, f, (size_t)d->index_of_id[f->first], (size_t)p);
+    }
+    for (size_t k = 0; k < list->count; k++)
+        finish(w, &list->row[k], (size_t)d->index_of_id[list->row[k].first]);
+}
+
+gneiss_status gn_fragments_list(const gn_world *w, gn_fragment_list *list, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    const gn_pieces *q = &w->dem.pieces;
+    *list = (gn_fragment_list){0};
+    if (!(w->effects & GN_FX_BONDS) || !n) return GNEISS_OK;
+    list->row = gn_alloc_array(n + 1, sizeof *list->row);
+    list->of = gn_alloc_array(n + 1, sizeof *list->of);
+    if (!list->row || !list->of)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles",
+                       n);
+    start(q, n);
+    join(&w->dem.bonds, q->parent);
+    memset(list->of, -1, n * sizeof *list->of);
+    sum_pieces(w, list, list->of);
+    qsort(list->row, list->count, sizeof *list->row, by_volume);
+    memset(q->members, -1, n * sizeof *q->members);
+    for (size_t k = 0; k < list->count; k++)
+        q->members[root_of(q->parent, w->dem.index_of_id[list->row[k].first])] = (int32_t)k;
+    for (size_t p = 0; p < n; p++)
+        list->of[p] = is_there(w, p) ? q->members[root_of(q->parent, (int32_t)p)] : -1;
+    return GNEISS_OK;
+}
+
+void gn_fragments_free(gn_fragment_list *list) {
+    gn_free(list->row);
+    gn_free(list->of);
+    *list = (gn_fragment_list){0};
 }

@@ -12,6 +12,26 @@ typedef struct gn_fragments {
 gneiss_status gn_pieces_create(gn_world *world, gneiss_error *error);
 gn_fragments gn_world_fragments(const gn_world *world);
 
+/* A piece, one particle or more. */
+typedef struct gn_fragment {
+    double volume;      /* m3, in 2D m2 x 1 m, of its particles */
+    double mass;        /* kg, without what was added for a longer step */
+    double centre[3];   /* m, of mass, as the user sees it; in periodic boxes of the images next to
+                           its first particle */
+    double velocity[3]; /* m/s, of that, half a step before the instant */
+    int32_t particles, first; /* the least of their ids */
+} gn_fragment;
+
+typedef struct gn_fragment_list {
+    gn_fragment *row; /* the largest volume first, of the same the least id */
+    size_t count;
+    int32_t *of; /* [particles] row, -1: removed or asleep */
+} gn_fragment_list;
+
+/* With bonds, else there are none. The caller frees, also on failure. */
+gneiss_status gn_fragments_list(const gn_world *world, gn_fragment_list *list, gneiss_error *error);
+void gn_fragments_free(gn_fragment_list *list);
+
 /* Bodies: what bonds that hold and contacts that touch keep together. members[p] is how many
  * particles the body of p has, 0 of particles that have left; NULL without bonds. Until the next
  * call of either. */

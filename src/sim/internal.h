@@ -136,6 +136,11 @@ gneiss_status gn_contacts_observe(const gn_world *world, const gn_contacts *list
                                   const int32_t *chosen, size_t count, gn_contacts *seen,
                                   gneiss_error *error);
 
+/* m2, in 2D m x 1 m, that stresses of a contact are over (law.c): of two particles, `overlap` m;
+ * of one with walls and surfaces. */
+double gn_contact_area(const gn_world *world, const gn_contacts *list, size_t c, double overlap);
+double gn_touch_area(const gn_world *world, size_t particle, double overlap);
+
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *error);

@@ -118,6 +118,25 @@ void gn_contact_set(const gn_world *w, gn_contacts *list, size_t c) {
     if (part != 1.0) law->weigh(list, c, part);
 }
 
+/* Laws by area that are told none have that of a pair that was never bonded. */
+static double area_of(const gn_world *w, const gn_law *law, const gn_law_pair *pair,
+                      double overlap) {
+    gn_law_model model = model_of(w);
+    return law->area ? law->area(pair, overlap) : gn_linear_section(&model, pair);
+}
+
+double gn_contact_area(const gn_world *w, const gn_contacts *list, size_t c, double overlap) {
+    gn_law_pair pair = pair_of_contact(w, list, c);
+    return area_of(w, gn_law_of(list->soa.effects), &pair, overlap);
+}
+
+double gn_touch_area(const gn_world *w, size_t particle, double overlap) {
+    const gn_law *law = gn_law_of(gn_contact_list_effects(w->effects, false));
+    gn_law_pair pair = pair_of(w, (int32_t)particle, (int32_t)particle);
+    if (law->area) pair.rj = INFINITY;
+    return area_of(w, law, &pair, overlap);
+}
+
 /* Planes across e cut the bond area sum A L |n.e|/V of each of their own; the mean of |n.e| over
  * all e is 1/2, in 2D 2/pi. */
 double gn_law_cut(const gn_world *w) {

@@ -1,0 +1,278 @@
+/* Fields say what they need, whatever is built. */
+#define GN_EVERY_EFFECT
+#include "run/output_contacts.h"
+
+#include "sim/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WITH_PARTICLE, WITH_WALL, WITH_BODY, WITH_ELEMENTS };
+enum { NEVER_BONDED = 7 }; /* beside the states of bonds */
+
+/* --- one contact --- */
+
+static void split(gn_output_contact *k) {
+    const double length = sqrt(gn_dot3(k->branch, k->branch));
+    k->normal = length > 0.0 ? gn_dot3(k->force, k->branch) / length : 0.0;
+}
+
+static double shear_of(const gn_output_contact *k) {
+    return sqrt(fmax(0.0, gn_dot3(k->force, k->force) - k->normal * k->normal));
+}
+
+/* Forces are those of the copy that was evaluated; what else a contact has is the world's. */
+static gn_output_contact between(const gn_output_view *v, const gn_contacts *list,
+                                 const gn_contacts *seen, size_t c) {
+    const gn_world *w = v->world;
+    const double *x = w->dem.particles.pos + 4 * (int64_t)list->i[c],
+                 *y = w->dem.particles.pos + 4 * (int64_t)list->j[c];
+    const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
+    const int32_t i = v->row[list->i[c]], j = v->row[list->j[c]];
+    const double turn = i < j ? 1.0 : -1.0;
+    gn_output_contact k = {.i = i < j ? i : j,
+                           .j = i < j ? j : i,
+                           .with = WITH_PARTICLE,
+                           .side = -1,
+                           .state = list->cause ? gn_output_bond_state(list, c) : NEVER_BONDED};
+    const double length = sqrt(gn_branch(w, x, y, k.branch));
+    for (int a = 0; a < (int)w->scene.dimension; a++) k.force[a] = turn * row[a];
+    for (int a = 0; a < 3; a++) k.branch[a] *= turn;
+    k.overlap = (list->length0 ? list->length0[c] : x[3] + y[3]) - length;
+    k.area = gn_contact_area(w, list, c, k.overlap);
+    split(&k);
+    return k;
+}
+
+/* As the mean stress has its arm: of the radius, toward where the force acts. */
+static void reach_for(const gn_world *w, size_t c, gn_output_contact *k) {
+    const gn_wall_contacts *list = &w->boundary.contacts;
+    const double *x = w->dem.particles.pos + 4 * (size_t)list->i[c];
+    const size_t wall = (size_t)list->wall[c];
+    double gap;
+    if (k->with == WITH_WALL) {
+        const gn_wall *plane = &w->boundary.walls[wall];
+        for (int a = 0; a < 3; a++) k->branch[a] = -x[3] * plane->normal[a];
+        gap = gn_wall_distance(plane, x) - x[3] - list->gap0[c];
+    } else {
+        double size2 = 0.0;
+        for (size_t a = 0; a < (size_t)w->scene.dimension; a++) {
+            k->branch[a] = list->touch[c + a * list->soa.capacity] - x[a];
+            size2 += k->branch[a] * k->branch[a];
+        }
+        for (int a = 0; a < 3 && size2 > 0.0; a++) k->branch[a] *= x[3] / sqrt(size2);
+        gap = sqrt(size2) - x[3];
+    }
+    k->overlap = -gap;
+}
+
+static gn_output_contact with_surface(const gn_output_view *v, size_t c) {
+    const gn_world *w = v->world;
+    const gn_wall_contacts *list = &w->boundary.contacts;
+    const size_t wall = (size_t)list->wall[c], p = (size_t)list->i[c];
+    gn_output_contact k = {
+        .i = v->row[p], .j = -1, .with = WITH_WALL, .side = (int32_t)wall, .state = NEVER_BONDED};
+    if (wall >= w->scene.wall_count) {
+        const gn_surface *s = gn_surface_of_row(w, c);
+        k.with = s->body >= 0 ? WITH_BODY : WITH_ELEMENTS;
+        k.side = s->body >= 0 ? s->body : (int32_t)(wall - w->scene.wall_count) - s->first;
+    }
+    for (size_t a = 0; a < (size_t)w->scene.dimension; a++) k.force[a] = list->row[8 * c + a];
+    reach_for(w, c, &k);
+    k.area = gn_touch_area(w, p, k.overlap);
+    split(&k);
+    return k;
+}
+
+/* --- all of them --- */
+
+static bool acts(const gn_contacts *list, const gn_contacts *seen, size_t c) {
+    return gn_contact_bonded(list, c) || gn_contact_carries(seen, c);
+}
+
+static bool pressed(const gn_world *w, size_t c) {
+    const double *row = w->boundary.contacts.row + 8 * c;
+    return row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
+}
+
+/* Counts what there is, or writes it where it is given room. */
+static size_t list_contacts(const gn_output_view *v, gn_output_contact *to) {
+    const gn_world *w = v->world;
+    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs},
+                      *seen[] = {&v->seen->bonds, &v->seen->pairs};
+    size_t count = 0;
+    for (int k = 0; k < 2; k++)
+        for (size_t c = 0; c < lists[k]->soa.count; c++) {
+            if (!acts(lists[k], seen[k], c)) continue;
+            if (to) to[count] = between(v, lists[k], seen[k], c);
+            count++;
+        }
+    return count;
+}
+
+static size_t list_surfaces(const gn_output_view *v, gn_output_contact *to) {
+    const gn_world *w = v->world;
+    size_t count = 0;
+    for (size_t c = 0; w->effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++) {
+        if (!pressed(w, c)) continue;
+        if (to) to[count] = with_surface(v, c);
+        count++;
+    }
+    return count;
+}
+
+gneiss_status gn_output_contacts_make(const gn_output_view *v, gn_output_contacts *all,
+                                      gneiss_error *error) {
+    const size_t particles = list_contacts(v, NULL);
+    *all = (gn_output_contacts){.surfaces = list_surfaces(v, NULL)};
+    all->count = particles + all->surfaces;
+    all->row = calloc(all->count + 1, sizeof *all->row);
+    if (!all->row)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu contacts",
+                       all->count);
+    list_contacts(v, all->row);
+    list_surfaces(v, all->row + particles);
+    return GNEISS_OK;
+}
+
+void gn_output_contacts_free(gn_output_contacts *all) {
+    free(all->row);
+    *all = (gn_output_contacts){0};
+}
+
+/* --- fields --- */
+
+#define READ(name, expression)                                                                     \
+    static void read_##name(const void *view, size_t c, double *value) {                           \
+        const gn_output_contact *k = &((const gn_output_contacts *)view)->row[c];                  \
+        *value = (expression);                                                                     \
+    }
+READ(first, k->i)
+READ(second, k->j)
+READ(with, k->with)
+READ(side, k->side)
+READ(state, k->state)
+READ(normal_force, k->normal)
+READ(shear_force, shear_of(k))
+READ(overlap, k->overlap)
+READ(area, k->area)
+READ(normal_stress, k->area > 0.0 ? k->normal / k->area : 0.0)
+READ(shear_stress, k->area > 0.0 ? shear_of(k) / k->area : 0.0)
+
+static void read_force(const void *view, size_t c, double *value) {
+    memcpy(value, ((const gn_output_contacts *)view)->row[c].force, 3 * sizeof *value);
+}
+static void read_branch(const void *view, size_t c, double *value) {
+    memcpy(value, ((const gn_output_contacts *)view)->row[c].branch, 3 * sizeof *value);
+}
+
+enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
+
+static const gn_output_field of_contacts[] = {
+    {"i", "1", "first particle, base 0: row of particles", BOTH, GN_I32, false, 1, read_first, 0},
+    {"j", "1", "second particle; -1: a wall, a body or finite elements", BOTH, GN_I32, false, 1,
+     read_second, 0},
+    {"with", "1", "what touches i: 0 a particle, 1 a wall, 2 a rigid body, 3 finite elements", BOTH,
+     GN_U8, false, 1, read_with, 0},
+    {"side", "1",
+     "place of the wall or body in the scene, of finite elements the facet; -1: a particle", BOTH,
+     GN_I32, false, 1, read_side, 0},
+    {"state", "1", "as of bonds (0, 4 and 5 hold, 1 and 2 broke and touch); 7: never bonded", BOTH,
+     GN_U8, false, 1, read_state, 0},
+    {"force", "N", "force on i; of walls and surfaces that of the last step", BOTH, GN_F64, false,
+     3, read_force, 0},
+    {"branch", "m",
+     "from the centre of i to that of j, the nearest image; of walls and surfaces the radius "
+     "toward "
+     "where they act",
+     BOTH, GN_F64, false, 3, read_branch, 0},
+    {"normal_force", "N", "force along the branch, tension positive", BOTH, GN_F64, false, 1,
+     read_normal_force, 0},
+    {"shear_force", "N", "size of the force across it", BOTH, GN_F64, false, 1, read_shear_force,
+     0},
+    {"overlap", "m",
+     "rest length of a bond, or sum of the radii, less the distance of the centres; of walls and "
+     "surfaces the radius less theirs (passive walls: less the one at the start); below 0: apart",
+     BOTH, GN_F64, false, 1, read_overlap, 0},
+    {"area", "m2",
+     "section that strengths of the pair are over, bonded or not: (2 r)^2 of the radius that the "
+     "law has for it, in 2D 2 r x 1 m, of laws by area theirs, against walls and surfaces as of "
+     "two "
+     "of its size; by Hertz's law the circle of contact, pi times overlap times reduced radius",
+     BOTH, GN_F64, false, 1, read_area, 0},
+    {"normal_stress", "Pa", "normal force over that area, tension positive; 0 without one", BOTH,
+     GN_F64, false, 1, read_normal_stress, 0},
+    {"shear_stress", "Pa", "shear force over it", BOTH, GN_F64, false, 1, read_shear_stress, 0},
+};
+_Static_assert(sizeof of_contacts / sizeof *of_contacts <= GN_OUTPUT_FIELDS_MOST,
+               "room for the arrays of a snapshot");
+const gn_output_table gn_contact_outputs = {"contacts", of_contacts,
+                                            sizeof of_contacts / sizeof *of_contacts};
+
+gn_output_source gn_output_contact_source(const gn_output_contacts *all) {
+    return (gn_output_source){&gn_contact_outputs, all, 0, all->count, NULL, NULL, 0};
+}
+
+/* --- files --- */
+
+/* Points behind the centres: where walls and surfaces act. */
+static void place_ends(const gn_output_contacts *all, const gn_snapshot *points, double *place,
+                       int32_t *ends) {
+    size_t next = points->point_count;
+    memcpy(place, points->points, 3 * next * sizeof *place);
+    for (size_t c = 0; c < all->count; c++) {
+        const gn_output_contact *k = &all->row[c];
+        ends[2 * c] = k->i;
+        ends[2 * c + 1] = k->j >= 0 ? k->j : (int32_t)next;
+        if (k->j >= 0) continue;
+        for (size_t a = 0; a < 3; a++)
+            place[3 * next + a] = place[3 * (size_t)k->i + a] + k->branch[a];
+        next++;
+    }
+}
+
+static gneiss_status write_lines(const gn_output_contacts *all, const char *directory,
+                                 const char *name, const gn_snapshot *points, double *place,
+                                 int32_t *ends, gneiss_error *error) {
+    const gn_output_source source = gn_output_contact_source(all);
+    gn_output_arrays lines;
+    GN_TRY(gn_output_arrays_read(&source, &lines, error));
+    gn_snapshot s = *points;
+    place_ends(all, points, place, ends);
+    s.point_count += all->surfaces;
+    s.points = place;
+    s.point_array_count = 0;
+    s.line_count = all->count;
+    s.lines = ends;
+    s.line_arrays = lines.of;
+    s.line_array_count = lines.count;
+    gneiss_status status = gn_snapshot_write(directory, name, &s, error);
+    gn_output_arrays_free(&lines);
+    return status;
+}
+
+gneiss_status gn_output_contacts_snapshot(const gn_output_view *v, const char *directory,
+                                          const char *name, const gn_snapshot *points,
+                                          gneiss_error *error) {
+    gn_output_contacts all;
+    GN_TRY(gn_output_contacts_make(v, &all, error));
+    double *place = calloc(points->point_count + all.surfaces + 1, 3 * sizeof *place);
+    int32_t *ends = calloc(all.count + 1, 2 * sizeof *ends);
+    gneiss_status status =
+        place && ends ? write_lines(&all, directory, name, points, place, ends, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of contacts");
+    free(place);
+    free(ends);
+    gn_output_contacts_free(&all);
+    return status;
+}
+
+gneiss_status gn_output_contacts_put(const gn_output_view *v, gn_h5 *file, gneiss_error *error) {
+    gn_output_contacts all;
+    GN_TRY(gn_output_contacts_make(v, &all, error));
+    const gn_output_source source = gn_output_contact_source(&all);
+    gneiss_status status = gn_output_put(&source, file, error);
+    gn_output_contacts_free(&all);
+    return status;
+}

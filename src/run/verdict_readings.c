@@ -1,0 +1,51 @@
+/* What a run has to say against what was read off its history. */
+#include "run/verdict.h"
+
+#include <math.h>
+
+/* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
+ * that is not counted leaves half of the load. */
+static const double imbalance_limit = 0.1;
+
+static void warn_of_balance(const gn_readings *r, gn_warnings *list) {
+    if (!(r->end_imbalance > imbalance_limit)) return;
+    gn_warning *to = gn_warnings_add(list, "end_imbalance");
+    snprintf(to->text, sizeof to->text,
+             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
+             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
+             "part (it may be a list)",
+             100.0 * r->end_imbalance);
+}
+
+/* Of a stress that rises evenly: twenty rows on the way up. */
+static const double rise_limit = 0.05;
+
+static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
+    if (isnan(r->peak_stress) || !(r->peak_rise > rise_limit)) return;
+    gn_warning *to = gn_warnings_add(list, "peak_rows");
+    int used = snprintf(to->text, sizeof to->text,
+                        "the peak was read off a row of the history whose stress is %.0f %% above "
+                        "that of the row before: between rows it may have been %.4g Pa instead of "
+                        "%.4g Pa",
+                        100.0 * r->peak_rise / (1.0 - r->peak_rise),
+                        (1.0 + r->peak_rise) * r->peak_stress, r->peak_stress);
+    if (r->peak_rise >= 1.0)
+        used = snprintf(to->text, sizeof to->text,
+                        "the peak, %.4g Pa, was read off the first row of the history that bears "
+                        "anything: before it and after it the stress may have been larger",
+                        r->peak_stress);
+    if (!isnan(r->peak_strain))
+        used += snprintf(to->text + used, sizeof to->text - (size_t)used,
+                         ", at a strain between %.4g and %.4g", r->peak_strain_least,
+                         r->peak_strain_most);
+    snprintf(to->text + used, sizeof to->text - (size_t)used,
+             ": more output.history_rows tell better");
+}
+
+gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    const gn_readings *r;
+    GN_TRY(gn_run_readings(run, &r, error));
+    warn_of_balance(r, list);
+    warn_of_rows(r, list);
+    return GNEISS_OK;
+}
