@@ -103,6 +103,43 @@ def a_region_may_be_empty_or_the_whole_disc(folder):
 
 
 @fact
+def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
+    """By the mean of ten rows, once a tenth of the bonds through a section have broken; the peak is that of a run that goes on."""
+    given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
+    del given["time"]["stop"]
+    said = expect(gneiss("check", write_scene(folder, given)), 0).stdout
+    assert "end                t = 0.005 s or stress 0.5 below its peak (as brazilian tests end; time.stop says otherwise)\n" in said, said
+    ended = run_scene(folder, given, name="ended")
+    assert summary(ended)["stop_reason"] == "stress fell by 0.5 of its peak, as brazilian tests end", summary(ended)["stop_reason"]
+    stress, broken = (history(ended)[name] for name in ("stress", "broken_tension"))
+    assert stress[-10:].mean() < 0.5 * stress.max() and not stress[-11:-1].mean() < 0.5 * stress.max()
+    assert broken[-1] > 0.1 * 800 ** 0.5
+    on = run_scene(folder, {**given, "time": {**given["time"], "stop": "none"}}, name="on")
+    assert summary(on)["stop_reason"] == "t = 0.005 s reached", summary(on)["stop_reason"]
+    assert history(on)["stress"][:len(stress)].max() == stress.max() and history(on)["time"][-1] > history(ended)["time"][-1]
+    off = run_scene(folder, given, "--set", "time.stop.peak_drop=off", name="off")
+    assert summary(off)["state_hash"] == summary(on)["state_hash"]
+    strained = run_scene(folder, given, "--set", "time.stop.strain=0.008", name="strained")
+    assert summary(strained)["stop_reason"] == "strain reached 0.008", summary(strained)["stop_reason"]
+
+
+@fact
+def what_breaks_little_or_nothing_goes_on(folder):
+    """Platens that press for a moment break the weakest bonds of a disc and let go of it: its stress is gone, and it is whole."""
+    weak = {**ROCK, "tensile_strength": "20 MPa", "shear_strength": "80 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
+    given = disc(2, 300, materials=[weak], time={"end": 1e-3})
+    del given["time"]["stop"]
+    for wall in given["walls"]:
+        way = 1 if wall["name"] == "bottom" else -1
+        wall["motion"] = {"vy": [[0, 0], [1e-5, way * 1], [3e-5, way * 1], [5e-5, -way * 1], [7e-5, -way * 1], [8e-5, 0]]}
+    out = run_scene(folder, given)
+    rows = history(out)
+    broken = (rows["broken_tension"] + rows["broken_shear"])[-1]
+    assert 0 < broken < 3 and rows["stress"][-10:].mean() < 0.5 * rows["stress"].max(), broken
+    assert summary(out)["stop_reason"] == "t = 0.001 s reached", (broken, summary(out)["stop_reason"])
+
+
+@fact
 def the_peak_of_a_disc_is_its_indirect_tensile_strength(folder):
     out = run_scene(folder, disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}]))
     read = readings(out)

@@ -127,6 +127,8 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
     case GN_KEY_REAL:
         if (key->word && *(const double *)at == key->word_value)
             fputs(key->word, out);
+        else if (key->other_word && *(const double *)at == key->other_value)
+            fputs(key->other_word, out);
         else
             write_number(out, *(const double *)at);
         break;
