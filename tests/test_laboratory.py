@@ -77,6 +77,39 @@ def a_disc_has_its_extent_for_what_the_scene_does_not_say(folder):
 
 
 @fact
+def the_size_that_a_test_states_is_held_against_the_specimen(folder):
+    """A tenth is let pass, more is told, what is less than half or more than twice of a disc, a confined specimen or an oedometer is refused."""
+    def told(given):
+        return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
+    for test, doubt in (({}, None), ({"diameter": DIAMETER, "thickness": 0.02}, None), ({"diameter": 1.08 * DIAMETER}, None), ({"diameter": 1.2 * DIAMETER}, "diameter is 0.06 m"),
+                        ({"thickness": 0.015}, "thickness is 0.015 m")):
+        found = told(disc(3, 150, test=test))
+        assert len(found) == bool(doubt) and all(text.startswith(doubt) and ";" not in text for text in found), (test, found)
+    for test in ({"diameter": 0.1 * DIAMETER}, {"diameter": 10 * DIAMETER}, {"thickness": 0.25}):
+        refused(folder, disc(3, 150, test=test), f"test: expected the size of the specimen at the start, found less than half or more than twice of it: {list(test)[0]} is")
+    given = triaxial(1e5)
+    right = {**given["test"], "length": 0.03, "diameter": 0.02}
+    right.pop("area", None)
+    for key, factor, outcome in (("length", 1, 0), ("length", 1.3, 1), ("length", 20, 2), ("diameter", 1.03, 0), ("diameter", 0.9, 1), ("diameter", 0.1, 2)):
+        given["test"] = {**right, key: factor * right[key]}
+        if outcome == 2:
+            refused(folder, given, "test: expected the size of the specimen at the start")
+        else:
+            assert len(told(given)) == outcome, (key, factor, told(given))
+    # Of what two ends bend, or pull out of something, lengths and areas are its own: they are told alone.
+    rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
+    bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
+                sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", -1), ("upper", 1))],
+                test={"kind": "tension", "axis": "y", "lower": "lower", "upper": "upper"})
+    for test, doubt in (({"length": 0.016, "area": 0.008}, None), ({"length": 0.014, "area": 0.0065}, None), ({"area": 8e-6}, "area is 8e-06 m2"), ({"length": 1.4, "area": 1}, "length is 1.4 m")):
+        bar["test"] = {**{key: bar["test"][key] for key in ("kind", "axis", "lower", "upper")}, **test}
+        found = told(bar)
+        assert len(found) == bool(doubt) and all(text.startswith(doubt) for text in found), (test, found)
+    out = run_scene(folder, bar)
+    assert [w["name"] for w in summary(out)["warnings"]] == ["test_geometry"], summary(out)["warnings"]
+
+
+@fact
 def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
     """Line loads would give 1 and 3 times 2 P/(pi D t) in the middle; in a region of a fifth of the radius about it they are on
     the average 0.96 and 2.96. The packing adds its own scatter: some twenty five discs lie there, whose stresses scatter by a third."""
@@ -577,7 +610,7 @@ def confinement_makes_a_specimen_stronger(folder):
 def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
     """What is under a particle that came off bears its patch, so that the surface stays covered. The same bits on two threads, after a stop
     between two looks and on the plain instruction set."""
-    given = triaxial(1e5, time={"end": 3e-3})
+    given = triaxial(1e5, time={"end": 3e-3, "stop": "none"})
     whole = run_scene(folder, given, name="whole")
     rows = history(whole)
     first = run_scene(folder, given, "--set", "time.end=1 us", name="first")
@@ -603,7 +636,7 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
     there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, and no two specimens are alike."""
     found = []
     for seed in (1, 7):
-        given = triaxial(2e7, time={"end": 8e-3})
+        given = triaxial(2e7, time={"end": 8e-3, "stop": "none"})
         given["specimen"] = {**given["specimen"], "particles": 1000}
         given["run"] = {**given.get("run", {}), "seed": seed}
         for wall in given["walls"]:
@@ -746,7 +779,7 @@ def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(f
 @fact
 def a_surface_of_particles_follows_what_breaks(folder):
     """Bonds that break under platens: the same bits on two threads and after a stop between two looks, a ledger that closes, and no sides."""
-    given = triaxial(1e5, time={"end": 1.5e-3})
+    given = triaxial(1e5, time={"end": 1.5e-3, "stop": "none"})
     given["membrane"]["surface"] = "particles"
     whole = run_scene(folder, given, name="whole")
     rows = history(whole)

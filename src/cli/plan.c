@@ -12,10 +12,10 @@
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "scene/stops.h"
-#include "sim/bending.h"
 #include "sim/body_walls.h"
 #include "sim/conversion.h"
 #include "sim/ends.h"
+#include "sim/geometry.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
@@ -554,7 +554,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(w);
     GN_TRY(status);
-    if (gn_bending_doubts(w, doubts, sizeof doubts)) {
+    if (gn_geometry_doubts(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }

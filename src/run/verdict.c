@@ -3,10 +3,10 @@
 #include "base/point.h"
 #include "run/run.h"
 #include "run/stages.h"
-#include "sim/bending.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/ends.h"
+#include "sim/geometry.h"
 
 #include <math.h>
 
@@ -517,9 +517,9 @@ static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
-static void warn_of_bending(const gn_run *run, gn_warnings *list) {
+static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_bending_doubts(&run->world, text, sizeof text)) return;
+    if (!gn_geometry_doubts(&run->world, text, sizeof text)) return;
     gn_warning *to = add(list, "test_geometry");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
@@ -581,7 +581,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_depth(run, list);
     warn_of_overlap(run, list);
     warn_of_sizes(run, list);
-    warn_of_bending(run, list);
+    warn_of_geometry(run, list);
     warn_of_normal(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);
