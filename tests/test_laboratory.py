@@ -1175,8 +1175,12 @@ def two_ends_on_one_side_are_refused(folder):
             sets = [slab("a", "upper", depth=depth, vx=0, vy=0), slab("b", "upper", vx=0, vy=0)]
             refused(folder, bonded(sets=sets, test=tested("a", "b"), **beside), "test.upper: expected another part of the specimen than the lower end, found 'a' and 'b' with 8 particles in common")
         refused(folder, bonded(sets=[slab("a", "upper", vx=0, vy=0), slab("b", "lower", vx=0, vy=0)], test=tested("a", "b"), **beside), way)
-        if kind not in ("compression", "tension"):  # of which an end may be a grip beside which the other bends or pulls
-            refused(folder, bonded(sets=[left, right], test=tested("left", "right"), **beside), side)
+        # In compression and tension an end may be a grip beside which the other bends or pulls, but not at the same face.
+        refused(folder, bonded(sets=[left, right], test=tested("left", "right"), **beside), above + "both at one face of the specimen" if kind in ("compression", "tension") else side)
+    for lists in ((["left", "under"], "right"), ("under", ["left", "right"]), (["left", "over"], "right")):
+        low = [place("left", [0, 0], [6e-3, 3e-3], vx=0, vy=0), place("right", [9e-3, 0], [0.02, 3e-3], vx=0, vy=0)]
+        given = bonded(sets=low if "over" not in lists[0] else [left, right], bodies=[block_of("under", 6e-3, -1e-3), block_of("over", 6e-3, 0.017)], test=ends("compression", *lists))
+        refused(folder, given, "test.upper: expected an end above the lower one along y, found ")
     for bodies in ([block_of("a", 0, -1e-3), block_of("b", 9e-3, -1e-3)], [block_of("a", 0, -1e-3), block_of("b", 0, -3e-3)]):
         refused(folder, bonded(bodies=bodies, test=ends("compression", "a", "b")), above)
     mesh = {"rectangle": {"size": [8e-3, 8e-3], "cells": [4, 4]}, "materials": [{"young": 30e9, "poisson": 0.2, "density": 2400}]}
@@ -1192,6 +1196,9 @@ def supports_are_no_load_of_a_beam(folder):
                                   (["left", "right"], "left", "expected another end than lower, found 'left'")):
         given["test"].update(lower=lower, upper=upper)
         refused(folder, given, "test.upper: .*" + pattern)
+    low = beam(300)
+    low["sets"][2]["select"]["box"] = {"min": [0.06, -1e-3], "max": [0.075, 4e-3]}
+    refused(folder, low, "test.upper: expected an end above the lower one along y, found both on one side of the specimen")
     half = beam(300, test={"lower": "right"})  # the other half is its mirror image
     assert "inf" not in expect(gneiss("check", write_scene(folder, half)), 0).stdout
 
