@@ -933,10 +933,10 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
 
 @fact
 def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
-    path = write_scene(folder, several("-1 MPa", "5 MPa"))
+    path = write_scene(folder, several("-1 MPa", "5 MPa", "9 MPa"))
     expect(gneiss("check", path), 2, r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a value in \[0, 1e18\] Pa, found .-1 MPa")
     expect(gneiss("check", path, "--set", "membrane.pressure=1 MPa"), 0)
-    write_scene(folder, several("1 MPa", "5 MPa"))
+    write_scene(folder, several("1 MPa", "5 MPa", "9 MPa"))
     sweep = os.path.join(folder, "sweep.yaml")
     for parameters, code, pattern in (("materials.0.friction: [0.1, 0.3]", 2, r"scene.yaml:\d+:\d+: test.confinement: expected none in a scene that a sweep varies"),
                                       ("membrane.pressure: [1 MPa, 2 MPa]", 0, "")):
@@ -947,13 +947,17 @@ def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
 
 @fact
 def wrong_lists_of_confinements_are_told_with_their_place(folder):
-    for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least two pressures"),
-                           (several("1 MPa", "2 m"), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a stress or modulus"),
-                           (several("1 MPa", -1), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected .*\[0, 1e18\]"),
-                           ({**several("1 MPa", "2 MPa"), "test": {"kind": "hydrostatic", "confinement": [1, 2]}},
+    for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 1"),
+                           (several("1 MPa", "2 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 2"),
+                           (several("1 MPa", "2 MPa", 1e6), r"scene.yaml:\d+:\d+: test.confinement: expected pressures that differ, found 1e\+06 Pa twice"),
+                           ({k: v for k, v in several("1 MPa", "2 MPa", "3 MPa").items() if k != "membrane"}, r"scene.yaml:\d+:\d+: test.(confinement|kind): expected a membrane, whose pressure"),
+                           (several("1 MPa", "2 m", "3 MPa"), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a stress or modulus"),
+                           (several("1 MPa", -1, 1), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected .*\[0, 1e18\]"),
+                           ({**several("1 MPa", "2 MPa", "3 MPa"), "test": {"kind": "hydrostatic", "confinement": [1, 2, 3]}},
                             r"scene.yaml:\d+:\d+: test.confinement: expected a triaxial or biaxial test")):
-        expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, "out"), "--quiet"), 2, pattern)
-    expect(gneiss("check", write_scene(folder, several("1 MPa", "2 MPa"))), 0)
+        for command in (("run", write_scene(folder, given), "--out", os.path.join(folder, "out"), "--quiet"), ("check", write_scene(folder, given))):
+            expect(gneiss(*command), 2, pattern)
+    expect(gneiss("check", write_scene(folder, several("1 MPa", "2 MPa", "3 MPa"))), 0)
 
 
 # --- spins --------------------------------------------------------------------------------------------
@@ -1222,6 +1226,8 @@ def a_confinement_needs_what_confines(folder):
     servo, none = {"servo": {"force": 1e3, "max_velocity": 0.1}}, "test.kind: expected something that presses on the specimen of a hydrostatic test"
     hydrostatic = {"kind": "hydrostatic"}
     for more in ({}, {"walls": [left, right]}, {"gravity": [0, -9.81]}, {"walls": [{**left, "motion": {"vx": 0}}]}, {"sets": [slab("a", "upper", vx=0)]},
+                 {"membrane": {"pressure": 0}}, {"walls": [{**left, "motion": {"vx": -0.1}}, {**right, "motion": {"vx": [[0, 0], [1, 0.1]]}}]},
+                 {"periodic": {"min": [0, 0], "max": [0.016, 0.016], "x": {"rate": 1}}},
                  {"stages": [{"name": "one", "end": {"time": 1e-5}}, {"name": "two", "walls": {"west": {"motion": {"vx": 0}}}}], "walls": [left, right]}):
         refused(folder, bonded(test=hydrostatic, **more), none)
     for more in ({"membrane": {"pressure": 1e6}}, {"walls": [{**left, **servo}, right]}, {"walls": [{**left, "motion": {"vx": 0.1}}, right]},
@@ -1233,10 +1239,41 @@ def a_confinement_needs_what_confines(folder):
     body = {"name": "tube", "polyline": [[-0.001, 0], [-0.001, 0.02]], "stiffness": 1e9, "motion": {"vx": 0}}
     for more in ({}, {"walls": [left]}, {"walls": [left, {**right, **servo}]}, {"sets": [slab("a", "upper")]}, {"membrane": {"pressure": 1e6}}):
         refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), sides)
-    for more in ({"walls": [left, right]}, {"bodies": [body]}, {"sets": [place("side", [0, 0], [2e-3, 0.02], vx=0)]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
+    beside = "test.kind: expected something that stands beside the specimen of an oedometer test at its "
+    low, high = place("west", [0, 0], [2e-3, 0.02], vx=0), place("east", [0.014, 0], [0.02, 0.02], vx=0)
+    other = {**body, "name": "other", "polyline": [[0.017, 0], [0.017, 0.02]]}
+    far = {"walls": [left, {**right, "point": [0.1, 0]}]}
+    for more, side in (({"bodies": [body]}, "upper side along x, 0.016 m"), ({"bodies": [other]}, "lower side along x"), ({"sets": [low]}, "upper"), ({"sets": [high]}, "lower"),
+                       (far, "upper"), ({"bodies": [body, {**other, "origin": [0.05, 0]}]}, "upper"), ({"bodies": [body, {**other, "origin": [0, 0.1]}]}, "upper")):
+        refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), beside + side)
+    for more in ({"walls": [left, {**right, "motion": {"vx": 0.1}}]}, {"sets": [{**low, "motion": {"vx": 0.1}}]}, {"bodies": [{**body, "motion": {"vx": [[0, 0], [1, 1]]}}]}):
+        refused(folder, bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}), sides)
+    for more in ({"walls": [left, right]}, {"bodies": [body, other]}, {"sets": [low, high]}, {"sets": [low], "walls": [right]}, {"periodic": {"min": [0, 0], "max": [0.016, 1], "open": "y"}}):
         accepted(bonded(test=test, **{**more, "walls": plates + more.get("walls", [])}))
     cup = {"name": "low", "polyline": [[-0.001, 0.02], [-0.001, 0], [0.02, 0], [0.02, 0.02]], "stiffness": 1e9}
     accepted(bonded(test=test, walls=plates[1:], bodies=[cup]))  # its bottom is an end, and it holds the sides
+
+
+@fact
+def elements_under_tractions_have_a_hydrostatic_test(folder):
+    """A block under a pressure from all sides: stress and loss of volume of plane strain, K = E/(2 (1 + nu)(1 - 2 nu)) in the plane."""
+    young, nu, pressure = 30e9, 0.2, 1e6
+    loads = [{"group": f"{a}_{side}", "traction": {f"t{a}": [[0, 0], [1e-3, sign * pressure]]}} for a in "xy" for side, sign in (("lower", 1), ("upper", -1))]
+    given = {"dimension": 2, "elements": {"rectangle": {"size": [0.02, 0.02], "cells": [4, 4]}, "materials": [{"young": young, "poisson": nu, "density": 2400}], "loads": loads},
+             "test": {"kind": "hydrostatic"}, "damping": {"background": {"model": "viscous", "coefficient": 3e4}}, "time": {"end": 2e-3},
+             "output": {"history_rows": 100, "snapshots": 0, "checkpoint": "off"}, "run": {"threads": 1}}
+    rows = history(run_scene(folder, given))
+    assert abs(rows["stress"][-1] / pressure - 1) < 1e-3, rows["stress"][-1]
+    assert abs(rows["strain"][-1] / (2 * (1 + nu) * (1 - 2 * nu) / young * pressure) - 1) < 2e-3, rows["strain"][-1]
+    given["elements"]["loads"] = []
+    refused(folder, given, "test.kind: expected something that presses on the specimen of a hydrostatic test")
+
+
+@fact
+def control_needs_ends_that_move(folder):
+    for speed, code in ((0, 2), (-0.01, 0)):
+        given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=speed)], test={**ends("compression", "low", "up"), "control": {"lateral_strain": 0.1, "response": 1e-3}})
+        expect(gneiss("check", write_scene(folder, given)), code, "scene.yaml:.*test.control: expected an end that is moved along y" if code else "")
 
 
 @fact

@@ -367,7 +367,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         united |= gn_scene_effects(now);
-        presses |= now->has_membrane || gn_scene_presses(now);
+        presses |= gn_scene_squeezes(now);
         gn_scene_free(before);
         *before = *now;
         memset(now, 0, sizeof *now);
