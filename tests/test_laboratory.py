@@ -1321,6 +1321,29 @@ def a_stage_of_more_steps_than_the_run_has_is_told_at_the_start(folder):
 
 
 @fact
+def a_stage_waits_for_a_stress_that_can_come(folder):
+    """Contacts that are pressed at the start, loose grains or at a wall, bring one; a membrane brings at most twice its pressure."""
+    wait = [{"name": "one", "end": {"stress": 1e3}}]
+    walls = [plate("low", -1e-3, 1, passive=False), plate("up", 4.9e-3, -1, passive=False)]
+    for height, passive, code in ((1.9e-3, False, 0), (2e-3, False, 2), (1.95e-3, True, 0)):
+        rows = [[0, 0, 1e-3], [0, height, 1e-3], [0, 2 * height, 1e-3]]
+        # The first centre of a lattice is half a cell from its corner.
+        for specimen, low in (({"particles": rows}, 0), ({"lattice": {"kind": "square", "radius": 1e-3, "cells": [1, 3], "spacing": height / 2e-3}}, height / 2)):
+            stand = [{**walls[0], "passive": passive, "point": [0, low - 1e-3]}, {**walls[1], "passive": passive, "point": [0, low + 2 * height + 1e-3]}]
+            given = {**scene(2, specimen=specimen, walls=stand, test={**ends("compression", "low", "up"), "length": 6e-3, "area": 2e-3}, stages=wait, time={"end": 1e-4})}
+            del given["bonds"]
+            expect(gneiss("check", write_scene(folder, given)), code, r"scene.yaml:\d+:\d+: stages\[0\].end.stress: expected something that moves or acts" if code else "")
+    rows = [[0, 0, 1e-3], [0, 2.1e-3, 1e-3]]
+    for low, code in ((-0.99e-3, 0), (-1.01e-3, 2)):
+        given = scene(2, specimen={"particles": rows}, walls=[{**walls[0], "point": [0, low]}, walls[1]], test={**ends("compression", "low", "up"), "length": 6e-3, "area": 2e-3}, stages=wait, time={"end": 1e-4})
+        del given["bonds"]
+        expect(gneiss("check", write_scene(folder, given)), code)
+    for stress, code in ((1.5e6, 0), (2.1e6, 2)):
+        given = bonded(test={"kind": "hydrostatic"}, membrane={"pressure": 1e6}, stages=[{"name": "one", "end": {"stress": stress}}])
+        expect(gneiss("check", write_scene(folder, given)), code, r"scene.yaml:\d+:\d+: stages\[0\].end.stress: expected at most twice the pressure of the membrane" if code else "")
+
+
+@fact
 def a_membrane_may_end_a_stage(folder):
     with open(os.path.join(ROOT, "scenes", "hydrostatic.yaml")) as file:
         text = file.read() + "\nstages: [{name: load, end: {stress: 5 MPa}}, {name: on, end: {strain: 0.1 %}}]\n"

@@ -19,18 +19,36 @@ static bool pushed(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
-bool gn_scene_presses(const gn_scene *s) {
-    bool acts =
-        gn_table_acts(&s->membrane.pressure) || s->elements.load_count > 0 || gn_scene_box_moves(s);
-    for (size_t k = 0; k < s->wall_count; k++)
-        acts = acts || s->walls[k].servo.active || moves(&s->walls[k].motion);
-    for (size_t k = 0; k < s->set_count; k++)
-        acts = acts || pushed(&s->sets[k]) || moves(&s->sets[k].motion);
-    for (size_t k = 0; k < s->body_count; k++)
-        acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
-    for (size_t k = 0; k < s->elements.motion_count; k++)
-        acts = acts || moves(&s->elements.motions[k].motion);
+static bool is_end(const gn_scene *s, const char *name);
+
+/* `ends`: what moves of the ends of the test counts. */
+static bool presses(const gn_scene *s, bool ends) {
+    bool acts = s->elements.load_count > 0 || gn_scene_box_moves(s);
+    for (size_t k = 0; k < s->wall_count; k++) {
+        const gn_wall_def *w = &s->walls[k];
+        acts = acts || w->servo.active || ((ends || !is_end(s, w->name)) && moves(&w->motion));
+    }
+    for (size_t k = 0; k < s->set_count; k++) {
+        const gn_set_def *set = &s->sets[k];
+        acts = acts || pushed(set) || ((ends || !is_end(s, set->name)) && moves(&set->motion));
+    }
+    for (size_t k = 0; k < s->body_count; k++) {
+        const gn_body_def *b = &s->bodies[k];
+        acts = acts || b->free || ((ends || !is_end(s, b->name)) && moves(&b->motion));
+    }
+    for (size_t k = 0; k < s->elements.motion_count; k++) {
+        const gn_element_motion *m = &s->elements.motions[k];
+        acts = acts || ((ends || !is_end(s, m->name)) && moves(&m->motion));
+    }
     return acts;
+}
+
+bool gn_scene_presses(const gn_scene *s) {
+    return gn_table_acts(&s->membrane.pressure) || presses(s, true);
+}
+
+bool gn_scene_presses_beside(const gn_scene *s, bool membrane) {
+    return (!membrane && gn_table_acts(&s->membrane.pressure)) || presses(s, membrane);
 }
 
 static const gn_motion *motion_of(const gn_scene *s, const char *name) {

@@ -14,6 +14,9 @@ bool gn_scene_presses(const gn_scene *scene);
 /* The same of what comes closer alone, as walls and sides do that do not only part. */
 bool gn_scene_squeezes(const gn_scene *scene);
 
+/* The same without the motions of the ends of the test, or (`membrane`) without the membrane. */
+bool gn_scene_presses_beside(const gn_scene *scene, bool membrane);
+
 /* Whether a part of an end ever has a prescribed velocity along the axis of the test. */
 bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 

@@ -77,6 +77,8 @@ static size_t sizes_of(const gn_world *w, size_given sizes[SIZES_MOST]) {
     size_t count = 0;
     const bool sheared = gn_test_in(t->kind, GN_TESTS_SHEARED);
     const int way = (int)(sheared ? t->normal : t->axis);
+    /* What begins loose is another specimen once stages have settled and bonded it. */
+    if (w->given.stage_count && w->given.bonds != GN_SWITCH_ON) return 0;
     /* Of particles beside elements either may be what is tested. */
     if (!w->dem.particles.soa.count == !w->element_count) return 0;
     if (t->kind == GN_TEST_BRAZILIAN) {

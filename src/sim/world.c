@@ -358,6 +358,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_ends_check(w, error));
     GN_TRY(gn_geometry_check(w, error));
     GN_TRY(gn_sides_check(w, error));
+    GN_TRY(gn_stages_check_first(w, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
