@@ -981,6 +981,38 @@ def spins_are_damped_by_a_coefficient_of_their_own(folder):
 
 
 @fact
+def stages_change_what_resists_rolling_and_what_snapshots_have(folder):
+    """Changed before the first step it is as if the scene said so; changed on the way the ledger closes, on any number of threads and after a stop."""
+    grain = {"name": "m", "density": 2000, "normal_stiffness": 1e4, "kratio": 2, "friction": 0.5}
+    rolls = {"rolling_friction": 0.2, "twisting_friction": 0.1}
+    floor = {"name": "floor", "point": [0, 0, -1e-3], "normal": [0.1, 0, 0.995], "stiffness": 1e4, "kratio": 2, "friction": 0.5}
+    given = {"dimension": 3, "specimen": {"lattice": {"kind": "fcc", "radius": 1e-3, "cells": [3, 3, 2], "jitter": 0.02, "spacing": 1.05}}, "law": {"stiffness": "uniform"},
+             "gravity": [0, 0, -9.81], "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.2}}, "time": {"end": 0.03, "step": 1e-5},
+             "output": {"history_rows": 100, "snapshots": 0, "checkpoint": "off"}, "run": {"threads": 1}}
+    change = {"materials": {"m": rolls}, "walls": {"floor": rolls}}
+    for law in ({"stiffness": "uniform"}, {"stiffness": "hertz"}):
+        hertz = law["stiffness"] == "hertz"
+        loose = {"name": "m", "density": 2000, "young": 1e6, "poisson": 0.3, "friction": 0.5} if hertz else grain
+        wall = {key: value for key, value in floor.items() if not (hertz and key in ("stiffness", "kratio"))}
+        base = {**given, "law": law, "materials": [loose], "walls": [wall]}
+        said = run_scene(folder, {**base, "materials": [{**loose, **rolls}], "walls": [{**wall, **rolls}]}, name="said" + law["stiffness"])
+        staged = run_scene(folder, {**base, "stages": [{"name": "none", "end": {"steps": 0}}, {"name": "roll", **change}]}, name="staged" + law["stiffness"])
+        assert state_hash(said) == state_hash(staged)
+        later = {**base, "stages": [{"name": "none", "end": {"steps": 1500}}, {"name": "roll", **change, "end": {"steps": 800}, "output": {"fields": ["spin", "total_force"], "snapshots": 1}},
+                                    {"name": "again", "materials": {"m": {"rolling_friction": 0}}}]}
+        whole = run_scene(folder, later, name="whole" + law["stiffness"])
+        assert state_hash(whole) != state_hash(said) and abs(history(whole)["energy_residual"]).max() < 1e-3, abs(history(whole)["energy_residual"]).max()
+        check_same(run_scene(folder, later, "--set", "run.threads=2", name="two" + law["stiffness"]), whole)
+        part = run_scene(folder, later, "--set", "time.end=0.018", name="part" + law["stiffness"])
+        resume(part, "--set", "time.end=0.03")
+        assert state_hash(part) == state_hash(whole)
+        with results(whole) as file:
+            assert "total_force" in file["particles"] and "total_force" not in results(said)["particles"]
+    idle = run_scene(folder, {**base, "stages": [{"name": "one", "end": {"steps": 0}}]}, name="idle")
+    assert [w["text"] for w in summary(idle)["warnings"] if w["name"] == "no_steps"] == ["every stage ended by steps or time of 0: no step was taken, and nothing has happened"], summary(idle)["warnings"]
+
+
+@fact
 def a_coefficient_of_spins_has_the_unit_and_the_range_of_its_model(folder):
     given = cell(CELL, 60)
     for background, law, pattern in (

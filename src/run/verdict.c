@@ -131,11 +131,12 @@ static gneiss_status warn_of_balance(const gn_run *run, gn_warnings *list, gneis
     GN_TRY(gn_run_readings(run, &r, error));
     if (!(r->end_imbalance > imbalance_limit)) return GNEISS_OK;
     gn_warning *to = add(list, "end_imbalance");
-    snprintf(to->text, sizeof to->text,
-             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
-             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
-             "part (it may be a list)",
-             100.0 * r->end_imbalance);
+    snprintf(
+        to->text, sizeof to->text,
+        "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
+        "load is fast) or background damping of what moves as a whole, or something else loads "
+        "or holds the specimen, or an end leaves out a part (it may be a list)",
+        100.0 * r->end_imbalance);
     return GNEISS_OK;
 }
 
@@ -187,6 +188,12 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;
     gn_warning *to = add(list, "no_steps");
+    if (w->time < w->scene.end - 0.5 * w->dt) { /* not time.end: stages that take none */
+        snprintf(to->text, sizeof to->text,
+                 "every stage ended by steps or time of 0: no step was taken, and nothing has "
+                 "happened");
+        return;
+    }
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
              "has happened",

@@ -90,8 +90,8 @@ static size_t sizes_of(const gn_world *w, size_given sizes[SIZES_MOST]) {
     if (!gn_test_in(t->kind, GN_TESTS_PRISMS | GN_TESTS_SHEARED) || w->scene.source_count) return 0;
     if (t->length > 0.0 && !gn_scene_periodic_along(&w->scene, way)) {
         sizes[count] = length_along(w, "length", t->length, way);
-        if (t->kind == GN_TEST_SIMPLE_SHEAR)
-            sizes[count].low = fmin(sizes[count].low, fmax(0.0, gn_ends_gap(w)));
+        /* Or what the ends leave between them. */
+        if (sheared) sizes[count].low = fmin(sizes[count].low, fmax(0.0, gn_ends_gap(w)));
         count++;
     }
     if ((t->area > 0.0 || t->diameter > 0.0) && !w->scene.has_periodic)
