@@ -498,8 +498,10 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         memcpy(at, &node, sizeof node);
         return GNEISS_OK;
     case GN_KEY_SECTION:
-        return is_word(key, node) ? read_words(reader, key->section, at)
-                                  : read_section(reader, key->section, node, at);
+        if (is_word(key, node)) return read_words(reader, key->section, at);
+        if (key->word && node->kind == GN_NODE_SCALAR)
+            return unexpected(reader, node, "a section or 'none'", "");
+        return read_section(reader, key->section, node, at);
     }
     return GNEISS_OK;
 }
