@@ -31,7 +31,7 @@ static const char block[] =
     "  - {name: top, point: [0, 0, 8.1 mm], normal: [0, 0, -1],\n"
     "     stiffness: 1 MN/m, motion: {vz: -3 m/s}}\n"
     "test: {kind: compression, axis: z, lower: foot, upper: top}\n"
-    "time: {end: 0.2 ms}\n"
+    "time: {end: 0.2 ms, stop: none}\n"
     "output: {history_rows: 20, snapshots: 2, checkpoint: off}\n"
     "neighbours: {skin: 0.5 mm}\n"
     "run: {threads: 1}\n";

@@ -101,14 +101,14 @@ def grains_that_pivot_are_found_when_bonds_form(folder):
 def confinements_of_a_test_go_to_the_stage_that_confines(folder):
     given = block([stage("settle", {"time": "0.05 ms"}), stage("confine", {"time": "0.2 ms"}, membrane={"pressure": "1 MPa", "ramp": "0.1 ms"})],
                   test={"kind": "biaxial", "axis": "y", "lower": "low", "upper": "high", "length": "16 mm", "area": "0.016 m2",
-                        "confinement": ["0.1 MPa", "0.2 MPa"]},
+                        "confinement": ["0.1 MPa", "0.2 MPa", "0.4 MPa"]},
                   walls=[{"name": "low", "point": [0, "-1 mm"], "normal": [0, 1], "stiffness": 1e8},
                          {"name": "high", "point": [0, "15 mm"], "normal": [0, -1], "stiffness": 1e8}])
     path = write_scene(folder, given)
     done = expect(gneiss("run", path, "--out", os.path.join(folder, "all"), "--quiet"), 0)
     found = sorted(history(os.path.join(folder, "all", name))["membrane_pressure"][-1] for name in os.listdir(os.path.join(folder, "all"))
                    if os.path.exists(os.path.join(folder, "all", name, "results.h5")))
-    assert np.allclose(found, [1e5, 2e5]), (found, done.stdout)
+    assert np.allclose(found, [1e5, 2e5, 4e5]), (found, done.stdout)
     out = os.path.join(folder, "one")
     expect(gneiss("run", path, "--out", out, "--quiet", "--set", "stages.confine.membrane.pressure=0.3 MPa"), 0)
     assert np.isclose(history(out)["membrane_pressure"][-1], 3e5)

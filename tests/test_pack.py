@@ -703,6 +703,26 @@ def uniform_sizes_come_out_uniform(folder):
 
 
 @fact
+def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
+    """In some unit, of the last overlaps a thousandth more: discs between which others have no place would have to shrink by a third of themselves
+    (radii of 1 to 4.7 where 1 to 3 were asked for), so all become smaller instead. What was asked for and what came out is told."""
+    for dimension, shape, overlap, law in ((2, {"rectangle": {"width": 1, "height": 1}}, "none", {"sizes": "uniform"}),
+                                           (2, {"disc": {"diameter": 1}}, "none", {"sizes": "sieve", "sieve": [[1 / 3, 0], [0.5, 0.4], [1, 1]]}),
+                                           (2, {"rectangle": {"width": 1, "height": 1}}, "passive", {"sizes": "uniform"}),
+                                           (3, {"box": {"size": [1, 1, 1]}}, "none", {"sizes": "uniform"})):
+        packing = {**law, "overlap": overlap, **({} if "sieve" in law else {"size_ratio": 3})}
+        scene = {"dimension": dimension, "specimen": {**shape, "particles": 1000, "packing": packing}}
+        out = os.path.join(folder, f"{dimension}-{overlap}-{law['sizes']}")
+        said = expect(gneiss("pack", write_scene(folder, scene), "--out", out, "--threads", "1"), 0).stdout
+        with h5py.File(os.path.join(out, "packing.h5")) as file:
+            radii = file["particles/radius"][:].reshape(-1)
+            assert overlap == "passive" or file["contacts/gap"][:].min() > -1e-12, file["contacts/gap"][:].min()
+        assert radii.max() / radii.min() < 3 * 1.1 / 0.9 * 1.003, (dimension, overlap, radii.max() / radii.min())
+        found = re.search(r"sizes +asked for 1 to 3, found 1 to (\S+); shares by (number|mass) off by at most (\S+) %, at", said)
+        assert abs(float(found[1]) / (radii.max() / radii.min()) - 1) < 1e-3 and found[2] == ("mass" if "sieve" in law else "number") and 0 < float(found[3]) < 8, said
+
+
+@fact
 def normal_sizes_come_out_normal(folder):
     """A deviation of a fifth of the mean: the ratio of 4 cuts at three of them."""
     radii, quality = sized(folder, {"sizes": "normal", "size_ratio": 4, "size_variation": 0.2}, "normal")

@@ -1049,6 +1049,24 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     accepted("stages:\n- {name: a, walls: {lid: {motion: {vz: -1}}}, end: {strain: 1 %}}\n"
              "- {name: b, walls: {lid: {motion: {vz: 0}}}, end: {stress: 1 kPa}}\n");
 
+    refused("stages:\n- {name: a, end: {unbalanced: 0.01}}\n", nothing);
+    accepted("stages:\n- {name: a, end: {unbalanced: 0.01, time: 1 ms}}\n");
+    refused("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: 1}}}}\n",
+            "stages[0].end.stress: expected ends that close in this stage, found none that do");
+    accepted("stages:\n- {name: a, gravity: [0, 0, -9], end: {stress: 1 kPa}, walls: {lid: "
+             "{motion: {vz: 1}}}}\n");
+
+    /* A table whose last value is 0 is over once its stage was long enough. */
+    snprintf(parting, sizeof parting,
+             "s.yaml:19:27: stages[1].end.strain: expected ends that close");
+    refused("stages:\n- {name: a, end: {time: 1 ms}, walls: {lid: {motion: {vz: [[0, -1], [1 ms, "
+            "0]]}}}}\n- {name: b, end: {strain: 0.1}}\n",
+            parting);
+    accepted("stages:\n- {name: a, end: {time: 0.9 ms}, walls: {lid: {motion: {vz: [[0, -1], [1 "
+             "ms, 0]]}}}}\n- {name: b, end: {strain: 0.1}}\n");
+    accepted("stages:\n- {name: a, end: {time: 1 ms, unbalanced: 0.1}, walls: {lid: {motion: {vz: "
+             "[[0, -1], [1 ms, 0]]}}}}\n- {name: b, end: {strain: 0.1}}\n");
+
     snprintf(parting, sizeof parting, closing, 27, 0);
     refused("stages:\n- {name: a, end: {strain: 0.1}, walls: {lid: {motion: {vz: 1}}}}\n", parting);
     refused("stages:\n- {name: a, end: {strain: 0.1}, walls: {west: {motion: {vx: 1}}}}\n",

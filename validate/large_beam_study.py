@@ -87,7 +87,7 @@ def alone(radius):
         del whole[key]
     del whole["specimen"]["surface"]
     whole["specimen"]["box"] = {"size": [LENGTH, HEIGHT, BREADTH]}
-    del whole["time"]["stop"]
+    whole["time"]["stop"] = "none"
     path = FOLDER / "alone.yaml"
     path.write_text(json.dumps(whole, indent=1))
     done = study.call(["plan", str(path), "--threads", "1"])

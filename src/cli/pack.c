@@ -9,6 +9,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "pack/shape.h"
+#include "pack/sizes.h"
 #include "pack/store.h"
 #include "run/folder.h"
 #include "sim/origin.h"
@@ -148,6 +149,30 @@ static void print_quality(const gn_scene *scene, const gn_pack_result *r,
            100.0 * q->wall_contacts, 100.0 * q->wall_gap_rms, 100.0 * q->wall_protrusion);
 }
 
+/* What was asked for beside what there is. Refined, or on a mesh, sizes differ from place to place.
+ */
+static void print_sizes(const gn_scene *scene, const gn_pack_result *r, const gn_pack_quality *q) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
+                            def->sieve_count, def->sieve,      (int)scene->dimension};
+    double least, most, at = 0.0, *radius = NULL;
+    if (def->sizes == GN_SIZES_FITTED) return;
+    gn_sizes_range(&sizes, &least, &most);
+    printf("  sizes            asked for 1 to %.4g, found 1 to %.4g", most / least,
+           q->radius_ratio);
+    if (!def->refinement_count && def->shape != GN_SHAPE_MESH)
+        radius = gn_alloc_array(r->packing.count, sizeof *radius);
+    for (size_t k = 0; radius && k < r->packing.count; k++)
+        radius[k] = r->packing.sphere[4 * k + 3];
+    if (radius) {
+        const double off = gn_sizes_off(&sizes, radius, r->packing.count, &at);
+        printf("; shares by %s off by at most %.1f %%, at %.2f of the largest",
+               def->sizes == GN_SIZES_SIEVE ? "mass" : "number", 100.0 * off, at);
+    }
+    printf("\n");
+    gn_free(radius);
+}
+
 static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *r,
                           const gn_pack_quality *q) {
     char text[GNEISS_MESSAGE_SIZE];
@@ -230,7 +255,10 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK) warn_of_sizes(scene, &result, &quality);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
-        if (status == GNEISS_OK && !o->json) print_quality(scene, &result, &quality);
+        if (status == GNEISS_OK && !o->json) {
+            print_quality(scene, &result, &quality);
+            print_sizes(scene, &result, &quality);
+        }
         if (status == GNEISS_OK && !o->json && !o->quiet)
             printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n", folder);
         gn_pack_quality_free(&quality);

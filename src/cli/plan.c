@@ -11,10 +11,11 @@
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
-#include "sim/bending.h"
+#include "scene/stops.h"
 #include "sim/body_walls.h"
 #include "sim/conversion.h"
 #include "sim/ends.h"
+#include "sim/geometry.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
@@ -268,11 +269,12 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
     GN_TRY(time_steps(w, &per_step, error));
-    printf("cost\n  steps            %.0f to t = %g s%s\n", steps,
+    char stop[160];
+    const char *stops = w->scene.stage_count ? "the end of its stages"
+                                             : gn_stops_text(&w->scene, stop, sizeof stop);
+    printf("cost\n  steps            %.0f to t = %g s%s%s\n", steps,
            w->scene.stage_count ? fmin(w->scene.end, steps * w->dt) : w->scene.end,
-           w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
-               ? " (a stop condition may come first)"
-               : "");
+           *stops ? " or, if that comes first, " : "", stops);
     printf("  per step         %.1f us with %d threads:", per_step * 1e6, w->threads);
     if (w->scene.has_specimen)
         printf(" %s contact-steps/s", gn_format_count(contacts / per_step, text, sizeof text));
@@ -537,6 +539,13 @@ static void print_origin(const gn_world *w) {
            gn_point_text(o, none, at));
 }
 
+static void print_end(const gn_world *w) {
+    char stops[160];
+    gn_stops_text(&w->scene, stops, sizeof stops);
+    if (w->scene.stage_count) return; /* each says when it is over */
+    printf("end                t = %g s%s%s\n", w->scene.end, *stops ? " or " : "", stops);
+}
+
 gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
@@ -545,7 +554,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(w);
     GN_TRY(status);
-    if (gn_bending_doubts(w, doubts, sizeof doubts)) {
+    if (gn_geometry_doubts(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }
@@ -557,5 +566,6 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);
     gn_print_conversion(w, warnings);
+    print_end(w);
     return GNEISS_OK;
 }

@@ -134,7 +134,9 @@ gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, doub
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = gn_hertz_stored(p.normal, overlap);
-    if (shear2 > 0.0) h.stored += 0.5 * shear2 / (list->kt[c] * p.root);
+    /* What has opened since the last forces holds nothing. */
+    const double kt = list->kt[c] * p.root;
+    if (shear2 > 0.0 && kt > 0.0) h.stored += 0.5 * shear2 / kt;
     return h;
 }
 

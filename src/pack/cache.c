@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 /* Raised whenever the same request gives another packing. */
-enum { METHOD_VERSION = 1 };
+enum { METHOD_VERSION = 1, METHOD_OF_SIZES = 2 };
 
 /* ---- the key ---- */
 
@@ -40,10 +40,13 @@ static char *key_text(const gn_scene *scene, uint64_t contents) {
     s->porosity = -1.0;
     s->pack.time_limit = 0.0;
     s->pack.surface_path[0] = s->pack.mesh_path[0] = '\0';
+    /* Sizes that are asked for and do not overlap are made otherwise since. */
+    const bool sizes = s->pack.sizes != GN_SIZES_FITTED && s->pack.overlap == GN_OVERLAP_NONE;
     char *request = gn_scene_write_specimen(plain);
-    char *key = request ? gn_text_format("method: %d\nfile: %016" PRIx64 "\n%s", METHOD_VERSION,
-                                         contents, request)
-                        : NULL;
+    char *key = request
+                    ? gn_text_format("method: %d\nfile: %016" PRIx64 "\n%s",
+                                     sizes ? METHOD_OF_SIZES : METHOD_VERSION, contents, request)
+                    : NULL;
     free(request);
     free(plain);
     return key;

@@ -86,7 +86,8 @@ static gn_fit_goal goal_of(gn_pack_stage stage, int dimension) {
 typedef struct job {
     const gn_scene *scene;
     const gn_pack_def *def;
-    int dimension;
+    int dimension, threads;
+    const gn_domain *domain;
     gn_seeds seeds;
     double *wanted, *least, *most;
     gn_fit *fit;
@@ -145,6 +146,67 @@ static gneiss_status run_stage(job *j, gn_pack_stage stage, const gn_fit_law *la
     return GNEISS_OK;
 }
 
+/* By how much of itself a radius may change that is part of a distribution that is asked for, and
+ * what taking off the last of the overlaps may add. */
+static const double kept = 0.1, last_of_it = 2e-3;
+
+/* What would take off the rest of overlaps: a factor of every radius, by the worst of its own. */
+static gneiss_status find_factors(const job *j, const double *sphere, double *factor,
+                                  gneiss_error *error) {
+    const size_t n = j->seeds.count;
+    gn_particles q;
+    gn_pair_list pairs = {0};
+    GN_TRY(gn_particles_of_spheres(sphere, n, &q, error));
+    for (size_t k = 0; k < n; k++) {
+        const double *x = sphere + 4 * k;
+        factor[k] = fmin(1.0, gn_domain_depth(j->domain, x) / x[3]);
+    }
+    gn_pair_query query = {.particles = &q, .dimension = j->dimension, .threads = j->threads};
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    for (size_t k = 0; k < pairs.count; k++) {
+        const double *a = q.pos + 4 * pairs.pair[k][0], *b = q.pos + 4 * pairs.pair[k][1];
+        double u[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+        double share = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / (a[3] + b[3]);
+        for (int side = 0; side < 2; side++)
+            factor[pairs.pair[k][side]] = fmin(factor[pairs.pair[k][side]], share);
+    }
+    gn_pair_list_free(&pairs);
+    gn_soa_destroy(&gn_particle_record, &q);
+    return status;
+}
+
+/* Whether a radius would have to be smaller than it may. */
+static gneiss_status is_crowded(const job *j, double *factor, bool *crowded, gneiss_error *error) {
+    const double *row = gn_fit_rows(j->fit);
+    GN_TRY(find_factors(j, row, factor, error));
+    *crowded = false;
+    for (size_t k = 0; k < j->seeds.count; k++)
+        *crowded = *crowded || row[4 * k + 3] * factor[k] < (1.0 - last_of_it) * j->least[k];
+    return GNEISS_OK;
+}
+
+/* Of sizes that are asked for only the ratios are: where some particle has no place, all become
+ * smaller by a little, and are separated again. */
+static gneiss_status make_room(job *j, const gn_fit_law *law, gneiss_error *error) {
+    enum { TIMES = 40 };
+    const double smaller = 0.99;
+    double *factor = gn_alloc_array(j->seeds.count + 1, sizeof *factor);
+    bool crowded = true;
+    if (!factor) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
+    gneiss_status status = is_crowded(j, factor, &crowded, error);
+    for (int k = 0; k < TIMES && crowded && status == GNEISS_OK; k++) {
+        for (size_t p = 0; p < j->seeds.count; p++) {
+            j->wanted[p] *= smaller;
+            j->least[p] *= smaller;
+            j->most[p] *= smaller;
+        }
+        status = run_stage(j, GN_PACK_SEPARATE, law, error);
+        if (status == GNEISS_OK) status = is_crowded(j, factor, &crowded, error);
+    }
+    gn_free(factor);
+    return status;
+}
+
 static gneiss_status run_stages(job *j, gneiss_error *error) {
     const schedule *s = &j->plan;
     gn_fit_law law = {.fixed_radii = true};
@@ -171,15 +233,13 @@ static gneiss_status run_stages(job *j, gneiss_error *error) {
     law.stiffness *= 0.1;
     law.pull *= 0.1; /* enough to keep what touches together while overlaps are taken apart */
     law.gap = fmin(law.gap, 0.015);
-    return run_stage(j, GN_PACK_SEPARATE, &law, error);
+    GN_TRY(run_stage(j, GN_PACK_SEPARATE, &law, error));
+    return j->def->sizes == GN_SIZES_FITTED ? GNEISS_OK : make_room(j, &law, error);
 }
 
 /* ---- before and after ---- */
 
-/* By how much of itself a radius may change that is part of a distribution that is asked for. */
-static const double kept = 0.1;
-
-static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
+static gneiss_status prepare(job *j, gneiss_error *error) {
     size_t n = j->seeds.count;
     double packed = gn_packed_fraction(j->dimension);
     double loose = pow(j->plan.loose / packed, 1.0 / j->dimension);
@@ -197,38 +257,20 @@ static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneis
         j->most[k] = asked ? (1.0 + kept) * nominal : 5.0 * nominal;
         j->seeds.row[4 * k + 3] = loose * nominal;
     }
-    return gn_fit_create(domain, n, j->seeds.row, j->wanted, j->least, j->most, threads, &j->fit,
-                         error);
+    return gn_fit_create(j->domain, n, j->seeds.row, j->wanted, j->least, j->most, j->threads,
+                         &j->fit, error);
 }
 
-/* Takes off the rest of overlaps: every radius by the worst of its own. */
-static gneiss_status shrink(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
+/* Takes off the rest of overlaps. */
+static gneiss_status shrink(job *j, gneiss_error *error) {
     gn_packing *p = &j->result->packing;
-    gn_particles q;
-    gn_pair_list pairs = {0};
     double *factor = j->least; /* no longer needed */
-    GN_TRY(gn_particles_of_spheres(p->sphere, p->count, &q, error));
-    for (size_t k = 0; k < p->count; k++) {
-        const double *x = p->sphere + 4 * k;
-        factor[k] = fmin(1.0, gn_domain_depth(domain, x) / x[3]);
-    }
-    gn_pair_query query = {.particles = &q, .dimension = j->dimension, .threads = threads};
-    gneiss_status status = gn_pairs_find(&query, &pairs, error);
-    for (size_t k = 0; k < pairs.count; k++) {
-        const double *a = q.pos + 4 * pairs.pair[k][0], *b = q.pos + 4 * pairs.pair[k][1];
-        double u[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-        double share = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / (a[3] + b[3]);
-        for (int side = 0; side < 2; side++)
-            factor[pairs.pair[k][side]] = fmin(factor[pairs.pair[k][side]], share);
-    }
-    for (size_t k = 0; k < p->count; k++) p->sphere[4 * k + 3] *= factor[k];
-    gn_pair_list_free(&pairs);
-    gn_soa_destroy(&gn_particle_record, &q);
+    gneiss_status status = find_factors(j, p->sphere, factor, error);
+    for (size_t k = 0; k < p->count && status == GNEISS_OK; k++) p->sphere[4 * k + 3] *= factor[k];
     return status;
 }
 
-static gneiss_status take_result(job *j, const gn_domain *domain, int threads,
-                                 gneiss_error *error) {
+static gneiss_status take_result(job *j, gneiss_error *error) {
     gn_packing *p = &j->result->packing;
     p->count = j->seeds.count;
     p->sphere = gn_alloc_array(p->count + 1, 4 * sizeof *p->sphere);
@@ -236,7 +278,7 @@ static gneiss_status take_result(job *j, const gn_domain *domain, int threads,
     memcpy(p->sphere, gn_fit_rows(j->fit), p->count * 4 * sizeof *p->sphere);
     j->result->in_time = !j->out_of_time;
     if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
-    return shrink(j, domain, threads, error);
+    return shrink(j, error);
 }
 
 static int planned_iterations(const job *j) {
@@ -249,13 +291,14 @@ static int planned_iterations(const job *j) {
 }
 
 static gneiss_status make(job *j, const gn_pack_shape *body, gneiss_error *error) {
-    int threads = j->scene->threads > 0 ? (int)j->scene->threads : omp_get_num_procs();
+    j->threads = j->scene->threads > 0 ? (int)j->scene->threads : omp_get_num_procs();
+    j->domain = body->domain;
     j->plan = schedule_of(j->def, j->dimension);
     j->planned = planned_iterations(j);
     GN_TRY(gn_seeds_create(j->scene, body, &j->seeds, error));
-    GN_TRY(prepare(j, body->domain, threads, error));
+    GN_TRY(prepare(j, error));
     GN_TRY(run_stages(j, error));
-    return take_result(j, body->domain, threads, error);
+    return take_result(j, error);
 }
 
 static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *context,

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
 
 /* Uniform in [0, 1). */
 static double draw(gn_drawn *drawn) {
@@ -59,4 +60,62 @@ double gn_sizes_mean(const gn_sizes *s) {
     if (s->kind != GN_SIZES_SIEVE) return 0.5 * (1.0 + s->ratio);
     for (int k = 0; k < DRAWN; k++) sum += gn_sizes_draw(s, &own);
     return sum / DRAWN;
+}
+
+/* Of the normal distribution. */
+static double below(double deviations) {
+    return 0.5 * erfc(-deviations / sqrt(2.0));
+}
+
+double gn_sizes_below(const gn_sizes *s, double size) {
+    double least, most;
+    gn_sizes_range(s, &least, &most);
+    const double x = fmin(fmax(size, least), most);
+    if (s->kind == GN_SIZES_SIEVE) return gn_sizes_share(s, x);
+    if (s->kind == GN_SIZES_UNIFORM || !(most > least))
+        return most > least ? (x - least) / (most - least) : size >= least;
+    const double mean = 0.5 * (least + most),
+                 deviation = s->variation >= 0.0 ? s->variation * mean : (most - least) / 6.0;
+    if (!(deviation > 0.0)) return size >= mean;
+    const double low = below((least - mean) / deviation), high = below((most - mean) / deviation);
+    return (below((x - mean) / deviation) - low) / (high - low);
+}
+
+static int by_size(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Of sizes in a unit, over the jumps of their sum. */
+static double off_at(const gn_sizes *s, const double *radius, size_t count, double unit, double sum,
+                     double *at) {
+    const double power = s->kind == GN_SIZES_SIEVE ? s->dimension : 0.0;
+    double most = 0.0, passed = 0.0;
+    for (size_t k = 0; k < count; k++) {
+        const double asked = gn_sizes_below(s, radius[k] / unit), before = passed / sum;
+        passed += pow(radius[k], power);
+        const double off = fmax(fabs(asked - before), fabs(passed / sum - asked));
+        if (off > most) *at = radius[k] / unit;
+        most = fmax(most, off);
+    }
+    return most;
+}
+
+double gn_sizes_off(const gn_sizes *s, double *radius, size_t count, double *at) {
+    enum { UNITS = 200 };
+    const double power = s->kind == GN_SIZES_SIEVE ? s->dimension : 0.0;
+    double least, most, sum = 0.0, found = 1.0;
+    gn_sizes_range(s, &least, &most);
+    qsort(radius, count, sizeof *radius, by_size);
+    for (size_t k = 0; k < count; k++) sum += pow(radius[k], power);
+    const double low = radius[0] / least, high = radius[count - 1] / most,
+                 first = 0.8 * fmin(low, high), last = 1.25 * fmax(low, high);
+    for (int k = 0; k <= UNITS; k++) {
+        double here = 0.0;
+        const double unit = first * pow(last / first, (double)k / UNITS),
+                     off = off_at(s, radius, count, unit, sum, &here);
+        if (off < found) *at = here / most;
+        found = fmin(found, off);
+    }
+    return found;
 }

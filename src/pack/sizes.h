@@ -28,6 +28,11 @@ double gn_sizes_draw(const gn_sizes *sizes, gn_drawn *drawn);
 /* In the same unit: the smallest and the largest that may come, and the mean by number. */
 void gn_sizes_range(const gn_sizes *sizes, double *least, double *most);
 double gn_sizes_mean(const gn_sizes *sizes);
+/* The same unit: the share that is no larger than a size, by number, of a sieve curve by mass. */
+double gn_sizes_below(const gn_sizes *sizes, double size);
+/* By how much shares of `radius` [count], which it sorts, are off at most from what was asked for,
+ * at the unit of size for which that is least; *at: the size there, over the largest asked for. */
+double gn_sizes_off(const gn_sizes *sizes, double *radius, size_t count, double *at);
 /* Of a sieve curve: the share of the mass that passes at a size over the largest. */
 double gn_sizes_share(const gn_sizes *sizes, double size);
 

@@ -2,6 +2,7 @@
 
 #include "accuracy/covers.h"
 #include "base/memory.h"
+#include "scene/stops.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -130,9 +131,10 @@ static double wall_compliance(const gn_world *w) {
 /* Where the run ends: at its time, at the strain that it is to stop at, or behind the peak. */
 static double end_of(const gn_world *w, const gn_estimate *e) {
     const gn_scene *s = &w->scene;
+    const gn_stops stops = gn_scene_stops(s);
     double end = e->path;
-    if (s->stop_strain > 0.0) end = fmin(end, s->stop_strain);
-    if (s->stop_peak_drop > 0.0)
+    if (stops.strain > 0.0) end = fmin(end, stops.strain);
+    if (stops.peak_drop > 0.0)
         end = fmin(end, e->strain * gn_slope_base_of(e->study, "end over peak"));
     return end;
 }

@@ -134,9 +134,15 @@ READ(stage, (double)w->stage)
 
 READ(deflection, gn_ends_deflection(w))
 
-/* Of the particles: in a box that is periodic all round, so has no surface, that of its sides. */
+/* Of the particles: in a box that is periodic all round, so has no surface, that of its sides.
+ * Elements without particles are the specimen. */
 static void mean_strain(const gn_world *w, double strain[9]) {
     double gradient[9];
+    if (!w->scene.has_specimen) {
+        gn_elements_strain(w, gradient);
+        gn_strain_of(gradient, strain);
+        return;
+    }
     if (!(w->effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->scene)) {
         gn_conversion_gradient(w, gradient);
         gn_strain_of(gradient, strain);
@@ -222,12 +228,9 @@ static void read_elements_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
     gn_elements_stress(w, value);
 }
-/* Elements without particles are the specimen. */
 static void read_strain(const gn_world *w, size_t k, double *value) {
-    if (!w->scene.has_specimen)
-        read_elements_strain(w, k, value);
-    else
-        mean_strain(w, value);
+    (void)k;
+    mean_strain(w, value);
 }
 /* Too few particles, or all on a plane, have no average strain; nor has a specimen of which too
  * little is left. */

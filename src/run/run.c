@@ -6,6 +6,8 @@
 #include "run/folder.h"
 #include "run/parts.h"
 #include "run/stages.h"
+#include "scene/manifest.h"
+#include "scene/stops.h"
 #include "sim/conversion.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
@@ -119,10 +121,58 @@ static void check_halt(gn_run *run) {
     snprintf(run->stop_reason, sizeof run->stop_reason, "%s", run->world.halt);
 }
 
+static void stop_by_kind(gn_run *run, const char *format, double value) {
+    const gn_test_kind kind = run->world.scene.test.kind;
+    stop(run, format, value);
+    const size_t used = strlen(run->stop_reason);
+    snprintf(run->stop_reason + used, sizeof run->stop_reason - used, ", as %s tests end",
+             gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)kind));
+}
+
+static int64_t broken(const gn_run *run) {
+    return run->world.dem.broken_tension + run->world.dem.broken_shear;
+}
+
+/* Of the bonds through a section of the specimen as many have broken as leave it no whole: a tenth
+ * of N^((d - 1)/d), N being all bonds. A few that a platen breaks when it meets the specimen are
+ * none of it. */
+static bool broken_through(const gn_run *run) {
+    const double d = (double)run->world.scene.dimension,
+                 section = pow((double)run->world.dem.bonds.soa.count, (d - 1.0) / d);
+    return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
+}
+
+/* Of its last rows, so that what rings does not end a test. */
+static double recent(const gn_run *run, const char *column) {
+    const double *values = gn_history_column(&run->history, column);
+    const size_t rows = run->history.row_count;
+    double sum = 0.0;
+    if (!values || rows < GN_ROWS_HELD) return NAN;
+    for (size_t k = rows - GN_ROWS_HELD; k < rows; k++) sum += values[k];
+    return sum / GN_ROWS_HELD;
+}
+
+/* As tests of this kind end, where the scene says nothing of it: what did not break has no peak. */
+static void check_end_of_test(gn_run *run, const gn_stops *stops) {
+    run->peak = fmax(run->peak, last(run, "stress"));
+    const bool fell = run->history.row_count > ROWS_BEFORE_PEAK && broken_through(run) &&
+                      run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
+                      recent(run, "stress") < (1.0 - stops->peak_drop) * run->peak;
+    if (stops->peak_drop > 0.0 && fell)
+        stop_by_kind(run, "stress fell by %g of its peak", stops->peak_drop);
+    else if (stops->strain > 0.0 && last(run, "strain") >= stops->strain)
+        stop_by_kind(run, "strain reached %g", stops->strain);
+}
+
 static void check_stop_conditions(gn_run *run) {
     const gn_scene *s = &run->world.scene;
+    const gn_stops stops = gn_scene_stops(s);
     if (gn_run_staged(run)) {
         gn_run_stage_row(run);
+        return;
+    }
+    if (stops.by_kind) {
+        check_end_of_test(run, &stops);
         return;
     }
     if (s->test.kind != GN_TEST_NONE) {
@@ -131,11 +181,11 @@ static void check_stop_conditions(gn_run *run) {
                           ? run->world.dem.broken_tension + run->world.dem.broken_shear > 0
                           : run->history.row_count > ROWS_BEFORE_PEAK;
         run->peak = fmax(run->peak, stress);
-        if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
-            stress < (1.0 - s->stop_peak_drop) * run->peak)
-            stop(run, "stress fell by %g of its peak", s->stop_peak_drop);
-        if (s->stop_strain > 0.0 && strain >= s->stop_strain)
-            stop(run, "strain reached %g", s->stop_strain);
+        if (counts && stops.peak_drop > 0.0 && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
+            stress < (1.0 - stops.peak_drop) * run->peak)
+            stop(run, "stress fell by %g of its peak", stops.peak_drop);
+        if (stops.strain > 0.0 && strain >= stops.strain)
+            stop(run, "strain reached %g", stops.strain);
     }
     if (s->stop_unbalanced > 0.0 && run->history.row_count > ROWS_BEFORE_PEAK &&
         run->world.unbalanced < s->stop_unbalanced)

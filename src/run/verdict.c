@@ -3,10 +3,10 @@
 #include "base/point.h"
 #include "run/run.h"
 #include "run/stages.h"
-#include "sim/bending.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/ends.h"
+#include "sim/geometry.h"
 
 #include <math.h>
 
@@ -170,6 +170,12 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;
     gn_warning *to = add(list, "no_steps");
+    if (w->time < w->scene.end - 0.5 * w->dt) { /* not time.end: stages that take none */
+        snprintf(to->text, sizeof to->text,
+                 "every stage ended by steps or time of 0: no step was taken, and nothing has "
+                 "happened");
+        return;
+    }
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
              "has happened",
@@ -500,9 +506,9 @@ static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
-static void warn_of_bending(const gn_run *run, gn_warnings *list) {
+static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_bending_doubts(&run->world, text, sizeof text)) return;
+    if (!gn_geometry_doubts(&run->world, text, sizeof text)) return;
     gn_warning *to = add(list, "test_geometry");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
@@ -564,7 +570,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_depth(run, list);
     warn_of_overlap(run, list);
     warn_of_sizes(run, list);
-    warn_of_bending(run, list);
+    warn_of_geometry(run, list);
     warn_of_normal(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);

@@ -10,11 +10,12 @@ static const double imbalance_limit = 0.1;
 static void warn_of_balance(const gn_readings *r, gn_warnings *list) {
     if (!(r->end_imbalance > imbalance_limit)) return;
     gn_warning *to = gn_warnings_add(list, "end_imbalance");
-    snprintf(to->text, sizeof to->text,
-             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
-             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
-             "part (it may be a list)",
-             100.0 * r->end_imbalance);
+    snprintf(
+        to->text, sizeof to->text,
+        "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
+        "load is fast) or background damping of what moves as a whole, or something else loads "
+        "or holds the specimen, or an end leaves out a part (it may be a list)",
+        100.0 * r->end_imbalance);
 }
 
 /* Of a stress that rises evenly: twenty rows on the way up. */

@@ -19,18 +19,86 @@ static bool pushed(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
-bool gn_scene_presses(const gn_scene *s) {
-    bool acts =
-        gn_table_acts(&s->membrane.pressure) || s->elements.load_count > 0 || gn_scene_box_moves(s);
-    for (size_t k = 0; k < s->wall_count; k++)
-        acts = acts || s->walls[k].servo.active || moves(&s->walls[k].motion);
-    for (size_t k = 0; k < s->set_count; k++)
-        acts = acts || pushed(&s->sets[k]) || moves(&s->sets[k].motion);
-    for (size_t k = 0; k < s->body_count; k++)
-        acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
-    for (size_t k = 0; k < s->elements.motion_count; k++)
-        acts = acts || moves(&s->elements.motions[k].motion);
+static bool is_end(const gn_scene *s, const char *name);
+
+/* `ends`: what moves of the ends of the test counts. */
+static bool presses(const gn_scene *s, bool ends) {
+    bool acts = s->elements.load_count > 0 || gn_scene_box_moves(s);
+    for (size_t k = 0; k < s->wall_count; k++) {
+        const gn_wall_def *w = &s->walls[k];
+        acts = acts || w->servo.active || ((ends || !is_end(s, w->name)) && moves(&w->motion));
+    }
+    for (size_t k = 0; k < s->set_count; k++) {
+        const gn_set_def *set = &s->sets[k];
+        acts = acts || pushed(set) || ((ends || !is_end(s, set->name)) && moves(&set->motion));
+    }
+    for (size_t k = 0; k < s->body_count; k++) {
+        const gn_body_def *b = &s->bodies[k];
+        acts = acts || b->free || ((ends || !is_end(s, b->name)) && moves(&b->motion));
+    }
+    for (size_t k = 0; k < s->elements.motion_count; k++) {
+        const gn_element_motion *m = &s->elements.motions[k];
+        acts = acts || ((ends || !is_end(s, m->name)) && moves(&m->motion));
+    }
     return acts;
+}
+
+bool gn_scene_presses(const gn_scene *s) {
+    return gn_table_acts(&s->membrane.pressure) || presses(s, true);
+}
+
+bool gn_scene_presses_beside(const gn_scene *s, bool membrane) {
+    return (!membrane && gn_table_acts(&s->membrane.pressure)) || presses(s, membrane);
+}
+
+static const gn_motion *motion_of(const gn_scene *s, const char *name) {
+    const int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
+              set = gn_scene_find_set(s, name), nodes = gn_scene_find_element_motion(s, name);
+    return wall >= 0    ? &s->walls[wall].motion
+           : body >= 0  ? &s->bodies[body].motion
+           : set >= 0   ? &s->sets[set].motion
+           : nodes >= 0 ? &s->elements.motions[nodes].motion
+                        : NULL;
+}
+
+bool gn_scene_end_moves(const gn_scene *s, const gn_test_end *end) {
+    bool any = false;
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_motion *m = motion_of(s, end->name[k]);
+        any = any || (m && gn_table_acts(&m->velocity[s->test.axis]));
+    }
+    return any;
+}
+
+/* Whether a wall ever comes towards the specimen, to which its normal points. */
+static bool approaches(const gn_wall_def *wall) {
+    bool closes = false;
+    for (int a = 0; a < 3; a++) {
+        const gn_table *v = &wall->motion.velocity[a];
+        for (size_t k = 0; k < v->count; k++)
+            closes = closes || v->value[k] * wall->normal[a] > 0.0;
+    }
+    return closes;
+}
+
+static bool side_closes(const gn_box_side *side) {
+    bool closes = gn_table_acts(&side->stress);
+    for (size_t k = 0; k < side->rate.count; k++) closes = closes || side->rate.value[k] < 0.0;
+    return closes;
+}
+
+bool gn_scene_squeezes(const gn_scene *s) {
+    bool squeezes = gn_table_acts(&s->membrane.pressure) || s->elements.load_count > 0;
+    for (int a = 0; a < 3; a++) squeezes = squeezes || (s->has_periodic && side_closes(&s->box[a]));
+    for (size_t k = 0; k < s->wall_count; k++)
+        squeezes = squeezes || s->walls[k].servo.active || approaches(&s->walls[k]);
+    for (size_t k = 0; k < s->set_count; k++)
+        squeezes = squeezes || pushed(&s->sets[k]) || moves(&s->sets[k].motion);
+    for (size_t k = 0; k < s->body_count; k++)
+        squeezes = squeezes || s->bodies[k].free || moves(&s->bodies[k].motion);
+    for (size_t k = 0; k < s->elements.motion_count; k++)
+        squeezes = squeezes || moves(&s->elements.motions[k].motion);
+    return squeezes;
 }
 
 /* --- sides that stand --- */
@@ -47,13 +115,17 @@ static bool is_end(const gn_scene *s, const char *name) {
            gn_scene_in_end(&t->upper, t->upper.count, name);
 }
 
+bool gn_scene_wall_stands(const gn_scene *s, size_t wall, int axis) {
+    const gn_wall_def *w = &s->walls[wall];
+    return !is_end(s, w->name) &&
+           (s->stage_count || (!w->servo.active && !gn_table_acts(&w->motion.velocity[axis])));
+}
+
 /* Any that leans against the direction will do: a tube of many walls has few that face it. */
 static bool wall_stands(const gn_scene *s, int axis, double sense) {
     for (size_t k = 0; k < s->wall_count; k++) {
         const gn_wall_def *w = &s->walls[k];
-        if (!is_end(s, w->name) && sense * w->normal[axis] > 0.1 &&
-            (!w->servo.active || s->stage_count))
-            return true;
+        if (sense * w->normal[axis] > 0.1 && gn_scene_wall_stands(s, k, axis)) return true;
     }
     return false;
 }
@@ -63,19 +135,39 @@ static bool may_be_cup(const gn_body_def *b) {
     return !b->has_box;
 }
 
+/* A channel that is prescribed and stays at rest. */
+static bool held(const gn_table *velocity) {
+    return velocity->count && !gn_table_acts(velocity);
+}
+
+bool gn_scene_body_stands(const gn_scene *s, size_t body, int axis) {
+    const gn_body_def *b = &s->bodies[body];
+    const gn_table *velocity = &b->motion.velocity[axis];
+    const bool still = b->free ? held(velocity) : !gn_table_acts(velocity);
+    return (!is_end(s, b->name) || may_be_cup(b)) && (still || s->stage_count);
+}
+
+bool gn_scene_set_stands(const gn_scene *s, size_t set, int axis) {
+    return !is_end(s, s->sets[set].name) && held(&s->sets[set].motion.velocity[axis]);
+}
+
+bool gn_scene_motion_stands(const gn_scene *s, size_t motion, int axis) {
+    const gn_element_motion *m = &s->elements.motions[motion];
+    return !is_end(s, m->name) && held(&m->motion.velocity[axis]);
+}
+
 bool gn_scene_stands(const gn_scene *s, int axis) {
     if (gn_scene_periodic_along(s, axis) ||
         (wall_stands(s, axis, 1.0) && wall_stands(s, axis, -1.0)))
         return true;
     for (size_t k = 0; k < s->body_count; k++)
-        if (!is_end(s, s->bodies[k].name) || may_be_cup(&s->bodies[k])) return true;
+        if (gn_scene_body_stands(s, k, axis)) return true;
     for (size_t k = 0; k < s->set_count; k++)
-        if (!is_end(s, s->sets[k].name) &&
-            (s->stage_count || s->sets[k].motion.velocity[axis].count))
+        if (s->stage_count ? !is_end(s, s->sets[k].name) : gn_scene_set_stands(s, k, axis))
             return true;
     for (size_t k = 0; k < s->elements.motion_count; k++)
-        if (!is_end(s, s->elements.motions[k].name) &&
-            (s->stage_count || s->elements.motions[k].motion.velocity[axis].count))
+        if (s->stage_count ? !is_end(s, s->elements.motions[k].name)
+                           : gn_scene_motion_stands(s, k, axis))
             return true;
     return s->has_specimen && s->has_elements; /* a container, or what stands in one */
 }

@@ -11,6 +11,15 @@ bool gn_table_acts(const gn_table *table);
  * bodies or elements that move or are loaded. Gravity is not looked at. */
 bool gn_scene_presses(const gn_scene *scene);
 
+/* The same of what comes closer alone, as walls and sides do that do not only part. */
+bool gn_scene_squeezes(const gn_scene *scene);
+
+/* The same without the motions of the ends of the test, or (`membrane`) without the membrane. */
+bool gn_scene_presses_beside(const gn_scene *scene, bool membrane);
+
+/* Whether a part of an end ever has a prescribed velocity along the axis of the test. */
+bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
+
 /* Whether a name is among the first `parts` of an end of a test. */
 bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
 
@@ -19,6 +28,13 @@ bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
  * or elements that are held there. Of a scene with stages a wall with a servo and a set without a
  * motion may be so later. */
 bool gn_scene_stands(const gn_scene *scene, int axis);
+
+/* The same of one thing: beside the ends, and at rest along the axis. Where it is is not looked at
+ * (sim/ends_apart.c does). Of stages walls and bodies may come to rest. */
+bool gn_scene_wall_stands(const gn_scene *scene, size_t wall, int axis);
+bool gn_scene_body_stands(const gn_scene *scene, size_t body, int axis);
+bool gn_scene_set_stands(const gn_scene *scene, size_t set, int axis);
+bool gn_scene_motion_stands(const gn_scene *scene, size_t motion, int axis);
 
 /* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is
  * neither held nor pressed. */

@@ -1,4 +1,5 @@
 /* Whether stages can begin and end. */
+#include "base/vec3.h"
 #include "scene/acts.h"
 #include "scene/check.h"
 #include "scene/stages.h"
@@ -93,14 +94,43 @@ static bool prestressed(const gn_scene *s) {
     return s->specimen.from_bonds || (s->bonds == GN_SWITCH_ON && !s->passive_gaps);
 }
 
-/* Whether anything could change a specimen that is at rest. */
-static bool anything_acts(const gn_scene *s) {
-    bool acts = gn_scene_presses(s) || prestressed(s) || s->source_count || s->has_pulse ||
-                s->random_velocity != 0;
+/* Whether anything could change a specimen that is at rest, besides what presses it. */
+static bool anything_else_acts(const gn_scene *s) {
+    bool acts = prestressed(s) || s->source_count || s->has_pulse || s->random_velocity != 0;
     for (int a = 0; a < 3; a++) acts = acts || s->gravity[a] != 0;
     for (size_t k = 0; k < s->set_count; k++)
         acts = acts || s->sets[k].has_initial_velocity || s->sets[k].has_initial_spin;
     return acts;
+}
+
+static bool anything_acts(const gn_scene *s) {
+    return gn_scene_presses(s) || anything_else_acts(s);
+}
+
+/* Whether rows of a scene reach into each other or into a wall that does not take that for free of
+ * stress. */
+static bool rows_overlap(const gn_scene *s) {
+    const gn_specimen *p = &s->specimen;
+    for (size_t i = 0; i < p->particle_count; i++) {
+        const double *x = p->particles + 4 * i;
+        for (size_t j = 0; j < i; j++) {
+            const double *y = p->particles + 4 * j, sum = x[3] + y[3],
+                         d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+            if (gn_dot3(d, d) < sum * sum * (1.0 - 1e-9)) return true;
+        }
+        for (size_t k = 0; k < s->wall_count; k++) {
+            const gn_wall_def *w = &s->walls[k];
+            const double d[3] = {x[0] - w->point[0], x[1] - w->point[1], x[2] - w->point[2]};
+            if (!w->passive && gn_dot3(d, w->normal) < x[3] * (1.0 - 1e-9)) return true;
+        }
+    }
+    return false;
+}
+
+/* Whether a stage that begins at rest may find contacts that are pressed: what is not in the scene
+ * itself is looked at once it stands (gn_world_stage_check). */
+static bool may_overlap(const gn_scene *s) {
+    return !s->specimen.particle_count || s->body_count || s->has_elements || rows_overlap(s);
 }
 
 /* After a stage before it may still be on the move: what is held, too, has a reason to be there. */
@@ -116,15 +146,11 @@ static bool anything_given(const gn_scene *s) {
 
 /* ---- ends that only part ---- */
 
-static double least(const gn_table *table) {
-    double found = table->count ? table->value[0] : 0.0;
-    for (size_t k = 1; k < table->count; k++) found = fmin(found, table->value[k]);
-    return found;
-}
-
-static double most(const gn_table *table) {
-    double found = table->count ? table->value[0] : 0.0;
-    for (size_t k = 1; k < table->count; k++) found = fmax(found, table->value[k]);
+/* The most of a table, or of minus it, from a time on; 0 of an empty one. */
+static double most(const gn_table *table, double sign, double from) {
+    double found = table->count ? sign * table->value[table->count - 1] : 0.0;
+    for (size_t k = 0; k + 1 < table->count; k++)
+        if (table->time[k + 1] > from) found = fmax(found, sign * table->value[k]);
     return found;
 }
 
@@ -143,24 +169,38 @@ static const gn_table *velocity_of(const gn_scene *s, const char *name) {
     return m && (stands || m->velocity[axis].count) ? &m->velocity[axis] : NULL;
 }
 
-/* The fastest that an end ever moves in the sense of `sign` along the axis; infinity where parts of
- * it follow forces. */
-static double fastest(const gn_scene *s, const gn_test_end *end, double sign) {
+/* The fastest that an end ever moves in the sense of `sign` along the axis in a stage or later;
+ * infinity where parts of it follow forces. */
+static double fastest(const gn_scene *s, size_t stage, const gn_test_end *end, double sign) {
     double sum = 0.0;
     for (size_t k = 0; k < end->count; k++) {
         const gn_table *velocity = velocity_of(s, end->name[k]);
         if (!velocity) return INFINITY;
-        sum += sign > 0.0 ? most(velocity) : -least(velocity);
+        const double given = velocity->stage ? least_start(s, velocity->stage - 1) : 0.0;
+        sum += most(velocity, sign, least_start(s, stage) - given);
     }
     return sum / (double)end->count;
 }
 
 /* Whether the strain of a test whose ends are moved as given can never grow. */
-static bool never_strains(const gn_scene *s) {
+static bool never_strains(const gn_scene *s, size_t stage) {
     const gn_test *t = &s->test;
     if (t->kind == GN_TEST_NONE || t->kind == GN_TEST_HYDROSTATIC || t->has_control) return false;
     const double sign = gn_test_sign(t->kind);
-    return fastest(s, &t->upper, sign) + fastest(s, &t->lower, -sign) <= 0.0;
+    return fastest(s, stage, &t->upper, sign) + fastest(s, stage, &t->lower, -sign) <= 0.0;
+}
+
+static double largest_pressure(const gn_scene *s) {
+    return s ? fmax(0.0, most(&s->membrane.pressure, 1.0, -INFINITY)) : 0.0;
+}
+
+/* A specimen on which nothing but a membrane presses has its pressure as mean stress, at most twice
+ * that where it comes at once. */
+static bool never_so_pressed(const gn_scene *before, const gn_scene *s, double stress) {
+    if (s->test.kind != GN_TEST_HYDROSTATIC || gn_scene_presses_beside(s, true) ||
+        anything_else_acts(s))
+        return false;
+    return stress > 2.0 * fmax(largest_pressure(before), largest_pressure(s));
 }
 
 static bool servo(const gn_scene *s) {
@@ -181,6 +221,12 @@ static const char *end_by_rows(const gn_stage *e) {
                                : NULL;
 }
 
+static const char nothing[] = "expected something that moves or acts in this stage, found nothing: "
+                              "it would never end";
+
+static const char parting[] = "expected ends that %s in this stage, found none that do: it would "
+                              "never end";
+
 static const char *strains_by(const gn_scene *s) {
     return gn_test_in(s->test.kind, GN_TESTS_SHEARED) ? "shear the specimen"
            : gn_test_sign(s->test.kind) < 0           ? "close"
@@ -200,7 +246,27 @@ static gneiss_status check_steps(const check *c, const gn_scene *s, const gn_sta
                          s->end, duration, s->step);
 }
 
-static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage, bool first) {
+/* What can only end by strain or stress, where neither comes. */
+static gneiss_status check_growth(const check *c, const gn_scene *before, const gn_scene *s,
+                                  size_t stage, bool first) {
+    const gn_stage *e = &s->stages[stage];
+    const bool parts = never_strains(s, stage), idle = !gn_scene_presses_beside(s, false) &&
+                                                       !anything_else_acts(s) && !may_overlap(s);
+    const char *key = end_by_rows(e);
+    const bool waits = e->strain > 0 && !(e->stress > 0) && !(e->peak_drop > 0);
+    if (parts && waits && first && !anything_acts(s)) return gn_check_fail(c, key, nothing);
+    if (parts && (waits || (first && idle))) return gn_check_fail(c, key, parting, strains_by(s));
+    if (e->stress > 0 && !(e->strain > 0) && !(e->peak_drop > 0) &&
+        never_so_pressed(before, s, e->stress))
+        return gn_check_fail(c, "end.stress",
+                             "expected at most twice the pressure of the membrane, %g Pa, as "
+                             "nothing else presses, found %g Pa: it would never end",
+                             largest_pressure(s), e->stress);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_can_end(const check *c, const gn_scene *before, const gn_scene *s,
+                                   size_t stage, bool first) {
     const gn_stage *e = &s->stages[stage];
     if (s->history_rows == 0 && end_by_rows(e))
         return gn_check_fail(c, end_by_rows(e),
@@ -212,17 +278,26 @@ static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t sta
             "expected a wall or a periodic box with a servo, or a membrane with a pressure, in "
             "this stage, found none: the stage would never end");
     GN_TRY(check_steps(c, s, e));
-    if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
-    if (end_by_rows(e) && !(first ? anything_acts(s) : anything_given(s)))
-        return gn_check_fail(c, end_by_rows(e),
-                             "expected something that moves or acts in this stage, found nothing: "
-                             "it would never end");
-    if (e->strain > 0 && !(e->stress > 0) && !(e->peak_drop > 0) && never_strains(s))
-        return gn_check_fail(c, "end.strain",
-                             "expected ends that %s in this stage, found none that do: it would "
-                             "never end",
-                             strains_by(s));
-    return GNEISS_OK;
+    if (!gn_stage_has_end(e) || e->time >= 0 || e->steps >= 0 || e->held > 0) return GNEISS_OK;
+    const bool acts =
+        first ? anything_acts(s) || may_overlap(s) : anything_given(s) || e->unbalanced > 0;
+    if (!acts) return gn_check_fail(c, end_by_rows(e), nothing);
+    return e->unbalanced > 0 ? GNEISS_OK : check_growth(c, before, s, stage, first);
+}
+
+const char *gn_stage_waits(const gn_scene *s, size_t stage, char *why, size_t size) {
+    const gn_stage *e = &s->stages[stage];
+    const bool by_rows = gn_stage_has_end(e) && e->time < 0 && e->steps < 0 && !(e->held > 0);
+    if (!by_rows || stage != 0 || *s->specimen.from) return NULL;
+    if (!anything_acts(s)) {
+        snprintf(why, size, "%s", nothing);
+        return end_by_rows(e);
+    }
+    if (e->unbalanced > 0 || !never_strains(s, stage) || gn_scene_presses_beside(s, false) ||
+        anything_else_acts(s))
+        return NULL;
+    snprintf(why, size, parting, strains_by(s));
+    return end_by_rows(e);
 }
 
 static unsigned channels(const gn_motion *motion) {
@@ -298,7 +373,8 @@ static gneiss_status check_kept(const check *c, const gn_scene *before, const gn
 gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const gn_scene *before,
                              const gn_scene *now, size_t stage) {
     check c = gn_check_element(reader, root, "stages", stage);
-    GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage, !before && !*now->specimen.from)));
+    GN_TRY(
+        gn_check_keep(&c, check_can_end(&c, before, now, stage, !before && !*now->specimen.from)));
     if (!before && now->specimen.from_bonds && now->bonds != GN_SWITCH_ON)
         return gn_check_keep(
             &c, gn_check_fail(&c, "name",

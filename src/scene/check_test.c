@@ -293,6 +293,11 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
     if (driven_by_servo(s, &t->lower) || driven_by_servo(s, &t->upper))
         return gn_check_fail(c, "test.control",
                              "expected ends that move as given, found a wall with a servo");
+    if (!s->stage_count && !gn_scene_end_moves(s, &t->lower) && !gn_scene_end_moves(s, &t->upper))
+        return gn_check_fail(c, "test.control",
+                             "expected an end that is moved along %c, whose motion it scales, "
+                             "found velocities of 0 alone",
+                             "xyz"[t->axis]);
     if (s->start == GN_START_FIRST_BREAK)
         return gn_check_fail(c, "test.control",
                              "expected time.start: rest beside it, found first_break");
@@ -312,6 +317,26 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
     return t->kind == GN_TEST_OEDOMETER ? check_oedometer(c, s) : GNEISS_OK;
 }
 
+/* As src/sweep/envelope.h asks for. */
+enum { LEAST_CONFINEMENTS = 3 };
+
+/* What is no pressure is told by whoever makes a run of it. */
+static bool read_pressure(const check *c, const gn_node *item, double *pressure) {
+    char reason[96];
+    return item->kind == GN_NODE_SCALAR &&
+           gn_read_quantity(c->reader, item->text, "Pa", pressure, reason, sizeof reason);
+}
+
+static gneiss_status check_different(const check *c, const gn_node *list) {
+    double a, b;
+    for (const gn_node *one = list->first; one; one = one->next)
+        for (const gn_node *other = one->next; other; other = other->next)
+            if (read_pressure(c, one, &a) && read_pressure(c, other, &b) && a == b)
+                return gn_check_fail(c, "test.confinement",
+                                     "expected pressures that differ, found %g Pa twice", a);
+    return GNEISS_OK;
+}
+
 /* What stands in it is read by whoever makes the runs; none of the scenes has it. */
 static gneiss_status check_confinements(const check *c, gn_scene *s) {
     const gn_node *list = s->test.confinement;
@@ -321,11 +346,13 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
     if (!gn_test_in(s->test.kind, GN_TESTS_CONFINED))
         return gn_check_fail(c, "test.confinement",
                              "expected a triaxial or biaxial test beside it, found another");
-    if (list->kind != GN_NODE_LIST || list->count < 2)
+    if (list->kind != GN_NODE_LIST || list->count < LEAST_CONFINEMENTS)
         return gn_check_fail(c, "test.confinement",
-                             "expected a list of at least two pressures (one alone is "
-                             "membrane.pressure)");
-    return GNEISS_OK;
+                             "expected a list of at least %d pressures, by which a friction angle "
+                             "can be told (one alone is membrane.pressure), found %zu",
+                             LEAST_CONFINEMENTS,
+                             list->kind == GN_NODE_LIST ? list->count : (size_t)1);
+    return check_different(c, list);
 }
 
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
@@ -365,10 +392,11 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
 
 gneiss_status gn_check_pressed(const check *c, bool presses) {
     if (presses || c->reader->scene->test.kind != GN_TEST_HYDROSTATIC) return GNEISS_OK;
-    return gn_check_fail(c, "test.kind",
-                         "expected something that presses on the specimen of a hydrostatic test (a "
-                         "membrane, a servo of walls or of a periodic box, walls or sides that "
-                         "move), found nothing");
+    return gn_check_fail(
+        c, "test.kind",
+        "expected something that presses on the specimen of a hydrostatic test (a "
+        "membrane with a pressure, a servo of walls or of a periodic box, walls or "
+        "sides that come closer), found nothing");
 }
 
 /* A hydrostatic test has none of them: it is the mean pressure over the change of volume. */
@@ -381,14 +409,11 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
                       : t->has_control ? "test.control"
                                        : NULL;
     if (key) return gn_check_fail(c, key, "expected none: a hydrostatic test has no ends");
-    if (!s->has_specimen)
-        return gn_check_fail(c, "test.kind",
-                             "expected particles, whose mean strain is read, found none");
     GN_TRY(gn_check_keep(c, check_keys(c, t)));
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
     for (int k = 0; k < 6; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, s->has_membrane || gn_scene_presses(s));
+    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, gn_scene_squeezes(s));
 }
 
 gneiss_status gn_check_test(const check *c, gn_scene *s) {

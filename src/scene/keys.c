@@ -20,8 +20,10 @@ static void describe_numbers(char *text, size_t size, const char *noun, const gn
         unit = "or an angle";
     else if (strchr(unit, '|'))
         unit = "1/s or 1";
-    snprintf(text, size, "%s%s%s%s%s%s%s", noun, *unit ? ", " : "", unit, key->range ? ", in " : "",
-             key->range ? key->range : "", key->word ? ", or " : "", key->word ? key->word : "");
+    snprintf(text, size, "%s%s%s%s%s%s%s%s%s", noun, *unit ? ", " : "", unit,
+             key->range ? ", in " : "", key->range ? key->range : "", key->word ? ", or " : "",
+             key->word ? key->word : "", key->other_word ? ", or " : "",
+             key->other_word ? key->other_word : "");
 }
 
 static void describe_choices(char *text, size_t size, const gn_key *key) {

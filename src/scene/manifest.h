@@ -68,8 +68,11 @@ typedef struct gn_key {
         *fallback;     /* default as it would be written (each component of a vector); NULL: none */
     const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two; GN_SLOPE */
     const char *range; /* interval in that unit, such as "(0, 1]"; NULL: any finite number */
-    const char *word;  /* instead of a number, such as "auto" */
-    double word_value; /* what the word stands for in the struct */
+    const char *word; /* instead of a number, such as "auto"; of a section: each of its keys has its
+                         word */
+    double word_value;      /* what the word stands for in the struct */
+    const char *other_word; /* another one, with its value; of a real number */
+    double other_value;
     const gn_choice *choices; /* of GN_KEY_CHOICE */
     size_t place_at; /* offset of the gn_scene_place of a value that the file gives, for what is
                         found out later; 0: none */

@@ -91,9 +91,10 @@ static const gn_key test_keys[] = {
                     "so that a reading grows at a rate: past a peak where the load snaps back"),
     KEY("confinement", TREE, gn_scene, test.confinement, .unit = "list of pressures",
         PRESENT(BOOL, gn_scene, test.has_confinement),
-        .text = "triaxial and biaxial: gneiss run makes a run with each of these as "
-                "membrane.pressure, side by side, and reads friction angle, cohesion and "
-                "Hoek-Brown's m_i off them"),
+        .text =
+            "triaxial and biaxial, at least three that differ: gneiss run makes a run with each as "
+            "membrane.pressure, side by side, and reads friction angle, cohesion and "
+            "Hoek-Brown's m_i off them"),
     SECTION("opening", opening_section, .offset = offsetof(gn_scene, test.opening),
             PRESENT(BOOL, gn_scene, test.has_opening),
             .text = "a gauge: how far two parts come apart, such as the mouth of a notch"),

@@ -11,7 +11,9 @@ static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLIC
 
 static const gn_key stop_keys[] = {
     KEY("peak_drop", REAL, gn_scene, stop_peak_drop, .unit = "1", .range = "(0, 1)", .word = "off",
-        .fallback = "off", .text = "stop once stress has fallen by this fraction of its peak"),
+        .other_word = "auto", .other_value = -1, .fallback = "auto",
+        .text = "stop once stress has fallen by this fraction of its peak; auto: as tests of its "
+                "kind end, if nothing of stop is given"),
     KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
         .fallback = "off", .text = "stop at this strain"),
     KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",
@@ -58,7 +60,8 @@ static const gn_key time_keys[] = {
     KEY("start_fraction", REAL, gn_scene, start_fraction, .unit = "1", .range = "(0, 1)",
         .fallback = "0.9",
         .text = "with first_break: the start as a fraction of the time of the first break"),
-    SECTION("stop", stop_section, .text = "conditions that end the run earlier"),
+    SECTION("stop", stop_section, .word = "none",
+            .text = "conditions that end the run earlier; none: the run lasts to its end"),
 };
 const gn_section gn_time_section = {time_keys, sizeof time_keys / sizeof(gn_key), 0,
                                     offsetof(gn_scene, time_where)};

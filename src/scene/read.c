@@ -95,8 +95,17 @@ static gneiss_status read_number(const gn_reader *reader, const gn_key *key, con
     return unexpected(reader, node, expected, reason);
 }
 
+static bool is_other_word(const gn_key *key, const gn_node *node) {
+    return key->other_word && node->kind == GN_NODE_SCALAR &&
+           strcmp(node->text, key->other_word) == 0;
+}
+
 static gneiss_status read_real(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                double *value) {
+    if (is_other_word(key, node)) {
+        *value = key->other_value;
+        return GNEISS_OK;
+    }
     if (is_word(key, node)) {
         *value = key->word_value;
         return GNEISS_OK;
@@ -437,6 +446,16 @@ static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, con
                         (int)reader->scene->dimension, names, key->name);
 }
 
+/* A section that is a word: nothing of it. */
+static gneiss_status read_words(gn_reader *reader, const gn_section *section, char *base) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        const gn_node word = {.kind = GN_NODE_SCALAR, .text = key->word};
+        GN_TRY(read_real(reader, key, &word, (double *)(base + key->offset)));
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_node *node,
                               char *base) {
     char *at = base + key->offset;
@@ -479,6 +498,9 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         memcpy(at, &node, sizeof node);
         return GNEISS_OK;
     case GN_KEY_SECTION:
+        if (is_word(key, node)) return read_words(reader, key->section, at);
+        if (key->word && node->kind == GN_NODE_SCALAR)
+            return unexpected(reader, node, "a section or 'none'", "");
         return read_section(reader, key->section, node, at);
     }
     return GNEISS_OK;

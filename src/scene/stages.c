@@ -19,6 +19,8 @@ static const char *const may_change[] = {
     "gravity",
     "damping",
     "materials.*.friction",
+    "materials.*.rolling_friction",
+    "materials.*.twisting_friction",
     "materials.*.contact_modulus",
     "materials.*.normal_stiffness",
     "materials.*.kratio",
@@ -36,13 +38,19 @@ static const char *const may_change[] = {
     "bonds.overlap_range",
     "bonds.passive_gaps",
     "contacts.*.friction",
+    "contacts.*.rolling_friction",
+    "contacts.*.twisting_friction",
     "sets.*.motion",
     "sets.*.force",
     "walls.*.motion",
     "walls.*.servo",
     "walls.*.friction",
+    "walls.*.rolling_friction",
+    "walls.*.twisting_friction",
     "bodies.*.motion",
     "bodies.*.friction",
+    "bodies.*.rolling_friction",
+    "bodies.*.twisting_friction",
     "membrane.pressure",
     "membrane.ramp",
     "membrane.surface",
@@ -62,6 +70,7 @@ static const char *const may_change[] = {
     "time.on_unstable",
     "output.history_rows",
     "output.snapshots",
+    "output.fields",
 };
 
 static const struct {
@@ -85,7 +94,7 @@ static const struct {
     {"membrane", "it covers the specimen for all of the run; pressure and ramp may change"},
     {"bonds", "the law of bonds is one for the whole run"},
     {"test", "the readings of all stages are those of one test"},
-    {"output", "it holds for all of the run; history_rows and snapshots may change"},
+    {"output", "it holds for all of the run; history_rows, snapshots and fields may change"},
     {"", "it holds for all of the run"},
 };
 
@@ -367,7 +376,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         united |= gn_scene_effects(now);
-        presses |= now->has_membrane || gn_scene_presses(now);
+        presses |= gn_scene_squeezes(now);
         gn_scene_free(before);
         *before = *now;
         memset(now, 0, sizeof *now);

@@ -32,6 +32,11 @@ static inline bool gn_stage_has_end(const gn_stage *stage) {
 gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
                              gneiss_error *error);
 
+/* The condition of the first stage that never comes true unless contacts begin with a force, as
+ * nothing acts but ends that stand or part, and why, `why` [size]; NULL: it is not so. `scene`: of
+ * that stage. */
+const char *gn_stage_waits(const gn_scene *scene, size_t stage, char *why, size_t size);
+
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);
 

@@ -410,7 +410,9 @@ static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size
                              const gn_override *o, gneiss_error *error) {
     gn_node *node = *at, *child = NULL;
     int shown = length < 80 ? (int)length : 80;
-    if (node->kind == GN_NODE_NULL) node->kind = GN_NODE_MAP;
+    /* A section that the file leaves empty, or says that there is none of. */
+    const bool none = node->kind == GN_NODE_SCALAR && strcmp(node->text, "none") == 0;
+    if (node->kind == GN_NODE_NULL || (none && *step != '[')) node->kind = GN_NODE_MAP;
     if (node->kind == GN_NODE_SCALAR)
         return fail_override(o, error, "'%.*s' is below a value, not in a section", shown, step);
     if (node->kind == GN_NODE_LIST) {

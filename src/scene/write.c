@@ -119,16 +119,22 @@ char *gn_node_write(const gn_node *map, const gn_section *without) {
     return NULL;
 }
 
+static void write_real(FILE *out, const gn_key *key, double value) {
+    if (key->word && value == key->word_value)
+        fputs(key->word, out);
+    else if (key->other_word && value == key->other_value)
+        fputs(key->other_word, out);
+    else
+        write_number(out, value);
+}
+
 static void write_value(FILE *out, const gn_key *key, const char *base, bool plane, int indent) {
     const char *at = base + key->offset;
     const void *array = NULL;
     if (gn_key_element_size(key)) memcpy(&array, at, sizeof array);
     switch (key->type) {
     case GN_KEY_REAL:
-        if (key->word && *(const double *)at == key->word_value)
-            fputs(key->word, out);
-        else
-            write_number(out, *(const double *)at);
+        write_real(out, key, *(const double *)at);
         break;
     case GN_KEY_INTEGER:
         if (key->word && (double)*(const int64_t *)at == key->word_value)

@@ -21,6 +21,9 @@ bool gn_shear_is_loose(const gn_world *world, char *text, size_t size);
 /* GNEISS_ERROR_INPUT where both ends are on one side, share particles or nodes, or the upper one is
  * below the other; of walls the scene is checked before. After all parts are made. */
 gneiss_status gn_ends_check(const gn_world *world, gneiss_error *error);
+/* GNEISS_ERROR_INPUT where nothing stands beside the specimen of an oedometer test, at one of its
+ * sides or nearer than a tenth of its width. After all parts are made. */
+gneiss_status gn_sides_check(const gn_world *world, gneiss_error *error);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * watched (what loads it is a traction) has the force of the other one. */
 void gn_ends_forces(const gn_world *world, double *lower, double *upper);

@@ -57,18 +57,21 @@ static void add_motion(const gn_world *w, size_t motion, int way, reach *r) {
     r->bodies = false;
 }
 
-static reach reach_of(const gn_world *w, const gn_test_end *end, int way) {
+static const reach nowhere = {.low = INFINITY, .high = -INFINITY, .bodies = true};
+
+static void add_part(const gn_world *w, const char *name, int way, reach *r) {
     const gn_scene *s = &w->scene;
-    reach r = {.low = INFINITY, .high = -INFINITY, .bodies = true};
-    for (size_t k = 0; k < end->count; k++) {
-        int wall = gn_scene_find_wall(s, end->name[k]), body = gn_scene_find_body(s, end->name[k]),
-            set = gn_scene_find_set(s, end->name[k]),
-            motion = gn_scene_find_element_motion(s, end->name[k]);
-        if (wall >= 0) add_wall(&s->walls[wall], way, &r);
-        if (body >= 0) add_body(w, (size_t)body, way, &r);
-        if (set >= 0) add_set(w, (size_t)set, way, &r);
-        if (motion >= 0) add_motion(w, (size_t)motion, way, &r);
-    }
+    const int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
+              set = gn_scene_find_set(s, name), motion = gn_scene_find_element_motion(s, name);
+    if (wall >= 0) add_wall(&s->walls[wall], way, r);
+    if (body >= 0) add_body(w, (size_t)body, way, r);
+    if (set >= 0) add_set(w, (size_t)set, way, r);
+    if (motion >= 0) add_motion(w, (size_t)motion, way, r);
+}
+
+static reach reach_of(const gn_world *w, const gn_test_end *end, int way) {
+    reach r = nowhere;
+    for (size_t k = 0; k < end->count; k++) add_part(w, end->name[k], way, &r);
     return r;
 }
 
@@ -144,17 +147,44 @@ static bool beside(const gn_world *w, int way, const reach *r) {
     return r->bodies && (r->high <= w->lower[way] || r->low >= w->upper[way]);
 }
 
-/* Any test may be a beam that its ends bend across themselves, clamped here and pushed there, or
- * something that is pulled out of what it sits in: they are only refused where they are upside
- * down or press from one side alone. */
+/* Bits of a face: the lower one, the upper one. */
+enum { LOWER_FACE = 1, UPPER_FACE = 2 };
+
+/* The faces across a direction that a part of an end is at: in the outer third, and as far out as
+ * the outermost particles there, or beyond all of them. */
+static int face_of(const gn_world *w, int way, const char *name) {
+    const double low = w->lower[way], high = w->upper[way], third = (high - low) / 3.0,
+                 slack = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w)
+                                                    : 1e-6 * (high - low);
+    reach r = nowhere;
+    add_part(w, name, way, &r);
+    if (!r.count) return 0;
+    return (r.low <= low + slack && r.high < low + third ? LOWER_FACE : 0) |
+           (r.high >= high - slack && r.low > high - third ? UPPER_FACE : 0);
+}
+
+/* All parts of both ends are at the same face: nothing is between them. */
+static bool on_one_face(const gn_world *w, int way) {
+    const gn_test_end *ends[] = {&w->scene.test.lower, &w->scene.test.upper};
+    int faces = LOWER_FACE | UPPER_FACE;
+    for (int e = 0; e < 2; e++)
+        for (size_t k = 0; k < ends[e]->count; k++) faces &= face_of(w, way, ends[e]->name[k]);
+    return faces != 0;
+}
+
+/* A test of compression or tension may be a beam that its ends bend across themselves, clamped here
+ * and pushed there, or something that is pulled out of what it sits in: these are only refused
+ * where they are upside down, at one face or press from one side alone. */
 static const char *wrong(const gn_world *w, int way, const reach *lower, const reach *upper) {
     const gn_test_kind kind = w->scene.test.kind;
-    const bool opposite = gn_test_in(kind, GN_TESTS_SHEARED | GN_TESTS_CONFINED |
-                                               GN_TESTS(OEDOMETER) | GN_TESTS(BRAZILIAN));
+    const bool opposite =
+        gn_test_in(kind, GN_TESTS_SHEARED | GN_TESTS_CONFINED | GN_TESTS(OEDOMETER) |
+                             GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING));
     if (kind == GN_TEST_BENDING && at_one_height(w, way, lower, upper) && gn_bending_outside(w))
         return "supports and load side by side along the beam";
     if (upper->high < lower->low) return "them the other way round";
     if (opposite && on_one_side(w, way, lower, upper)) return "both on one side of the specimen";
+    if (on_one_face(w, way)) return "both at one face of the specimen";
     const bool pressed = gn_test_sign(kind) < 0 && beside(w, way, lower) && beside(w, way, upper);
     if (pressed && (middle(lower) > w->lower[way]) == (middle(upper) > w->lower[way]))
         return "both on one side of the specimen";

@@ -86,6 +86,8 @@ double gn_contact_damping_fraction(const gn_scene *scene);
  * come to (stages.c). */
 gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
 gneiss_status gn_stages_create(gn_world *world, gneiss_error *error);
+/* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
+gneiss_status gn_stages_check_first(const gn_world *world, gneiss_error *error);
 /* Parameters of all contacts of a list from the materials as they are now, but not what they have
  * gone through. */
 gneiss_status gn_contacts_take_materials(const gn_world *world, gn_contacts *list,

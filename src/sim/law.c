@@ -165,6 +165,8 @@ void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
 /* What a bond has gone through stands in its strengths as well: a broken one has a negative one. */
 static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
+    if (list->rolling) list->rolling[c] = now->rolling[c];
+    if (list->twisting) list->twisting[c] = now->twisting[c];
     if (list->cause && list->cause[c] == GN_BOND_LEFT) return; /* it has no stiffness */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];

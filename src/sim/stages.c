@@ -3,12 +3,14 @@
 #include "scene/stages.h"
 
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "sim/body_paths.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
 #include "sim/origin.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* Times in a table that a stage gives count from its start. */
@@ -68,4 +70,46 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     const bool forms = w->scene.bonds_stage == stage + 1 && w->scene.bonds == GN_SWITCH_ON;
     if (forms) GN_TRY(gn_membrane_bear(w, error));
     return gn_world_choose_step(w, error);
+}
+
+/* --- a first stage in which nothing happens --- */
+
+static bool pairs_press(const gn_world *w) {
+    const gn_contacts *pairs = &w->dem.pairs;
+    for (size_t c = 0; c < pairs->soa.count; c++) {
+        const double *x = w->dem.particles.pos + 4 * (size_t)pairs->i[c],
+                     *y = w->dem.particles.pos + 4 * (size_t)pairs->j[c], sum = x[3] + y[3];
+        double d[3];
+        if (gn_branch(w, x, y, d) < sum * sum * (1.0 - 1e-9)) return true;
+    }
+    return false;
+}
+
+static bool wall_presses(const gn_world *w, const gn_wall_def *wall) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; !wall->passive && p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p,
+                     d[3] = {x[0] - wall->point[0], x[1] - wall->point[1], x[2] - wall->point[2]};
+        if (gn_dot3(d, wall->normal) < x[3] * (1.0 - 1e-9)) return true;
+    }
+    return false;
+}
+
+/* Of bodies and elements nothing is said. */
+static bool contacts_press(const gn_world *w) {
+    bool press = w->scene.body_count || w->element_count || pairs_press(w);
+    for (size_t k = 0; !press && k < w->scene.wall_count; k++)
+        press = wall_presses(w, &w->scene.walls[k]);
+    return press;
+}
+
+gneiss_status gn_stages_check_first(const gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    char key[64], why[160];
+    const char *end =
+        s->stage_count && w->stage == 0 ? gn_stage_waits(s, 0, why, sizeof why) : NULL;
+    if (!end || contacts_press(w)) return GNEISS_OK;
+    snprintf(key, sizeof key, "stages[0].%s", end);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s (and no contact is pressed)",
+                   gn_scene_at(s, s->stages[0].where, key).text, why);
 }

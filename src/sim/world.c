@@ -8,6 +8,7 @@
 #include "sim/ends.h"
 #include "sim/exchange.h"
 #include "sim/gauge.h"
+#include "sim/geometry.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
@@ -355,6 +356,9 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) GN_TRY(measure_elements(w, error));
     GN_TRY(gn_ends_check(w, error));
+    GN_TRY(gn_geometry_check(w, error));
+    GN_TRY(gn_sides_check(w, error));
+    GN_TRY(gn_stages_check_first(w, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));

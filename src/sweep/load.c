@@ -333,6 +333,11 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
     snprintf(reader->path, sizeof reader->path, "test.confinement");
     p->where = list->key_where;
     p->meant = gn_scene_key_at(confining);
+    if (!pressures)
+        return gn_fail(reader->error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: test.confinement: expected a membrane, whose pressure is to be "
+                       "each of the list, found none",
+                       sweep->scene, list->key_where.line, list->key_where.column);
     if (pressures > 1)
         return gn_fail(reader->error, GNEISS_ERROR_INPUT,
                        "%s:%d:%d: test.confinement: expected the pressure of one membrane, of the "

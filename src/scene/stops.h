@@ -1,0 +1,21 @@
+/* When a run of one stage ends before its time (stops.c). */
+#ifndef GN_SCENE_STOPS_H
+#define GN_SCENE_STOPS_H
+
+#include "scene/scene.h"
+
+typedef struct gn_stops {
+    double peak_drop; /* share of its peak by which stress has fallen; 0: never by it */
+    double strain;    /* reached; 0: never by it */
+    bool by_kind;     /* the kind of the test says so, time.stop nothing */
+} gn_stops;
+
+/* What time.stop says of the test; where it says nothing at all, what tests of this kind end at.
+ * Scenes with stages have none, each of which says when it ends,
+ * and tests under control go on behind their peak. */
+gn_stops gn_scene_stops(const gn_scene *scene);
+
+/* "stress 0.5 below its peak or strain 0.2 (as shear tests end)"; "": none. */
+const char *gn_stops_text(const gn_scene *scene, char *text, size_t size);
+
+#endif
