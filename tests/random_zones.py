@@ -184,9 +184,10 @@ class Maker:
             self.lattice([round(x / s) for x in self.size], [0.0] * self.dim)
         self.elements(self.size, [0.0] * self.dim, cells)
         box = [[-s] * self.dim, [x + s for x in self.size]]
-        if d.chance(0.3):
+        width = h * d.choice((2, 2, 3))
+        if d.chance(0.3) and 0.3 * self.size[0] > width + h:
             box[0][0], box[1][0] = 0.15 * self.size[0], 0.85 * self.size[0]
-        part = {"box": {"min": box[0], "max": box[1]}, "width": h * d.choice((2, 2, 3)), "every": d.randint(1, 60), "most": d.log(0.01, 1)}
+        part = {"box": {"min": box[0], "max": box[1]}, "width": width, "every": d.randint(1, 60), "most": d.log(0.01, 1)}
         # Waves of both ends meet in the middle, where they are twice as large as by themselves.
         limit = self.young * self.strain * (d.uniform(1.1, 1.8) if how in ("both", "drawn") else d.log(0.05, 0.7))
         if d.chance(0.7):
@@ -288,7 +289,7 @@ def run(program, momentum, seed, limit=120):
         shift = drift(momentum, path) if maker.alone else None
         residual, most = s["energy_residual"], max(SMOOTH, OF_STRAIN * maker.strain)
         if broken or "softening" in maker.scene["law"]:
-            most = 1e-2 if converted else BREAKS
+            most = BREAKS
         elif converted:
             most = CONVERTS
         bad = residual is None or not abs(residual) <= most or (shift is not None and not shift <= MOMENTUM_MOST[maker.scene["run"]["precision"]])

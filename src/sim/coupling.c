@@ -428,6 +428,18 @@ void gn_coupled_follow(gn_world *w) {
     place_all(w, q);
 }
 
+void gn_coupled_begin(gn_world *w) {
+    gn_coupled *q = w->exchange[0].context;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+    find_places(w, q);
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double u[3], v[3];
+        gn_tie_travel(&q->ties, k, nodes, u);
+        gn_tie_mean(&q->ties, k, nodes->vel, v);
+        if (q->place[k] >= 0 && (gn_dot3(u, u) > 0.0 || gn_dot3(v, v) > 0.0)) place(w, q, k);
+    }
+}
+
 /* What is kept of the particles' largest speed is that of all. */
 static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
