@@ -30,6 +30,9 @@ SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
 OF_STRAIN = 1.0
 MOMENTUM_MOST = {"double": 1e-12, "mixed": 1e-6}  # of the sum of sizes; forces in single precision are not in balance to the bit
 
+# A cause that is the scene's.
+NAMED = "expected a zone that is wide enough for its mass to be kept"
+
 
 class Maker:
     """Draws one scene: lengths are measured by the distance of particles, times by the wave, stresses by the load."""
@@ -56,6 +59,19 @@ class Maker:
         self.scene["run"] = {"seed": d.randint(1, 10**6), "threads": d.choice((1, 1, 2)), "precision": d.choice(("double", "double", "mixed"))}
         if d.chance(0.1):
             self.scene["time"]["estimate"] = "bound"
+        if d.chance(0.25) and not self.alone and "motions" in self.scene["elements"]:
+            self.stages()
+
+    def stages(self):
+        """What moves stops half way, and goes back; gravity goes away."""
+        d, moves = self.d, self.scene["elements"]["motions"][-1]
+        axis = next(a for a, v in moves["motion"].items() if v != 0.0)
+        v = moves["motion"][axis]
+        back = -v if not isinstance(v, list) else -v[-1][1]
+        self.scene["stages"] = [{"name": "first", "end": {"time": self.end * d.uniform(0.3, 0.6)}},
+                                {"name": "held", "elements": {"motions": {moves["name"]: {"motion": {axis: 0.0}}}}, "gravity": [0.0] * self.dim,
+                                 "end": {"time": self.end * d.uniform(0.05, 0.2)}},
+                                {"name": "back", "elements": {"motions": {moves["name"]: {"motion": {axis: back}}}}}]
 
     def point(self, x, *other):
         return [x, *(list(other) + [0.0] * 3)[:self.dim - 1]]
@@ -185,7 +201,7 @@ class Maker:
         self.elements(self.size, [0.0] * self.dim, cells)
         box = [[-s] * self.dim, [x + s for x in self.size]]
         width = h * d.choice((2, 2, 3))
-        if d.chance(0.3) and 0.3 * self.size[0] > width + h:
+        if d.chance(0.3) and 0.35 * self.size[0] > width + 1.5 * h:
             box[0][0], box[1][0] = 0.15 * self.size[0], 0.85 * self.size[0]
         part = {"box": {"min": box[0], "max": box[1]}, "width": width, "every": d.randint(1, 60), "most": d.log(0.01, 1)}
         # Waves of both ends meet in the middle, where they are twice as large as by themselves.
@@ -278,6 +294,8 @@ def run(program, momentum, seed, limit=120):
                                   check=False, env=ENVIRONMENT)
         except subprocess.TimeoutExpired:
             return Outcome(seed, maker.kind, True, f"not done after {limit} s", None, 0, 0, None, None, limit)
+        if done.returncode == 5 and NAMED in done.stderr:
+            return Outcome(seed, maker.kind, False, NAMED, None, 0, 0, None, None, os.times().elapsed - start)
         if done.returncode != 0:
             return Outcome(seed, maker.kind, True, f"exit code {done.returncode}: " + " ".join(done.stderr.split())[-400:], None, 0, 0, None, None,
                            os.times().elapsed - start)

@@ -20,10 +20,12 @@ void gn_print_sleepers(const gn_world *w, const gn_foreseen *f) {
 }
 
 /* What comes when the body follows its motions and loads slowly. */
-static void print_first(const gn_foreseen *f) {
+static void print_first(const gn_world *w, const gn_foreseen *f) {
+    const char *stage = w->scene.stage_count ? " of the first stage" : "";
     printf("conversion, as the body would be at rest under its motions and loads\n");
     if (!f->place) {
-        printf("  first            none: nothing loads it\n");
+        printf("  first            none: nothing loads it%s\n",
+               *stage ? " in the first stage" : "");
         return;
     }
     if (f->time < INFINITY)
@@ -49,14 +51,15 @@ void gn_foreseen_steps(const gn_world *w, const gn_foreseen *f, double dt, doubl
 void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double steps[2],
                        const double per_step[2]) {
     char text[32];
-    print_first(f);
+    print_first(w, f);
     if (w->scene.couple.spins == GN_COUPLE_SLAVED && f->place && !*f->halt)
         printf("                   or less: slaved spins may take more of it with every front\n");
     printf("cost\n  steps            %.0f to t = %g s", steps[0] + steps[1], w->scene.end);
     if (steps[1] > 0.0) printf(", %.0f of them of elements alone", steps[0]);
-    printf("%s\n", w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
-                       ? " (a stop condition may come first)"
-                       : "");
+    printf("%s\n",
+           w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
+               ? " (a stop condition may come first)"
+               : "");
     printf("  per step         %.1f us with %d threads", per_step[0] * 1e6, w->threads);
     if (per_step[1] > 0.0)
         printf(" of elements alone, %.1f us with what converts first", per_step[1] * 1e6);

@@ -132,7 +132,6 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s, con
         {s->has_membrane, "membrane", "no membrane"},
         {s->has_pulse, "initial.pulse", "no initial.pulse"},
         {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity"},
-        {s->stage_count > 0, "stages", "no stages"},
         {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
          "no mixed form"},
         {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on"}};

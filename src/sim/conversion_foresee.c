@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "couple/front.h"
 #include "fem/linear.h"
+#include "scene/stages.h"
 #include "scene/table.h"
 #include "sim/conversion_internal.h"
 
@@ -179,12 +180,18 @@ static gneiss_status find_load(rest *r, double time, double *times, gneiss_error
     return status;
 }
 
+/* s: up to when the motions and loads are those of the scene of now. */
+static double end_of(const gn_world *w) {
+    const gn_stage *e = w->scene.stage_count ? &w->scene.stages[w->stage] : NULL;
+    return e && e->time >= 0.0 ? fmin(e->time, w->scene.end) : w->scene.end;
+}
+
 /* *time: when a limit is reached first, to a hundredth; INFINITY: not before the end. *at, *times:
  * a time that nodes are solved for, and how many times the limit they are loaded then. */
 static gneiss_status find_time(rest *r, double *time, double *at, double *times,
                                gneiss_error *error) {
     enum { LOOKS = 8, HALVINGS = 20 };
-    const double end = r->w->scene.end;
+    const double end = end_of(r->w);
     double low = 0.0, high = INFINITY;
     for (int k = 0; k <= LOOKS && high == INFINITY; k++) {
         GN_TRY(find_load(r, *at = end * k / LOOKS, times, error));

@@ -538,7 +538,10 @@ static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool ful
                                 gneiss_error *error) {
     const double factor = w->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
-    if (full) GN_TRY(full_limit(w, q, error));
+    /* What is left of converted ones is held against its bound, in later stages too. */
+    const bool begun = full && gn_converts(w) && gn_conversion_begun(w);
+    if (begun) GN_TRY(gn_elements_converted(q, error));
+    if (full && !begun) GN_TRY(full_limit(w, q, error));
     if (full && gn_converts(w)) GN_TRY(know_bound(q, error));
     if (!changed) return GNEISS_OK;
     *due = true;
