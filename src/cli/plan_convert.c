@@ -32,7 +32,8 @@ static void print_first(const gn_world *w, const gn_foreseen *f) {
         printf("  first            at %.3g s\n", f->time);
     else
         printf(
-            "  first            none before the end; below is what one would make of the step\n");
+            "  first            none before the end%s; below is what one would make of the step\n",
+            stage);
     if (*f->halt) {
         printf("  warning: the first would end the run: %s\n", f->halt);
         return;
