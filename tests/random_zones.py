@@ -61,6 +61,18 @@ class Maker:
             self.scene["time"]["estimate"] = "bound"
         if d.chance(0.25) and not self.alone and "motions" in self.scene["elements"]:
             self.stages()
+        if d.chance(0.25):
+            self.walls()
+
+    def walls(self):
+        """Below, and above; elements do not feel them."""
+        d, up = self.d, [0.0] * self.dim
+        for side in (1.0, -1.0) if d.chance(0.5) else (1.0,):
+            up[1] = side
+            wall = {"name": "floor" if side > 0 else "lid", "point": [0.0 if side > 0 else self.size[a] for a in range(self.dim)], "normal": list(up),
+                    "stiffness": self.young * self.s ** (self.dim - 2) * d.log(0.1, 2), "friction": d.uniform(0, 1), "kratio": d.uniform(1, 4)}
+            self.scene.setdefault("walls", []).append(wall)
+        self.alone = False
 
     def stages(self):
         """What moves stops half way, and goes back; gravity goes away."""

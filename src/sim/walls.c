@@ -236,6 +236,18 @@ static double spring_stiffness(const gn_world *w, size_t c) {
         .kn;
 }
 
+double gn_wall_held(const gn_world *w, size_t row) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const size_t p = (size_t)q->i[row], k = (size_t)q->wall[row];
+    const gn_wall *wall = &w->boundary.walls[k];
+    const double *v = w->dem.particles.vel + 4 * p;
+    const double overlap = fmax(q->gap0[row] - wall_gap(w, p, k), 0.0);
+    const double force = overlap > 0.0 ? spring_stiffness(w, row) * overlap : 0.0;
+    double away = 0.0;
+    for (int a = 0; a < 3; a++) away += (v[a] - wall->velocity[a]) * wall->normal[a];
+    return 0.5 * force * (overlap + w->dt_past * away);
+}
+
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the
  * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
  * steps.) */
