@@ -70,7 +70,7 @@ class Maker:
         for side in (1.0, -1.0) if d.chance(0.5) else (1.0,):
             up[1] = side
             wall = {"name": "floor" if side > 0 else "lid", "point": [0.0 if side > 0 else self.size[a] for a in range(self.dim)], "normal": list(up),
-                    "stiffness": self.young * self.s ** (self.dim - 2) * d.log(0.1, 2), "friction": d.uniform(0, 1), "kratio": d.uniform(1, 4)}
+                    "stiffness": self.young * self.s ** (self.dim - 2) * d.log(0.1, 2), "friction": d.uniform(0, 1), "kratio": d.uniform(1, 4), "passive": True}
             self.scene.setdefault("walls", []).append(wall)
         self.alone = False
 
@@ -320,7 +320,7 @@ def run(program, momentum, seed, limit=120):
         residual, most = s["energy_residual"], max(SMOOTH, OF_STRAIN * maker.strain)
         if broken or "softening" in maker.scene["law"]:
             most = BREAKS
-        elif converted:
+        elif converted or "walls" in maker.scene:
             most = CONVERTS
         bad = residual is None or not abs(residual) <= most or (shift is not None and not shift <= MOMENTUM_MOST[maker.scene["run"]["precision"]])
         return Outcome(seed, maker.kind, bad, warned(s), residual, converted, broken, shift, s["steps"], os.times().elapsed - start)

@@ -36,6 +36,26 @@ static void who_wakes_on_a_wall_is_pressed_by_it_and_that_is_booked(void **state
     world_end(w);
 }
 
+/* That of a passive wall was free of stress as the run began, when no contact was there. */
+static void a_passive_wall_presses_by_what_came_on_top(void **state) {
+    (void)state;
+    const double how[2] = {1e-6, 0.0};
+    block s = plate;
+    s.rest = "walls: [{name: floor, point: [0, 0.02 mm], normal: [0, 1], stiffness: 1e9, passive: "
+             "true}]\nrun: {threads: 1}\n";
+    gn_world *w = block_of(&s);
+    (void)measured_step(w);
+    set_elements(w, sink, how);
+    convert(w, 12e-3, 18e-3, 0.0, 4e-3);
+    const gn_particles *q = &w->dem.particles;
+    double pressed = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        pressed += is_awake(w, p) && q->start[4 * p + 1] < 1e-3;
+    gn_energy e = measured_step(w);
+    assert_close(e.elastic_wall, 0.5 * 1e9 * how[0] * how[0] * pressed, 1e-6);
+    world_end(w);
+}
+
 /* The momentum of a body that falls on its particles is what the wall gives it. */
 static void a_body_rebounds_on_its_particles(void **state) {
     (void)state;
@@ -65,6 +85,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_wakes_on_a_wall_is_pressed_by_it_and_that_is_booked),
+        cmocka_unit_test(a_passive_wall_presses_by_what_came_on_top),
         cmocka_unit_test(a_body_rebounds_on_its_particles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -179,7 +179,7 @@ static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         const gn_wall_def *wall = &w->scene.walls[k];
-        for (size_t p = 0; p < q->soa.count; p++) {
+        for (size_t p = 0; !wall->passive && p < q->soa.count; p++) {
             const double *x = q->pos + 4 * p;
             double gap = -x[3];
             for (int a = 0; a < 3; a++) gap += wall->normal[a] * (x[a] - wall->point[a]);
@@ -187,7 +187,7 @@ static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected walls beside the body, as elements do not feel them and "
                            "particles would be pushed away as they wake, found particle %d in "
-                           "wall '%s' by %g m",
+                           "wall '%s' by %g m (passive: true takes that as free of stress)",
                            gn_scene_at(&w->scene, w->scene.couple.convert.where, "walls").text,
                            q->id[p], wall->name, -gap);
         }

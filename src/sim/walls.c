@@ -3,6 +3,7 @@
 #include "kernels/dashpot.h"
 #include "scene/facing.h"
 #include "sim/body_walls.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/servo.h"
@@ -43,6 +44,17 @@ gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
 static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
     const double *x = w->dem.particles.pos + 4 * particle;
     return gn_wall_distance(&w->boundary.walls[wall], x) - x[3];
+}
+
+/* Of a contact that is free of stress as the run begins. Who sleeps then has it when it wakes. */
+static double passive_gap(const gn_world *w, size_t particle, size_t wall, bool first) {
+    const gn_wall *q = &w->boundary.walls[wall];
+    const double *x = w->dem.particles.start + 4 * particle;
+    double gap = -w->dem.particles.pos[4 * particle + 3];
+    if (first) return fmin(0.0, wall_gap(w, particle, wall));
+    if (!gn_converts(w)) return 0.0;
+    for (int a = 0; a < 3; a++) gap += q->normal[a] * (x[a] - q->start[a]);
+    return fmin(0.0, gap);
 }
 
 static bool near_wall(const gn_world *w, size_t p, size_t k) {
@@ -117,8 +129,8 @@ gneiss_status gn_wall_contacts_find(gn_world *w, bool first, gneiss_error *error
         for (size_t c = begin; c < end; c++) {
             size_t k = (size_t)now.wall[c];
             now.i[c] = (int32_t)p;
-            if (first && k < w->scene.wall_count && w->scene.walls[k].passive)
-                now.gap0[c] = fmin(0.0, wall_gap(w, p, k));
+            if (k < w->scene.wall_count && w->scene.walls[k].passive)
+                now.gap0[c] = passive_gap(w, p, k, first);
             carry_over(&now, &old, c);
         }
     }
