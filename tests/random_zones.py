@@ -213,7 +213,7 @@ class Maker:
         self.elements(self.size, [0.0] * self.dim, cells)
         box = [[-s] * self.dim, [x + s for x in self.size]]
         width = h * d.choice((2, 2, 3))
-        if d.chance(0.3) and 0.35 * self.size[0] > width + 1.5 * h:
+        if d.chance(0.3) and 0.35 * self.size[0] > width + 3 * h:
             box[0][0], box[1][0] = 0.15 * self.size[0], 0.85 * self.size[0]
         part = {"box": {"min": box[0], "max": box[1]}, "width": width, "every": d.randint(1, 60), "most": d.log(0.01, 1)}
         # Waves of both ends meet in the middle, where they are twice as large as by themselves.

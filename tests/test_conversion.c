@@ -767,9 +767,6 @@ static void what_cannot_convert_is_refused(void **state) {
                    "1, max_velocity: 1}}]\ntime: {",
                    "walls: expected no servo of walls");
     assert_refused(&plate, "time: {",
-                   "walls: [{name: a, point: [0.01, 0], normal: [1, 0], stiffness: 1}]\ntime: {",
-                   "walls: expected walls beside the body");
-    assert_refused(&plate, "time: {",
                    "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}, {name: b, "
                    "point: [0.03, 0], normal: [-1, 0], stiffness: 1}]\n"
                    "test: {kind: compression, axis: x, lower: a, upper: b}\ntime: {",

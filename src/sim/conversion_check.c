@@ -174,33 +174,11 @@ static gneiss_status check_free_of_stress(const gn_world *w, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* Elements do not feel walls: a body that begins on the right side of one. */
-static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        const gn_wall_def *wall = &w->scene.walls[k];
-        for (size_t p = 0; !wall->passive && p < q->soa.count; p++) {
-            const double *x = q->pos + 4 * p;
-            double gap = -x[3];
-            for (int a = 0; a < 3; a++) gap += wall->normal[a] * (x[a] - wall->point[a]);
-            if (gap >= -overlap_most * x[3]) continue;
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: expected walls beside the body, as elements do not feel them and "
-                           "particles would be pushed away as they wake, found particle %d in "
-                           "wall '%s' by %g m (passive: true takes that as free of stress)",
-                           gn_scene_at(&w->scene, w->scene.couple.convert.where, "walls").text,
-                           q->id[p], wall->name, -gap);
-        }
-    }
-    return GNEISS_OK;
-}
-
 gneiss_status gn_conversion_check_neighbours(const gn_world *w, gneiss_error *error) {
     const gn_pair_query query = {&w->dem.particles, (int)w->scene.dimension, 0.0, 0.0, false, {0.0},
                                  w->threads};
     gn_pair_list pairs = {0};
     GN_TRY(check_free_of_stress(w, error));
-    GN_TRY(check_walls(w, error));
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
     if (status == GNEISS_OK) status = refuse_overlaps(w, &pairs, error);
     gn_pair_list_free(&pairs);

@@ -76,7 +76,7 @@ static double contacts_energy(const gn_conversion *c, const gn_contacts *list) {
     return sum;
 }
 
-/* Who wakes on a wall, which elements do not feel, is pressed by it from then on. */
+/* Of who changes place as it is brought into balance. */
 static double walls_energy(const gn_conversion *c) {
     const gn_wall_contacts *q = &c->world->boundary.contacts;
     double sum = 0.0;

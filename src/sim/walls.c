@@ -46,15 +46,12 @@ static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
     return gn_wall_distance(&w->boundary.walls[wall], x) - x[3];
 }
 
-/* Of a contact that is free of stress as the run begins. Who sleeps then has it when it wakes. */
-static double passive_gap(const gn_world *w, size_t particle, size_t wall, bool first) {
-    const gn_wall *q = &w->boundary.walls[wall];
-    const double *x = w->dem.particles.start + 4 * particle;
-    double gap = -w->dem.particles.pos[4 * particle + 3];
-    if (first) return fmin(0.0, wall_gap(w, particle, wall));
-    if (!gn_converts(w)) return 0.0;
-    for (int a = 0; a < 3; a++) gap += q->normal[a] * (x[a] - q->start[a]);
-    return fmin(0.0, gap);
+/* What overlaps with passive walls as the run begins is free of stress, and so is who wakes in a
+ * wall of any kind: the elements that it comes from did not feel it. Who is awake is listed before
+ * it touches. */
+static double free_gap(const gn_world *w, size_t particle, size_t wall, bool first) {
+    const bool is_free = first ? w->scene.walls[wall].passive : gn_converts(w);
+    return is_free ? fmin(0.0, wall_gap(w, particle, wall)) : 0.0;
 }
 
 static bool near_wall(const gn_world *w, size_t p, size_t k) {
@@ -129,8 +126,7 @@ gneiss_status gn_wall_contacts_find(gn_world *w, bool first, gneiss_error *error
         for (size_t c = begin; c < end; c++) {
             size_t k = (size_t)now.wall[c];
             now.i[c] = (int32_t)p;
-            if (k < w->scene.wall_count && w->scene.walls[k].passive)
-                now.gap0[c] = passive_gap(w, p, k, first);
+            if (k < w->scene.wall_count) now.gap0[c] = free_gap(w, p, k, first);
             carry_over(&now, &old, c);
         }
     }
