@@ -43,8 +43,13 @@ static void print_first(const gn_world *w, const gn_foreseen *f) {
            f->grown.side);
 }
 
+/* s: the run ends with a first conversion that comes to the end of the box. */
+static double end_of(const gn_world *w, const gn_foreseen *f) {
+    return *f->halt ? fmin(f->time, w->scene.end) : w->scene.end;
+}
+
 void gn_foreseen_steps(const gn_world *w, const gn_foreseen *f, double dt, double steps[2]) {
-    const double end = w->scene.end, until = f->place && !*f->halt ? fmin(f->time, end) : end;
+    const double end = end_of(w, f), until = f->place ? fmin(f->time, end) : end;
     steps[0] = ceil(until / dt);
     steps[1] = until < end ? ceil((end - until) / f->grown.dt) : 0.0;
 }
@@ -55,7 +60,7 @@ void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double ste
     print_first(w, f);
     if (w->scene.couple.spins == GN_COUPLE_SLAVED && f->place && !*f->halt)
         printf("                   or less: slaved spins may take more of it with every front\n");
-    printf("cost\n  steps            %.0f to t = %g s", steps[0] + steps[1], w->scene.end);
+    printf("cost\n  steps            %.0f to t = %g s", steps[0] + steps[1], end_of(w, f));
     if (steps[1] > 0.0) printf(", %.0f of them of elements alone", steps[0]);
     printf("%s\n",
            w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
