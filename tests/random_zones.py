@@ -130,8 +130,9 @@ class Maker:
         d, part = self.d, {}
         if d.chance(0.3):
             part["contact"] = {"fraction": d.uniform(0.01, 0.5)}
-        if not self.alone and self.scene["couple"].get("constraint") != "consistent" and d.chance(0.4):
-            model = d.choice(("viscous", "nonviscous_vector", "nonviscous_component"))
+        if not self.alone and d.chance(0.4):
+            others = () if self.scene["couple"].get("constraint") == "consistent" else ("nonviscous_vector", "nonviscous_component")
+            model = d.choice(("viscous", *others))
             part["background"] = {"model": model, "coefficient": d.log(0.01, 1) * self.speed / self.size[0] if model == "viscous" else d.uniform(0.05, 0.7)}
         if part:
             self.scene["damping"] = part

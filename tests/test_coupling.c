@@ -326,6 +326,24 @@ static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
     }
 }
 
+/* Viscous damping of consistent masses is proportional to these: a body that moves as one slows
+ * down as a particle does, and of waves the ledger closes. */
+static void consistent_masses_are_damped(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        strip s = small_strip(space);
+        s.more = "constraint: consistent";
+        s.rest = "damping: {background: {model: viscous, coefficient: 2e4}}\nrun: {threads: 1}\n";
+        gn_world *w = stirred(&s);
+        const double start = gn_energy_stored(&w->reading);
+        run_steps(w, 400);
+        gn_energy e = measured_step(w);
+        assert_true(gn_energy_stored(&e) < 0.5 * start);
+        assert_true(fabs(gn_energy_residual(&e)) < 1e-8);
+        world_end(w);
+    }
+}
+
 /* Of three or six triangles each, a third of each. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
@@ -405,9 +423,16 @@ static void what_is_no_zone_is_refused(void **state) {
     assert_refused(&s, "couple: {", "couple: {spin: free, ", "unknown key");
     assert_refused(&s, "materials: [{young", "contact: {stiffness: 1e9}, materials: [{young",
                    "expected no elements.contact beside it, found one");
-    s.rest = "damping: {background: {model: viscous, coefficient: 1}}\n";
+    s.rest = "damping: {background: {model: nonviscous_vector, coefficient: 0.1}}\n";
     assert_refused(&s, "couple: {", "couple: {constraint: consistent, ",
-                   "expected lumped or penalty beside background damping");
+                   "expected lumped or penalty beside background damping that is not viscous");
+    s.more = "constraint: consistent";
+    s.rest = "damping: {background: {model: viscous, coefficient: 1}}\n";
+    assert_refused(&s, "materials: [{young",
+                   "motions: [{name: m, box: {min: [8 mm, -1], max: [12 mm, 1]}, motion: {vx: "
+                   "1}}], materials: [{young",
+                   "expected no driven nodes in zones of consistent masses");
+    s.more = NULL;
     s.rest = "sets: [{name: a, select: {all: true}, force: [1, 0]}]\n";
     assert_refused(&s, "time:", "time:", "that no set pushes or moves");
     s.rest = "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\n";
@@ -430,6 +455,7 @@ int main(void) {
         cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_every_instruction_set),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
         cmocka_unit_test(a_pulse_is_under_way_at_the_start),
+        cmocka_unit_test(consistent_masses_are_damped),
         cmocka_unit_test(a_pulse_beside_a_zone_takes_its_particles_along),
         cmocka_unit_test(parallel_diagonals_give_inner_nodes_one_mass),
         cmocka_unit_test(a_zone_is_measured),

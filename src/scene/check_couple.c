@@ -70,14 +70,14 @@ static gneiss_status check_pulse(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Springs tie places, not spins; background damping acts on each mass by itself, which consistent
- * ones are not. */
+/* Springs tie places, not spins; non-viscous damping goes by the resultant on each mass by itself,
+ * which consistent ones are not. */
 static gneiss_status check_constraint(const check *c, const gn_scene *s) {
     if (s->couple.constraint == GN_COUPLE_CONSISTENT && s->background != GN_BACKGROUND_NONE &&
-        gn_check_sound(c, "damping"))
+        s->background != GN_BACKGROUND_VISCOUS && gn_check_sound(c, "damping"))
         return gn_check_fail(c, "couple.constraint",
-                             "expected lumped or penalty beside background damping, found "
-                             "consistent");
+                             "expected lumped or penalty beside background damping that is not "
+                             "viscous, found consistent");
     /* Scenes that were written have all keys: those that say nothing are let pass. */
     const char *springs = s->couple.penalty != 1.0           ? "couple.penalty"
                           : s->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
