@@ -1,5 +1,5 @@
-/* zone_momentum SCENE: runs a scene of particles and elements that are one body to its end, and prints
- * by how much its momentum has changed, over the sum of sizes. For random_zones.py. */
+/* zone_momentum SCENE: runs a scene of particles and elements that are one body to its end, and
+ * prints by how much its momentum has changed, over the sum of sizes. For random_zones.py. */
 #include "world_helpers.h"
 
 #include "sim/coupling.h"
