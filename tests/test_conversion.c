@@ -763,8 +763,14 @@ static void what_cannot_convert_is_refused(void **state) {
     assert_refused(&plate, "couple: {", "couple: {zones: [{edges: [{from: [0, 0], to: [1, 0]}]}], ",
                    "expected no couple.zones");
     assert_refused(&plate, "time: {",
-                   "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}]\ntime: {",
-                   "walls: expected no walls");
+                   "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1, servo: {force: "
+                   "1, max_velocity: 1}}]\ntime: {",
+                   "walls: expected no servo of walls");
+    assert_refused(&plate, "time: {",
+                   "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}, {name: b, "
+                   "point: [0.03, 0], normal: [-1, 0], stiffness: 1}]\n"
+                   "test: {kind: compression, axis: x, lower: a, upper: b}\ntime: {",
+                   "test.lower: expected motions of elements");
     assert_refused(&plate, "lattice: {", "lattice: {origin: [1 mm, 0], ",
                    "expected every particle in an element, found particle");
     assert_refused(&plate, "density: 9931", "density: 4931", "weigh what the elements");

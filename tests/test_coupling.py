@@ -35,6 +35,24 @@ def check_and_plan_say_which_side_sets_the_step(folder):
 
 
 @fact
+def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
+    adaptive = os.path.join(ROOT, "scenes", "bending-adaptive.yaml")
+    plan = expect(gneiss("plan", adaptive, "--set", "run.threads=1"), 0, r"").stdout
+    first = float(re.search(r"\n  first +at (\S+) s\n", plan).group(1))
+    then, later = map(float, re.search(r"  dt +(\S+) s then, set by the particles of the zone\n +(\S+) s when more has gone, set by the particles", plan).groups())
+    steps, alone = map(int, re.search(r"steps +(\d+) to t = 0.04 s, (\d+) of them of elements alone", plan).groups())
+    start = float(re.search(r"\nstep\n  dt +(\S+) s", plan).group(1))
+    assert later <= then < start and abs(alone - first / start) < 0.01 * alone, plan
+    assert abs(steps - alone - (0.04 - first) / later) < 1e-3 * steps, plan
+    # Bonds that soften open and close undamped: a run of this scene took 8.03e-8 s.
+    mixed = gneiss("plan", os.path.join(ROOT, "scenes", "bending-mixed.yaml"), "--set", "run.threads=1").stdout
+    assert 0.8 < float(re.search(r"(\S+) s when more has gone, set by the collisions", mixed).group(1)) / 8.03e-8 < 1.2, mixed
+    # A zone that comes to the sides of what is packed.
+    small = gneiss("plan", adaptive, "--set", "couple.convert.box={min: [120 mm, -1 mm], max: [228 mm, 101 mm]}", "--set", "run.threads=1")
+    assert "the first would end the run: conversion would have to go on to element" in small.stdout, small.stdout + small.stderr
+
+
+@fact
 def check_says_what_unequal_moduli_return(folder):
     done = check("elements.materials.0.young=12 GPa")
     expect(done, 0, r"")

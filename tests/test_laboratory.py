@@ -106,7 +106,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
         found = told(bar)
         assert len(found) == bool(doubt) and all(text.startswith(doubt) for text in found), (test, found)
     out = run_scene(folder, bar)
-    assert [w["name"] for w in summary(out)["warnings"]] == ["test_geometry"], summary(out)["warnings"]
+    assert "test_geometry" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
 
 
 @fact

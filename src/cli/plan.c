@@ -190,10 +190,10 @@ static void print_step(const gn_world *w) {
                gn_world_nonviscous_share(w));
 }
 
-/* Seconds per step from a few steps of the real thing, none beyond its end. Where steps are short
+/* Seconds per step from a few steps of the real thing, none behind `until`. Where steps are short
  * threads may wait for each other more than they work, of which a run makes something after 160
  * steps (sched/pace.h): those are left out, if they come within a second. */
-static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *error) {
+static gneiss_status time_steps(gn_world *w, double until, double *seconds, gneiss_error *error) {
     enum { WARM_UP = 20, PACED = 192 };
     double start = gn_now();
     int steps = 0;
@@ -203,7 +203,7 @@ static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *erro
             start = gn_now();
             steps = 0;
         }
-        if (steps > 0 && w->time >= w->scene.end) break;
+        if (steps > 0 && w->time >= until) break;
         /* How long it goes well is for the run to see. */
         gneiss_status status = gn_world_step(w, false, error);
         if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
@@ -214,9 +214,34 @@ static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *erro
     return GNEISS_OK;
 }
 
+/* Elements alone as far as they go, and what converts first; [2]: s, of a step of either. */
+static gneiss_status try_converting(gn_world *w, bool print, gn_foreseen *f, double per_step[2],
+                                    gneiss_error *error) {
+    GN_TRY(gn_conversion_foresee(w, f, error));
+    if (print) gn_print_sleepers(w, f);
+    GN_TRY(time_steps(w, fmin(w->scene.end, 0.5 * f->time), &per_step[0], error));
+    if (!f->place) return GNEISS_OK;
+    GN_TRY(gn_conversion_try(w, f, error));
+    return *f->halt ? GNEISS_OK : time_steps(w, w->scene.end, &per_step[1], error);
+}
+
+static gneiss_status plan_converting(gn_world *w, bool print, double *seconds,
+                                     gneiss_error *error) {
+    gn_foreseen f = {0};
+    double per_step[2] = {0.0}, steps[2];
+    const double dt = w->dt;
+    gneiss_status status = try_converting(w, print, &f, per_step, error);
+    gn_foreseen_steps(w, &f, dt, steps);
+    if (status == GNEISS_OK) *seconds = steps[0] * per_step[0] + steps[1] * per_step[1];
+    if (status == GNEISS_OK && print) gn_print_foreseen(w, &f, steps, per_step);
+    gn_foreseen_free(&f);
+    return status;
+}
+
 gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error) {
     gn_first_break found;
     double start = gn_now(), before = 0.0, per_step = 0.0;
+    if (gn_converts(w)) return plan_converting(w, false, seconds, error);
     if (w->scene.start == GN_START_FIRST_BREAK) {
         GN_TRY(gn_first_break_start(w, NULL, &found, error));
         before = gn_now() - start;
@@ -228,7 +253,7 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(w);
-    GN_TRY(time_steps(w, &per_step, error));
+    GN_TRY(time_steps(w, w->scene.end, &per_step, error));
     *seconds = before + steps * per_step;
     return GNEISS_OK;
 }
@@ -246,6 +271,7 @@ static gneiss_status find_start(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
+    double seconds;
     print_effects(w);
     if (!w->scene.stage_count) gn_print_idle(w); /* another stage may need it */
     printf("storage\n");
@@ -258,7 +284,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
-    GN_TRY(gn_print_sleepers(w, error));
+    if (gn_converts(w)) return plan_converting(w, true, &seconds, error);
     GN_TRY(find_start(w, error));
     if (w->scene.source_count) {
         gn_plan_flow flow;
@@ -268,7 +294,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     }
     double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
-    GN_TRY(time_steps(w, &per_step, error));
+    GN_TRY(time_steps(w, w->scene.end, &per_step, error));
     char stop[160];
     const char *stops = w->scene.stage_count ? "the end of its stages"
                                              : gn_stops_text(&w->scene, stop, sizeof stop);
@@ -283,8 +309,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
             "%s %s element-steps/s", w->scene.has_specimen ? "," : "",
             gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
-    printf("  time             %s%s\n", gn_format_seconds(per_step * steps, text, sizeof text),
-           gn_converts(w) ? " of elements alone; what converts comes on top" : "");
+    printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
     gn_print_stages(w, per_step);
     return GNEISS_OK;
 }

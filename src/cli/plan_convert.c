@@ -1,6 +1,7 @@
 #include "cli/plan_convert.h"
 
 #include "cli/plan_couple.h"
+#include "cli/progress.h"
 #include "sim/conversion.h"
 
 #include <math.h>
@@ -9,21 +10,68 @@
 /* As of fixed zones (plan_couple.c). */
 static const double elements_least = 3.0, diameters_least = 6.0;
 
-gneiss_status gn_print_sleepers(gn_world *w, gneiss_error *error) {
-    gn_step_limit limit;
-    const double share = gn_world_nonviscous_share(w) * w->scene.safety;
-    if (!gn_converts(w)) return GNEISS_OK;
-    GN_TRY(gn_conversion_limit(w, &limit, error));
-    printf(
-        "particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step of "
-        "the elements alone\n",
-        w->dem.particles.soa.count, w->dem.prepared.soa.count);
-    if (!(limit.sharp < INFINITY)) return GNEISS_OK;
-    printf("  sharp limit      %.6g s of all of them, rigorous bound %.6g s\n", limit.sharp,
-           limit.bound);
-    printf("  dt               %.6g s or a little more, once some are awake\n",
-           fmin(w->dt, share * limit.sharp));
-    return GNEISS_OK;
+void gn_print_sleepers(const gn_world *w, const gn_foreseen *f) {
+    printf("particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step "
+           "of the elements alone\n",
+           gn_conversion_asleep(w), w->dem.prepared.soa.count);
+    if (f->all.sharp < INFINITY)
+        printf("  sharp limit      %.6g s of all of them by themselves, rigorous bound %.6g s\n",
+               f->all.sharp, f->all.bound);
+}
+
+/* What comes when the body follows its motions and loads slowly. */
+static void print_first(const gn_world *w, const gn_foreseen *f) {
+    const char *stage = w->scene.stage_count ? " of the first stage" : "";
+    printf("conversion, as the body would be at rest under its motions and loads\n");
+    if (!f->place) {
+        printf("  first            none: nothing loads it%s\n",
+               *stage ? " in the first stage" : "");
+        return;
+    }
+    if (f->time < INFINITY)
+        printf("  first            at %.3g s\n", f->time);
+    else
+        printf(
+            "  first            none before the end%s; below is what one would make of the step\n",
+            stage);
+    if (*f->halt) {
+        printf("  warning: the first would end the run: %s\n", f->halt);
+        return;
+    }
+    printf("  dt               %.6g s then, set by the %s\n", f->first.dt, f->first.side);
+    printf("                   %.6g s when more has gone, set by the %s\n", f->grown.dt,
+           f->grown.side);
+}
+
+/* s: the run ends with a first conversion that comes to the end of the box. */
+static double end_of(const gn_world *w, const gn_foreseen *f) {
+    return *f->halt ? fmin(f->time, w->scene.end) : w->scene.end;
+}
+
+void gn_foreseen_steps(const gn_world *w, const gn_foreseen *f, double dt, double steps[2]) {
+    const double end = end_of(w, f), until = f->place ? fmin(f->time, end) : end;
+    steps[0] = ceil(until / dt);
+    steps[1] = until < end ? ceil((end - until) / f->grown.dt) : 0.0;
+}
+
+void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double steps[2],
+                       const double per_step[2]) {
+    char text[32];
+    print_first(w, f);
+    if (w->scene.couple.spins == GN_COUPLE_SLAVED && f->place && !*f->halt)
+        printf("                   or less: slaved spins may take more of it with every front\n");
+    printf("cost\n  steps            %.0f to t = %g s", steps[0] + steps[1], end_of(w, f));
+    if (steps[1] > 0.0) printf(", %.0f of them of elements alone", steps[0]);
+    printf("%s\n",
+           w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
+               ? " (a stop condition may come first)"
+               : "");
+    printf("  per step         %.1f us with %d threads", per_step[0] * 1e6, w->threads);
+    if (per_step[1] > 0.0)
+        printf(" of elements alone, %.1f us with what converts first", per_step[1] * 1e6);
+    printf("\n  time             %s%s\n",
+           gn_format_seconds(steps[0] * per_step[0] + steps[1] * per_step[1], text, sizeof text),
+           steps[1] > 0.0 ? ", and what more converts costs" : "");
 }
 
 /* Steps become shorter with the first conversion, not before. */

@@ -70,14 +70,14 @@ static gneiss_status check_pulse(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Springs tie places, not spins; background damping acts on each mass by itself, which consistent
- * ones are not. */
+/* Springs tie places, not spins; non-viscous damping goes by the resultant on each mass by itself,
+ * which consistent ones are not. */
 static gneiss_status check_constraint(const check *c, const gn_scene *s) {
     if (s->couple.constraint == GN_COUPLE_CONSISTENT && s->background != GN_BACKGROUND_NONE &&
-        gn_check_sound(c, "damping"))
+        s->background != GN_BACKGROUND_VISCOUS && gn_check_sound(c, "damping"))
         return gn_check_fail(c, "couple.constraint",
-                             "expected lumped or penalty beside background damping, found "
-                             "consistent");
+                             "expected lumped or penalty beside background damping that is not "
+                             "viscous, found consistent");
     /* Scenes that were written have all keys: those that say nothing are let pass. */
     const char *springs = s->couple.penalty != 1.0           ? "couple.penalty"
                           : s->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
@@ -118,6 +118,25 @@ static gneiss_status check_convert_set(const check *c, const gn_set_def *set) {
     return GNEISS_OK;
 }
 
+/* Elements do not press on walls: these stop what has come off. */
+static gneiss_status check_convert_walls(const check *c, const gn_scene *s) {
+    const gn_test_end *ends[] = {&s->test.lower, &s->test.upper};
+    for (size_t k = 0; k < s->wall_count; k++)
+        if (s->walls[k].servo.active)
+            return gn_check_fail(c, "walls",
+                                 "expected no servo of walls beside couple.convert, as elements do "
+                                 "not press on them, found that of '%s'",
+                                 s->walls[k].name);
+    for (size_t e = 0; s->test.kind != GN_TEST_NONE && e < 2; e++)
+        for (size_t k = 0; k < ends[e]->count; k++)
+            if (gn_scene_find_wall(s, ends[e]->name[k]) >= 0)
+                return gn_check_fail(c, e ? "test.upper" : "test.lower",
+                                     "expected motions of elements beside couple.convert, as "
+                                     "elements do not press on walls, found wall '%s'",
+                                     ends[e]->name[k]);
+    return GNEISS_OK;
+}
+
 /* What it does not go with, at the key that says so. */
 static gneiss_status check_convert_beside(const check *c, const gn_scene *s, const gn_node *root) {
     const struct {
@@ -127,12 +146,10 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s, con
         {s->couple.zone_count > 0, "couple.zones", "no couple.zones"},
         {s->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
          "no couple.constraint but lumped"},
-        {s->wall_count > 0, "walls", "no walls"},
         {s->body_count > 0, "bodies", "no bodies"},
         {s->has_membrane, "membrane", "no membrane"},
         {s->has_pulse, "initial.pulse", "no initial.pulse"},
         {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity"},
-        {s->stage_count > 0, "stages", "no stages"},
         {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
          "no mixed form"},
         {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on"}};
@@ -140,6 +157,7 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s, con
         if (others[k].found)
             return gn_check_fail(c, others[k].key, "expected %s beside couple.convert",
                                  others[k].expected);
+    GN_TRY(check_convert_walls(c, s));
     for (size_t k = 0; k < s->set_count; k++) {
         const check element = gn_check_element(c->reader, root, "sets", k);
         if (gn_check_element_sound(&element)) GN_TRY(check_convert_set(&element, &s->sets[k]));

@@ -554,9 +554,8 @@ static void note_most_loaded(const gn_world *w, const double *excess, gn_most_lo
     find_centre(b, at, most->place);
 }
 
-/* [elements] of both, which are the caller's whatever happens. */
-static gneiss_status look_around(const gn_world *w, uint8_t **kind, double **excess,
-                                 gneiss_error *error) {
+gneiss_status gn_conversion_look_around(const gn_world *w, uint8_t **kind, double **excess,
+                                        gneiss_error *error) {
     const size_t elements = gn_conversion_elements(w);
     *kind = gn_alloc(elements + 1);
     *excess = gn_alloc_array(elements + 1, sizeof **excess);
@@ -568,7 +567,7 @@ static gneiss_status look_around(const gn_world *w, uint8_t **kind, double **exc
 static gneiss_status look(gn_world *w, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status = look_around(w, &kind, &excess, error);
+    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
     if (status == GNEISS_OK) note_most_loaded(w, excess, &w->most_loaded);
     if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
     gn_free(kind);
@@ -580,7 +579,7 @@ gneiss_status gn_conversion_most_loaded(const gn_world *w, gn_most_loaded *most,
                                         gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status = look_around(w, &kind, &excess, error);
+    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
     *most = w->most_loaded;
     if (status == GNEISS_OK) note_most_loaded(w, excess, most);
     gn_free(kind);

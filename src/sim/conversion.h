@@ -65,6 +65,31 @@ gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures
 /* For who looks at a scene at its start, when all of the particles sleep: the body as though they
  * were all awake and bonded; a second call puts that back. Else nothing is done. */
 void gn_conversion_turn_over(gn_world *world);
+/* What a run of elements that convert comes to, before it has made a step (conversion_foresee.c).
+ */
+typedef struct gn_foreseen_step {
+    double dt;        /* s */
+    size_t elements;  /* that are left */
+    const char *side; /* what sets the step */
+} gn_foreseen_step;
+typedef struct gn_foreseen {
+    gn_step_limit all; /* of all particles by themselves, as if they were awake */
+    double collision;  /* s: that resolves their collisions; INFINITY: none has to be */
+    double time;       /* s: when the body, at rest under its motions and loads, comes to a limit
+                          first; INFINITY: not before the end */
+    double *place;     /* [nodes][4] m: then, or at the end; NULL: nothing loads it */
+    char halt[512];    /* why nothing of it can be converted; empty: something can */
+    gn_foreseen_step first; /* once the element has gone that is loaded most there, */
+    gn_foreseen_step grown; /* and once more have, those that are loaded 0.7 times as much at least,
+                               and any particle may be awake */
+} gn_foreseen;
+/* Finds time and place, and leaves the world as it was. */
+gneiss_status gn_conversion_foresee(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
+/* Where it has a place converts these elements, of a world that is of no use any more but for the
+ * cost of its steps. */
+gneiss_status gn_conversion_try(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
+void gn_foreseen_free(gn_foreseen *foreseen);
+
 /* The limits that all of them would have by themselves. */
 gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
 

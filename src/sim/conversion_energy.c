@@ -76,6 +76,15 @@ static double contacts_energy(const gn_conversion *c, const gn_contacts *list) {
     return sum;
 }
 
+/* Of who changes place as it is brought into balance. */
+static double walls_energy(const gn_conversion *c) {
+    const gn_wall_contacts *q = &c->world->boundary.contacts;
+    double sum = 0.0;
+    for (size_t k = 0; c->world->scene.wall_count && k < q->soa.count; k++)
+        if (is_other(c, q->i[k])) sum += gn_wall_held(c->world, k);
+    return sum;
+}
+
 /* Those that the conversion touches, of the elements that there are; scratch: c->some. */
 static double elements_energy(const gn_conversion *c) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
@@ -90,5 +99,5 @@ static double elements_energy(const gn_conversion *c) {
 
 double gn_conversion_held(const gn_conversion *c) {
     return elements_energy(c) + contacts_energy(c, &c->world->dem.bonds) +
-           contacts_energy(c, &c->world->dem.pairs);
+           contacts_energy(c, &c->world->dem.pairs) + walls_energy(c);
 }

@@ -26,6 +26,11 @@ static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
     return c->place[gn_home_id(c->world, p)];
 }
 
+/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
+ * both are the caller's whatever happens. */
+gneiss_status gn_conversion_look_around(const gn_world *world, uint8_t **kind, double **excess,
+                                        gneiss_error *error);
+
 /* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
  * the bonds that all have. */
 gneiss_status gn_conversion_check_neighbours(const gn_world *world, gneiss_error *error);

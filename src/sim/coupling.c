@@ -89,6 +89,34 @@ static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static bool is_in(const gn_fem_set *set, int32_t node) {
+    bool in = false;
+    for (size_t k = 0; k < set->count; k++) in = in || set->node[k] == node;
+    return in;
+}
+
+/* The damping of masses that driven nodes have in common with others would be part of reactions. */
+static gneiss_status check_damped(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const gn_element_model *q = w->elements[0];
+    char message[256];
+    if (!(w->effects & GN_FX_VISCOUS)) return GNEISS_OK;
+    for (size_t k = 0; k < q->def->motion_count; k++) {
+        bool moves = w->scene.stage_count > 0;
+        for (int a = 0; a < 3; a++)
+            moves = moves || !all_zero(&q->def->motions[k].motion.velocity[a]);
+        if (q->motion[k] < 0 || !moves) continue;
+        for (size_t n = 0; n < ties->nodes; n++) {
+            if (!is_in(&q->motion_set[k], ties->node[n])) continue;
+            snprintf(message, sizeof message,
+                     "expected no driven nodes in zones of consistent masses beside background "
+                     "damping, found node %d of motion '%s'",
+                     q->solid.nodes.id[ties->node[n]], q->def->motions[k].name);
+            return refuse(w, w->scene.couple.where, ".constraint", message, error);
+        }
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
     const size_t n = q->ties.count + 1;
     q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
@@ -122,6 +150,7 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
                            q->ties.nodes);
         GN_TRY(gn_consistent_create(&q->ties, &q->consistent, error));
+        GN_TRY(check_damped(w, &q->ties, error));
     }
     if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
         q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
@@ -233,69 +262,6 @@ static void take(gn_world *w, int width, size_t p, double load[3]) {
     }
 }
 
-/* --- consistent masses --- */
-
-static void remember(const gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
-    for (size_t n = 0; n < q->ties.nodes; n++)
-        memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
-}
-
-/* Loads, without gravity and background damping, which join them by the lump: that is right of the
- * first, and what the second is proportional to. */
-static void set_system(const gn_world *w, gn_coupled *q) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const double interval = 0.5 * (w->dt_past + w->dt);
-    gn_consistent *y = &q->consistent;
-    y->threads = w->threads;
-    for (size_t n = 0; n < q->ties.nodes; n++) {
-        const size_t node = (size_t)q->ties.node[n];
-        const int32_t slot = b->prescribed.count ? b->nodes.slot[node] : -1;
-        const double *row = gn_hold_load(&b->hold, 4, node), *v = b->nodes.vel + 4 * node;
-        y->whole[n] = 1.0 / v[3];
-        for (size_t a = 0; a < 3; a++) {
-            const bool there = a < (size_t)w->scene.dimension;
-            y->fixed[3 * n + a] = !there || (slot >= 0 && b->prescribed.mask[slot] >> a & 1);
-            y->load[3 * n + a] = there ? row[a] + b->nodes.applied[4 * node + a] : 0.0;
-            y->rate[3 * n + a] =
-                there && y->fixed[3 * n + a] && w->dt_past > 0.0
-                    ? (b->prescribed.velocity[6 * (size_t)slot + a] - v[a]) / interval
-                    : 0.0;
-        }
-    }
-}
-
-static void correct(gn_world *w, gn_coupled *q) {
-    gn_fem_solid *b = gn_coupled_solid(w);
-    gn_consistent *y = &q->consistent;
-    set_system(w, q);
-    gn_consistent_solve(y);
-    gn_consistent_difference(y, y->rate, y->work[0]);
-    for (size_t n = 0; n < q->ties.nodes; n++) {
-        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
-        for (int a = 0; a < (int)w->scene.dimension; a++) row[a] += y->work[0][3 * n + a];
-    }
-}
-
-/* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
-static void find_kinetic(gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
-    gn_consistent *y = &q->consistent;
-    double *now = y->work[1];
-    q->kinetic = 0.0;
-    for (size_t n = 0; n < q->ties.nodes; n++)
-        for (size_t a = 0; a < 3; a++) {
-            now[3 * n + a] = nodes->vel[4 * (size_t)q->ties.node[n] + a];
-            if (!(w->dt_past > 0.0))
-                q->before[3 * n + a] = 2.0 * q->before[3 * n + a] - now[3 * n + a];
-        }
-    gn_consistent_difference(y, now, y->work[0]);
-    for (size_t k = 0; k < 3 * q->ties.nodes; k++) q->kinetic -= 0.5 * q->before[k] * y->work[0][k];
-    if (w->step > 0) return;
-    gn_coupled_solid(w)->energy.stored_at_start += q->kinetic;
-    gn_coupled_solid(w)->reading.stored_at_start += q->kinetic;
-}
-
 static void book(void *context, const gn_world *w, gn_energy *reading) {
     const gn_coupled *q = context;
     (void)w;
@@ -365,7 +331,7 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
     (void)error;
-    if (q->before) remember(w, q);
+    if (q->before) gn_masses_remember(w, q);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
@@ -374,7 +340,7 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
         if (q->turn && q->place[k] >= 0) take_moment(w, q, width, k);
     }
     gn_coupled_hand_to_nodes(w, q);
-    if (q->before) correct(w, q);
+    if (q->before) gn_masses_correct(w, q);
     return GNEISS_OK;
 }
 
@@ -428,11 +394,23 @@ void gn_coupled_follow(gn_world *w) {
     place_all(w, q);
 }
 
+void gn_coupled_begin(gn_world *w) {
+    gn_coupled *q = w->exchange[0].context;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+    find_places(w, q);
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double u[3], v[3];
+        gn_tie_travel(&q->ties, k, nodes, u);
+        gn_tie_mean(&q->ties, k, nodes->vel, v);
+        if (q->place[k] >= 0 && (gn_dot3(u, u) > 0.0 || gn_dot3(v, v) > 0.0)) place(w, q, k);
+    }
+}
+
 /* What is kept of the particles' largest speed is that of all. */
 static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_coupled *q = context;
-    if (q->before) find_kinetic(w, q);
+    if (q->before) gn_masses_book(w, q);
     double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
     d->verlet.drift += w->dt * (speed - before);

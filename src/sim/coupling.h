@@ -47,6 +47,9 @@ gneiss_status gn_coupled_weigh(gn_world *world, gneiss_error *error);
 /* The particles of zones are where nodes are now, with their velocities; constraint, not springs.
  */
 void gn_coupled_follow(gn_world *world);
+/* At the start, when nodes have begun to move: the same, of those that nodes move, springs or not.
+ */
+void gn_coupled_begin(gn_world *world);
 
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */

@@ -21,6 +21,13 @@ void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q);
 
+/* Consistent masses (coupling_masses.c): velocities before the motion; loads that make the lump
+ * move as they do; after it, what they have of kinetic energy and lose to damping beyond the lump.
+ */
+void gn_masses_remember(const gn_world *w, gn_coupled *q);
+void gn_masses_correct(gn_world *w, gn_coupled *q);
+void gn_masses_book(gn_world *w, gn_coupled *q);
+
 /* Springs instead of a constraint (coupling_penalty.c): from world->couple.frequency; their part of
  * a step. */
 void gn_penalty_set(const gn_world *w, gn_coupled *q);

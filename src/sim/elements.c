@@ -193,7 +193,7 @@ static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *erro
     return status;
 }
 
-static void set_loads(gn_element_model *q, double time) {
+void gn_elements_set_loads(gn_element_model *q, double time) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_table *value = e->loads[k].has_force ? e->loads[k].force : e->loads[k].traction;
@@ -241,7 +241,7 @@ static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_
         GN_TRY(at(w, l->where, group_of(&l->region), "loads", k, status, error));
     }
     look_at_loads(q);
-    set_loads(q, 0.0);
+    gn_elements_set_loads(q, 0.0);
     return GNEISS_OK;
 }
 
@@ -299,7 +299,7 @@ gneiss_status gn_elements_enter(gn_world *w, gneiss_error *error) {
         GN_TRY(gn_fem_surround(&q->solid, w->scene.gravity, damping,
                                w->scene.background_coefficient, error));
         look_at_loads(q);
-        set_loads(q, w->time);
+        gn_elements_set_loads(q, w->time);
         set_velocities(w, q, w->time, true);
     }
     return GNEISS_OK;
@@ -370,7 +370,7 @@ void gn_elements_forces(gn_world *w, bool measure) {
         gn_element_model *q = w->elements[k];
         double start = gn_now();
         set_velocities(w, q, w->time + 0.5 * w->dt, false);
-        if (q->loads_vary) set_loads(q, w->time);
+        if (q->loads_vary) gn_elements_set_loads(q, w->time);
         gn_element_contact_load(q);
         if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
             q->vel_past = gn_dem_kept(&q->solid.nodes, q->solid.nodes.vel);
@@ -538,7 +538,10 @@ static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool ful
                                 gneiss_error *error) {
     const double factor = w->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
-    if (full) GN_TRY(full_limit(w, q, error));
+    /* What is left of converted ones is held against its bound, in later stages too. */
+    const bool begun = full && gn_converts(w) && gn_conversion_begun(w);
+    if (begun) GN_TRY(gn_elements_converted(q, error));
+    if (full && !begun) GN_TRY(full_limit(w, q, error));
     if (full && gn_converts(w)) GN_TRY(know_bound(q, error));
     if (!changed) return GNEISS_OK;
     *due = true;

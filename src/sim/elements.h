@@ -64,6 +64,8 @@ void gn_elements_book(const gn_world *world, gn_energy *ledger);
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
 /* Elements were taken out: the bound holds for those that are left, whatever their parts. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
+/* The loads of a time become those on the nodes. */
+void gn_elements_set_loads(gn_element_model *q, double time);
 /* Marks the nodes [nodes] of motions, driven or only watched, and of loads. */
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */

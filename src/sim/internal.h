@@ -299,6 +299,9 @@ void gn_walls_sum(gn_world *world);
 void gn_walls_listed(gn_world *world);
 void gn_walls_move(gn_world *world);
 void gn_walls_book(const gn_world *world, double dt, gn_energy *ledger);
+/* J: what the spring of a contact with a wall holds, less half a step of what it gives to the
+ * particle and takes of the wall, at the velocities that led here; linear law. */
+double gn_wall_held(const gn_world *world, size_t row);
 
 /* The share of what is missing that a servo may make up in a step (walls.c). */
 double gn_servo_share(const gn_world *world);

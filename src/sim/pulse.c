@@ -1,4 +1,5 @@
 /* A plane wave that is under way at the start (initial.pulse). */
+#include "sim/coupling.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -62,16 +63,23 @@ static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Bonds were made at the places without it. */
-gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
-    if (!w->scene.has_pulse) return GNEISS_OK;
-    if (w->dem.particles.soa.count) start(&w->scene, &w->dem.particles);
-    if (w->dem.particles.soa.count) shear_bonds(w);
-    GN_TRY(check_zones(w, error));
+static void start_elements(gn_world *w) {
     for (size_t k = 0; k < w->element_count; k++) {
         start(&w->scene, &w->elements[k]->solid.nodes);
         gn_fem_moved(&w->elements[k]->solid);
         gn_fem_to_single(&w->elements[k]->solid);
     }
-    return w->dem.particles.soa.count ? gn_world_rebuild(w, error) : GNEISS_OK;
+}
+
+/* Bonds were made at the places without it. Elements that reach into a zone may have nodes in it
+ * that no particle of the zone is in, which follows them all the same. */
+gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
+    const bool particles = w->dem.particles.soa.count > 0;
+    if (!w->scene.has_pulse) return GNEISS_OK;
+    if (particles) start(&w->scene, &w->dem.particles);
+    GN_TRY(check_zones(w, error));
+    start_elements(w);
+    if (w->scene.has_couple) gn_coupled_begin(w);
+    if (particles) shear_bonds(w);
+    return particles ? gn_world_rebuild(w, error) : GNEISS_OK;
 }

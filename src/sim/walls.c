@@ -3,6 +3,7 @@
 #include "kernels/dashpot.h"
 #include "scene/facing.h"
 #include "sim/body_walls.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/servo.h"
@@ -43,6 +44,14 @@ gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
 static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
     const double *x = w->dem.particles.pos + 4 * particle;
     return gn_wall_distance(&w->boundary.walls[wall], x) - x[3];
+}
+
+/* What overlaps with passive walls as the run begins is free of stress, and so is who wakes in a
+ * wall of any kind: the elements that it comes from did not feel it. Who is awake is listed before
+ * it touches. */
+static double free_gap(const gn_world *w, size_t particle, size_t wall, bool first) {
+    const bool is_free = first ? w->scene.walls[wall].passive : gn_converts(w);
+    return is_free ? fmin(0.0, wall_gap(w, particle, wall)) : 0.0;
 }
 
 static bool near_wall(const gn_world *w, size_t p, size_t k) {
@@ -117,8 +126,7 @@ gneiss_status gn_wall_contacts_find(gn_world *w, bool first, gneiss_error *error
         for (size_t c = begin; c < end; c++) {
             size_t k = (size_t)now.wall[c];
             now.i[c] = (int32_t)p;
-            if (first && k < w->scene.wall_count && w->scene.walls[k].passive)
-                now.gap0[c] = fmin(0.0, wall_gap(w, p, k));
+            if (k < w->scene.wall_count) now.gap0[c] = free_gap(w, p, k, first);
             carry_over(&now, &old, c);
         }
     }
@@ -234,6 +242,18 @@ static double spring_stiffness(const gn_world *w, size_t c) {
     return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3],
                            fmax(q->gap0[c] - wall_gap(w, p, k), 0.0))
         .kn;
+}
+
+double gn_wall_held(const gn_world *w, size_t row) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const size_t p = (size_t)q->i[row], k = (size_t)q->wall[row];
+    const gn_wall *wall = &w->boundary.walls[k];
+    const double *v = w->dem.particles.vel + 4 * p;
+    const double overlap = fmax(q->gap0[row] - wall_gap(w, p, k), 0.0);
+    const double force = overlap > 0.0 ? spring_stiffness(w, row) * overlap : 0.0;
+    double away = 0.0;
+    for (int a = 0; a < 3; a++) away += (v[a] - wall->velocity[a]) * wall->normal[a];
+    return 0.5 * force * (overlap + w->dt_past * away);
 }
 
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the

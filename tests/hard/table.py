@@ -1,5 +1,5 @@
 """The one table of hard cases: from it come the tests (tests/test_hard.py), docs/evidence/hard-cases.md and the long forms."""
-from hard import facets, far, meeting, ratios, solids, steps, strength, turning, zones
+from hard import conversions, facets, far, meeting, ratios, solids, steps, strength, turning, zones
 
 FAMILIES = {
     "Bodies that turn": turning.CASES,
@@ -10,7 +10,7 @@ FAMILIES = {
     "Far, slow, fast, quiet": far.CASES,
     "Laws and values at their ends": strength.CASES,
     "Finite elements": solids.CASES,
-    "Particles and elements as one": zones.CASES,
+    "Particles and elements as one": zones.CASES + conversions.CASES,
 }
 CASES = [case for cases in FAMILIES.values() for case in cases]
 NAMES = [case.name for case in CASES]

@@ -1,0 +1,142 @@
+/* Stages of a body whose elements turn into particles. */
+#include "couple/front.h"
+#include "run_helpers.h"
+#include "sim/conversion.h"
+
+/* Bent at three points, on supports that hold its ends: elements of 2 mm, a lattice of 1 mm, E = M,
+ * nu = 0. */
+static const char beam[] =
+    "dimension: 2\n"
+    "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [60, 16]}}\n"
+    "materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0.2, "
+    "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+    "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n"
+    "couple: {convert: {box: {min: [13 mm, -1], max: [47 mm, 1]}, width: 6 mm, stress: 1e6, every: "
+    "25}%s}\n"
+    "elements: {rectangle: {size: [60 mm, 16 mm], cells: [30, 8]}, materials: [{young: 24e9, "
+    "poisson: 0, density: 7800}], motions: [{name: a, box: {min: [3.9 mm, -1], max: [4.1 mm, "
+    "1e-6]}, motion: {vx: 0, vy: 0}}, {name: b, box: {min: [55.9 mm, -1], max: [56.1 mm, 1e-6]}, "
+    "motion: {vy: 0}}, {name: load, box: {min: [29.9 mm, 15.999 mm], max: [30.1 mm, 1]}, motion: "
+    "{vy: %s}}]}\n"
+    "damping: {background: {model: viscous, coefficient: 5e3}}\n"
+    "output: {snapshots: 0, history_rows: 50, checkpoint: off}\nrun: {threads: %d}\n%s\n";
+
+static void finish(gn_run *run) {
+    gneiss_error error = {0};
+    for (int k = 0; k < 20000 && !run->finished; k++)
+        if (gn_run_steps(run, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    assert_true(run->finished);
+}
+
+static double last_of(const gn_run *run, const char *column) {
+    return gn_history_column(&run->history, column)[run->history.row_count - 1];
+}
+
+static const char in_stages[] =
+    "time: {end: 1 ms, step: 1.5e-7}\n"
+    "stages: [{name: rest, end: {time: 0.01 ms}}, {name: load, elements: {motions: {load: {motion: "
+    "{vy: [[0, 0], [0.05 ms, -12 mm/s]]}}}}, end: {time: 0.23 ms}}, {name: hold, elements: "
+    "{motions: {load: {motion: {vy: -1 mm/s}}}}, end: {time: 0.04 ms}}]";
+
+/* The same in one go, with the same steps: what begins with a stage begins there. */
+static void stages_are_what_tables_are(void **state) {
+    (void)state;
+    gn_run *staged = run_of(beam, "", "0", 1, in_stages);
+    gn_run *whole = run_of(beam, "",
+                           "[[0, 0], [0.01 ms, 0], [0.06 ms, -12 mm/s], [0.23999995 ms, -12 "
+                           "mm/s], [0.24000005 ms, -1 mm/s]]",
+                           1, "time: {end: 0.28 ms, step: 1.5e-7}");
+    finish(staged);
+    finish(whole);
+    assert_true(gn_conversion_elements(&staged->world) < 480);
+    assert_int_equal(gn_conversion_elements(&staged->world), gn_conversion_elements(&whole->world));
+    const gn_particles *a = &staged->world.dem.particles, *b = &whole->world.dem.particles;
+    double most = 0.0, off = 0.0;
+    assert_true(fabs((double)staged->world.step - (double)whole->world.step) <= 4.0);
+    for (size_t p = 0; p < a->soa.count; p++) {
+        const size_t q = (size_t)whole->world.dem.index_of_id[a->id[p]];
+        for (size_t k = 0; k < 2; k++) {
+            most = fmax(most, fabs(a->pos[4 * p + k] - a->start[4 * p + k]));
+            off = fmax(off, fabs(a->pos[4 * p + k] - b->pos[4 * q + k]));
+        }
+    }
+    assert_true(most > 1e-6);
+    assert_true(off < 0.01 * most); /* stages end with a step, a few steps of waves apart */
+    assert_near(last_of(staged, "motion_load_displacement_y"),
+                last_of(whole, "motion_load_displacement_y"), 3e-9);
+    run_end(staged);
+    run_end(whole);
+}
+
+/* Later stages, whose step is chosen anew, know of what has been converted, and of the floor that
+ * it has come down to. */
+static const char free_steps[] =
+    "time: {end: 1 ms}\n"
+    "walls: [{name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e10, kratio: 2, friction: "
+    "0.3}]\n"
+    "stages: [{name: rest, gravity: [0, -50], end: {time: 0.01 ms}}, {name: load, gravity: [0, 0], "
+    "elements: {motions: {load: {motion: {vy: [[0, 0], [0.05 ms, -12 mm/s]]}}}}, end: {time: 0.23 "
+    "ms}}, {name: hold, elements: {motions: {load: {motion: {vy: 0}}}}, damping: {background: "
+    "{model: viscous, coefficient: 2e4}}, end: {time: 0.03 ms}}, {name: back, elements: {motions: "
+    "{load: {motion: {vy: 6 mm/s}}}}, end: {time: 0.03 ms}}]";
+
+static void finish_alike(const char *couple) {
+    gn_run *one = run_of(beam, couple, "0", 1, free_steps),
+           *two = run_of(beam, couple, "0", 2, free_steps);
+    gneiss_error error = {0};
+    while (one->world.stage < 2)
+        if (gn_run_steps(one, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_run_steps(one, 50, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const double stable = one->world.stable;
+    gn_run *three = resumed_of(one), *all[] = {one, two, three};
+    for (int k = 0; k < 3; k++) {
+        finish(all[k]);
+        assert_true(gn_conversion_elements(&all[k]->world) < 480);
+        assert_true(gn_world_hash(&all[k]->world) == gn_world_hash(&one->world));
+        /* Contacts with the floor open and close: 1e-5, 4e-7 in half of the step. */
+        assert_true(fabs(gn_energy_residual(&all[k]->world.reading)) < 1e-4);
+        assert_true(all[k]->world.reading.elastic_wall > 0.0);
+        assert_true(fabs(all[k]->world.energy.stage_change) <
+                    1e-12 * gn_energy_scale(&all[k]->world.reading));
+        /* Elements that are left hold the step by their bound, those of zones beside particles. */
+        assert_near(all[k]->world.stable, stable, 0.1 * stable);
+    }
+    for (int k = 0; k < 3; k++) run_end(all[k]);
+}
+
+static void threads_and_resumption_in_a_stage_give_the_same_bits(void **state) {
+    (void)state;
+    finish_alike(", spins: slaved");
+}
+
+static void what_sleepers_would_not_know_is_refused(void **state) {
+    (void)state;
+    static const char *const changes[][2] = {
+        {"materials: {m: {friction: 0.5}}", "materials"},
+        {"damping: {contact: {fraction: 0.1}}", "damping.contact"}};
+    for (size_t k = 0; k < sizeof changes / sizeof *changes; k++) {
+        char stages[400], words[200];
+        text *t = calloc(1, sizeof *t);
+        snprintf(stages, sizeof stages,
+                 "time: {end: 1 ms}\nstages: [{name: a, end: {time: 0.1 ms}}, {name: b, %s}]",
+                 changes[k][0]);
+        snprintf(words, sizeof words, "stages[1].%s: expected what holds before this stage too",
+                 changes[k][1]);
+        add(t, beam, "", "0", 1, stages);
+        gn_scene scene;
+        gneiss_error error = {0};
+        assert_int_equal(gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error),
+                         GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, words)) fail_msg("%s", error.message);
+        free(t);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stages_are_what_tables_are),
+        cmocka_unit_test(threads_and_resumption_in_a_stage_give_the_same_bits),
+        cmocka_unit_test(what_sleepers_would_not_know_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,28 @@
+"""Random small bodies of particles and elements, with zones that stay or elements that convert, at the default settings: none goes
+bad. Speaks TAP. `random_zones.py PROGRAM MOMENTUM --seed N` runs one of them, `--seed N --write DIR` writes it."""
+import os
+import sys
+
+import random_zones
+
+PROGRAM, MOMENTUM = map(os.path.abspath, sys.argv[1:3])
+SCENES = 40
+# A pulse whose elements reach into the zone.
+MORE = (1520,)
+
+
+def main():
+    print(f"1..{len(random_zones.KINDS)}")
+    outcomes, failed = random_zones.run_all(PROGRAM, MOMENTUM, [*range(SCENES), *MORE]), 0
+    for number, kind in enumerate(random_zones.KINDS, 1):
+        some = [o for o in outcomes if o.kind == kind]
+        bad = [o for o in some if o.bad and o.seed not in random_zones.OPEN]
+        for o in bad:
+            print(f"# seed {o.seed}: residual {o.residual}, momentum {o.momentum}: {o.text}")
+        failed += bool(bad)
+        print(f"{'not ok' if bad else 'ok'} {number} none of {len(some)} random bodies goes bad: {kind}", flush=True)
+    return bool(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
