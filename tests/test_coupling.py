@@ -219,10 +219,27 @@ def a_zone_given_twice_is_refused(folder):
 
 
 @fact
-def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
-    done = gneiss("run", os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), "--out", os.path.join(folder, "out"), "--quiet",
-                  "--set", "couple.convert.width=2 mm")
-    expect(done, 5, r"couple\.convert\.width: expected a zone that is wide enough for its mass to be kept .* of [\d.]+ kg by -?[\d.e-]+ kg")
+def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_name(folder):
+    """A mesh of a quarter of the spacing: what goes first holds no particle, and a thin zone none either. Pulled at both ends the limit is met in the middle."""
+    assert "elements around go along" not in gneiss("check", write_scene(folder, PULLED)).stdout
+    both = PULLED.replace("{vx: 0}", "{vx: -0.05}").replace("{vx: 0.1}", "{vx: 0.05}").replace("cells: [15, 4]", "cells: [120, 32]")
+    scene, out = write_scene(folder, both), os.path.join(folder, "out")
+    fine = ["--set", "couple.convert.most=1e-4", "--set"]
+    thin = fine + ["couple.convert.width=0.3 mm"]
+    looked = gneiss("check", scene, *thin)
+    cannot, of = (int(v) for v in re.search(r"warning: at (\d+) of (\d+) places that were looked at particles are too few", looked.stdout).groups())
+    assert 0 < cannot <= of <= 200, looked.stdout
+    run(scene, out, *thin)
+    end = summary(out)
+    said = {warning["name"]: warning["text"] for warning in end["warnings"]}["conversion_halted"]
+    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone has to be wider than 0.0003 m", said), said
+    assert end["counts"]["elements"] == 2 * 120 * 32 and end["counts"]["asleep"] == 240, end["counts"]
+    enough = fine + ["couple.convert.width=1.2 mm"]
+    looked = gneiss("check", scene, *enough)
+    assert "elements around go along" in looked.stdout and "particles are too few to weigh" not in looked.stdout, looked.stdout
+    run(scene, out, *enough, "--set", "time.end=0.01 ms", "--force")
+    end = summary(out)
+    assert end["counts"]["asleep"] < 240 and abs(end["energy_residual"]) < 1e-3, end
 
 
 @fact

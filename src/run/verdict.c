@@ -208,6 +208,12 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
                  "couple.convert.box and the packing in it have to reach farther on that side than "
                  "what converts by the width of the zone, %g m (couple.convert.width), or more",
                  w->scene.couple.convert.width);
+    else if (gn_conversion_was_thin(w))
+        snprintf(
+            to->text + told, sizeof to->text - (size_t)told,
+            "the zone has to be wider than %g m (couple.convert.width), three elements and six "
+            "particles, or elements larger there",
+            w->scene.couple.convert.width);
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "what is driven or loaded has to be farther from what converts, or "
