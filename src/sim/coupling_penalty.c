@@ -150,7 +150,7 @@ gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
     (void)error;
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) pull(w, q, k, width);
     gn_coupled_hand_to_nodes(w, q);
     w->energy.coupling_damping += total(q->lost, q->ties.count);
