@@ -367,6 +367,26 @@ def particles_that_do_not_weigh_what_elements_leave_them_are_warned_of(folder):
 
 
 @fact
+def a_zone_that_ends_before_its_particles_do_is_warned_of(folder):
+    out = os.path.join(folder, "out")
+    early = write_scene(folder, BAR.replace("to: [8 mm, 0, 0]", "to: [10 mm, 0, 0]"))
+    assert "warning: particles reach beyond the plane through `to`" in gneiss("check", early).stdout
+    run(early, out)
+    said = {warning["name"]: warning["text"] for warning in summary(out)["warnings"]}["zones_beyond"]
+    assert re.match(r"24 of the 60 particles of couple.zones\[0\] are beyond the plane", said), said
+    run(write_scene(folder, BAR), out, "--force")
+    assert "zones_beyond" not in {warning["name"] for warning in summary(out)["warnings"]}
+
+
+@fact
+def plan_names_contacts_where_there_are_some_and_one_thread(folder):
+    scene = write_scene(folder, BAR)
+    assert re.search(r"per step +\S+ us with 1 thread: .* contact-steps/s, .* element-steps/s", gneiss("plan", scene).stdout)
+    told = gneiss("plan", write_scene(folder, BAR.replace("cells: [13, 3, 4], origin: [7.5 mm, 0, 0]", "cells: [1, 1, 1], origin: [8.5 mm, 0, 0]")))
+    assert re.search(r"per step +\S+ us with 1 thread: [^,]* element-steps/s", told.stdout), told.stdout + told.stderr
+
+
+@fact
 def velocities_that_nodes_do_not_take_are_refused(folder):
     moving = ZONE + "sets: [{name: a, select: {box: {min: [%s mm, -1], max: [1, 1]}}, initial_velocity: [1, 0]}]\n"
     expect(gneiss("check", write_scene(folder, moving % 15)), 2, r"\d+:\d+: couple: expected particles of zones that start at rest, .*found particle \d+ with a velocity")

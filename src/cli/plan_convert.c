@@ -57,7 +57,8 @@ void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double ste
     printf("%s\n", w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
                        ? " (a stop condition may come first)"
                        : "");
-    printf("  per step         %.1f us with %d threads", per_step[0] * 1e6, w->threads);
+    printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, w->threads,
+           w->threads > 1 ? "s" : "");
     if (per_step[1] > 0.0)
         printf(" of elements alone, %.1f us with what converts first", per_step[1] * 1e6);
     printf("\n  time             %s%s\n",

@@ -268,6 +268,21 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
     }
 }
 
+static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+        gn_zone_figures f;
+        gn_zone_measure(w, k, &f);
+        if (!f.beyond) continue;
+        gn_warning *to = add(list, "zones_beyond");
+        snprintf(to->text, sizeof to->text,
+                 "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
+                 "`to`, where elements carry all: `to` has to go through their outermost centres",
+                 f.beyond, f.particles, k);
+        return;
+    }
+}
+
 static void warn_of_packing(const gn_run *run, gn_warnings *list) {
     const gn_packing_differs *d = &run->world.couple.differs;
     if (!(d->modulus[0] > 0.0)) return;
@@ -593,6 +608,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_sources(run, list);
     warn_of_lost(run, list);
     warn_of_zone_masses(run, list);
+    warn_of_zone_ends(run, list);
     warn_of_packing(run, list);
     warn_of_conversion(run, list);
     warn_of_relaxation(run, list);
