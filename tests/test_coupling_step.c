@@ -351,7 +351,7 @@ static const model turned_models[] = {
     {"in space, cells 0.5", SOLID(0.5e-3), false, CONSISTENT, {0}},
     {"in space, cells 1.0", SOLID(1e-3), false, CONSISTENT, {0}},
     {"lumped lattice, cells 0.5", STRIP(0.5e-3), false, "spins: slaved", {0}},
-    {"lumped packing, cells 0.4", NO_STRIP, true, "spins: slaved", {18, 11}},
+    {"lumped packing, cells 0.7", NO_STRIP, true, "spins: slaved", {10, 6}},
     {"lumped in space, cells 0.5", SOLID(0.5e-3), false, "spins: slaved", {0}},
 };
 enum { TURNED = sizeof turned_models / sizeof *turned_models };
