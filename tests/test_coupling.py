@@ -228,7 +228,7 @@ def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_na
     thin = fine + ["couple.convert.width=0.3 mm"]
     looked = gneiss("check", scene, *thin)
     cannot, of = (int(v) for v in re.search(r"warning: at (\d+) of (\d+) places that were looked at particles are too few", looked.stdout).groups())
-    assert 0 < cannot <= of <= 200, looked.stdout
+    assert 0 < cannot <= of <= 100, looked.stdout
     run(scene, out, *thin)
     end = summary(out)
     said = {warning["name"]: warning["text"] for warning in end["warnings"]}["conversion_halted"]

@@ -281,7 +281,7 @@ gneiss_status gn_conversion_see_places(gn_world *w, gn_conversion_places_seen *s
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         count += ready[e] == GN_FRONT_READY;
-    const size_t stride = count > most ? count / most : 1;
+    const size_t stride = count > most ? (count + most - 1) / most : 1;
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
         if (ready[e] == GN_FRONT_READY && at++ % stride == 0)
             status = see(w, ready, e, kind, seen, error);
