@@ -20,6 +20,7 @@ typedef struct block {
     const char *couple, *time; /* further keys of these */
     double distortion;         /* of the mesh */
     int finer;                 /* so many elements for one of 2 mm along each axis; 0: one */
+    double thin;               /* m, of a zone; 0: `width` */
 } block;
 
 static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
@@ -53,8 +54,9 @@ static inline text *text_of(const block *s) {
         s->box     ? s->box
         : s->space ? "{min: [-1, -1, -1], max: [1, 1, 1]}"
                    : "{min: [-1, -1], max: [1, 1]}",
-        width, s->convert ? s->convert : "stress: 1e30", s->couple ? s->couple : "",
-        s->time ? s->time : "", s->rest ? s->rest : "run: {threads: 1}\n");
+        s->thin > 0.0 ? s->thin : width, s->convert ? s->convert : "stress: 1e30",
+        s->couple ? s->couple : "", s->time ? s->time : "",
+        s->rest ? s->rest : "run: {threads: 1}\n");
     return t;
 }
 

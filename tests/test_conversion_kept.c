@@ -174,8 +174,75 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
     assert_near(energy, stress, 1e-5 * stress); /* square of strains */
 }
 
+/* --- elements without particles --- */
+
+/* A quarter of the spacing: between four particles, of which none is in it nor in a thin zone. */
+static const double between[2][3] = {{2e-3, 2e-3, 0.0}, {2.25e-3, 2.25e-3, 1.0}};
+
+static void those_around_go_along_and_what_the_body_has_is_kept(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = 1.2e-3};
+    const double flat = 0.0;
+    gn_world *w = block_of(&fine);
+    set_elements(w, stretch, &flat);
+    measured_step(w);
+    const whole before = whole_of(w);
+    const size_t elements = gn_conversion_elements(w);
+    assert_int_equal(convert_box(w, between[0], between[1], &error), GNEISS_OK);
+    const whole now = whole_of(w);
+    print_message("# %zu elements gone\n", elements - gn_conversion_elements(w));
+    assert_string_equal(w->halt, "");
+    assert_true(elements - gn_conversion_elements(w) > 2);
+    assert_near(now.mass, before.mass, 1e-12 * before.mass);
+    const double size = sqrt(2.0 * before.mass * before.energy);
+    for (int a = 0; a < 3; a++) assert_near(now.momentum[a], before.momentum[a], 1e-12 * size);
+    world_end(w);
+}
+
+static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = 0.3e-3};
+    const double flat = 0.0;
+    gn_world *w = block_of(&fine);
+    set_elements(w, stretch, &flat);
+    measured_step(w);
+    const size_t elements = gn_conversion_elements(w);
+    const uint64_t hash = gn_world_hash(w);
+    assert_int_equal(convert_box(w, between[0], between[1], &error), GNEISS_OK);
+    assert_true(gn_conversion_was_thin(w) && !gn_conversion_left_box(w));
+    assert_true(gn_conversion_elements(w) == elements && gn_world_hash(w) == hash);
+    assert_false(gn_conversion_begun(w));
+    world_end(w);
+}
+
+static void places_that_are_looked_at_stay_as_they_were(void **state) {
+    (void)state;
+    const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
+    for (int k = 0; k < 3; k++) {
+        gneiss_error error = {0};
+        gn_conversion_places_seen seen;
+        const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = thin[k]};
+        gn_world *w = block_of(&fine);
+        const uint64_t hash = gn_world_hash(w);
+        assert_int_equal(gn_conversion_see_places(w, &seen, &error), GNEISS_OK);
+        print_message("# zone of %g m: %zu places, at %zu others go along, %zu cannot\n", thin[k],
+                      seen.looked, seen.along, seen.too_few);
+        assert_true(seen.looked >= 50 && seen.looked <= 100);
+        assert_true(k == 0 ? seen.too_few > 0 : seen.too_few == 0);
+        assert_true(k == 1 ? seen.along > 0 : k == 0 || seen.along == 0);
+        assert_string_equal(w->halt, "");
+        assert_true(gn_world_hash(w) == hash && !gn_conversion_begun(w));
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(those_around_go_along_and_what_the_body_has_is_kept),
+        cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
+        cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
         cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),

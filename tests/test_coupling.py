@@ -222,10 +222,27 @@ def a_zone_given_twice_is_refused(folder):
 
 
 @fact
-def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
-    done = gneiss("run", os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), "--out", os.path.join(folder, "out"), "--quiet",
-                  "--set", "couple.convert.width=2 mm")
-    expect(done, 5, r"couple\.convert\.width: expected a zone that is wide enough for its mass to be kept .* of [\d.]+ kg by -?[\d.e-]+ kg")
+def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_name(folder):
+    """A mesh of a quarter of the spacing: what goes first holds no particle, and a thin zone none either. Pulled at both ends the limit is met in the middle."""
+    assert "elements around go along" not in gneiss("check", write_scene(folder, PULLED)).stdout
+    both = PULLED.replace("{vx: 0}", "{vx: -0.05}").replace("{vx: 0.1}", "{vx: 0.05}").replace("cells: [15, 4]", "cells: [120, 32]")
+    scene, out = write_scene(folder, both), os.path.join(folder, "out")
+    fine = ["--set", "couple.convert.most=1e-4", "--set"]
+    thin = fine + ["couple.convert.width=0.3 mm"]
+    looked = gneiss("check", scene, *thin)
+    cannot, of = (int(v) for v in re.search(r"warning: at (\d+) of (\d+) places that were looked at particles are too few", looked.stdout).groups())
+    assert 0 < cannot <= of <= 100, looked.stdout
+    run(scene, out, *thin)
+    end = summary(out)
+    said = {warning["name"]: warning["text"] for warning in end["warnings"]}["conversion_halted"]
+    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone has to be wider than 0.0003 m", said), said
+    assert end["counts"]["elements"] == 2 * 120 * 32 and end["counts"]["asleep"] == 240, end["counts"]
+    enough = fine + ["couple.convert.width=1.2 mm"]
+    looked = gneiss("check", scene, *enough)
+    assert "elements around go along" in looked.stdout and "particles are too few to weigh" not in looked.stdout, looked.stdout
+    run(scene, out, *enough, "--set", "time.end=0.01 ms", "--force")
+    end = summary(out)
+    assert end["counts"]["asleep"] < 240 and abs(end["energy_residual"]) < 1e-3, end
 
 
 @fact
@@ -350,6 +367,26 @@ def particles_that_do_not_weigh_what_elements_leave_them_are_warned_of(folder):
         run(scene, out, *words)
         assert ("zones_masses" in warnings_of(out)) == warned, warnings_of(out)
         assert not warned or f"couple.zones[0] weigh {mass:.2f} times" in warnings_of(out)["zones_masses"]
+
+
+@fact
+def a_zone_that_ends_before_its_particles_do_is_warned_of(folder):
+    out = os.path.join(folder, "out")
+    early = write_scene(folder, BAR.replace("to: [8 mm, 0, 0]", "to: [10 mm, 0, 0]"))
+    assert "warning: particles reach beyond the plane through `to`" in gneiss("check", early).stdout
+    run(early, out)
+    said = {warning["name"]: warning["text"] for warning in summary(out)["warnings"]}["zones_beyond"]
+    assert re.match(r"24 of the 60 particles of couple.zones\[0\] are beyond the plane", said), said
+    run(write_scene(folder, BAR), out, "--force")
+    assert "zones_beyond" not in {warning["name"] for warning in summary(out)["warnings"]}
+
+
+@fact
+def plan_names_contacts_where_there_are_some_and_one_thread(folder):
+    scene = write_scene(folder, BAR)
+    assert re.search(r"per step +\S+ us with 1 thread: .* contact-steps/s, .* element-steps/s", gneiss("plan", scene).stdout)
+    told = gneiss("plan", write_scene(folder, BAR.replace("cells: [13, 3, 4], origin: [7.5 mm, 0, 0]", "cells: [1, 1, 1], origin: [8.5 mm, 0, 0]")))
+    assert re.search(r"per step +\S+ us with 1 thread: [^,]* element-steps/s", told.stdout), told.stdout + told.stderr
 
 
 @fact

@@ -3,7 +3,8 @@
 
 /* A small disordered packing (x from 4 to 14 mm) beside elements (0 to 10 mm); the outermost
  * particles of the zone have little mass and, in some directions, stiffer neighbours. */
-static text *packing_text(const char *couple, const char *time, const char *rest) {
+static text *packing_text(const int cells[2], const char *couple, const char *time,
+                          const char *rest) {
     text *t = calloc(1, sizeof *t);
     add(t,
         "dimension: 2\n"
@@ -13,12 +14,12 @@ static text *packing_text(const char *couple, const char *time, const char *rest
         "materials: [{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0, "
         "tensile_strength: 1e15, shear_strength: 1e15}]\n"
         "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
-        "elements: {rectangle: {size: [10 mm, 6 mm], cells: [5, 3]}, materials: [{young: 25e9, "
-        "poisson: 0.2, density: 7800}]}\n"
+        "elements: {rectangle: {size: [10 mm, 6 mm], cells: [%d, %d]}, materials: "
+        "[{young: 25e9, poisson: 0.2, density: 7800}]}\n"
         "couple: {zones: [{edges: [{from: [10 mm, 0], to: [4.5 mm, 0]}]}]%s%s}\n"
         "time: {end: 1%s%s}\n%s",
-        couple ? ", " : "", couple ? couple : "", time ? ", " : "", time ? time : "",
-        rest ? rest : "run: {threads: 1}\n");
+        cells[0] ? cells[0] : 5, cells[0] ? cells[1] : 3, couple ? ", " : "", couple ? couple : "",
+        time ? ", " : "", time ? time : "", rest ? rest : "run: {threads: 1}\n");
     return t;
 }
 
@@ -28,6 +29,7 @@ typedef struct model {
     strip strip;
     bool packed;
     const char *more;
+    int cells[2]; /* of a packing's elements; 0: 5 by 3, 1.4 diameters of particles */
 } model;
 
 static gn_world *made(const model *m, const char *time, const char *rest) {
@@ -35,7 +37,7 @@ static gn_world *made(const model *m, const char *time, const char *rest) {
     s.more = m->more;
     s.time = time;
     s.rest = rest;
-    text *t = m->packed ? packing_text(m->more, time, rest) : text_of(&s);
+    text *t = m->packed ? packing_text(m->cells, m->more, time, rest) : text_of(&s);
     gn_world *w = world_of("%s", t->s);
     free(t);
     return w;
@@ -49,14 +51,14 @@ static gn_world *made(const model *m, const char *time, const char *rest) {
     { .length = 0.0 }
 
 static const model models[] = {
-    {"lumped", FLAT, false, NULL},
-    {"slaved", FLAT, false, "spins: slaved"},
-    {"consistent", FLAT, false, "constraint: consistent"},
-    {"penalty", FLAT, false, "constraint: penalty"},
-    {"lumped, packing", NO_STRIP, true, NULL},
-    {"consistent, packing", NO_STRIP, true, "constraint: consistent, spins: slaved"},
-    {"penalty, packing", NO_STRIP, true, "constraint: penalty"},
-    {"lumped, in space", DEEP, false, NULL},
+    {"lumped", FLAT, false, NULL, {0}},
+    {"slaved", FLAT, false, "spins: slaved", {0}},
+    {"consistent", FLAT, false, "constraint: consistent", {0}},
+    {"penalty", FLAT, false, "constraint: penalty", {0}},
+    {"lumped, packing", NO_STRIP, true, NULL, {0}},
+    {"consistent, packing", NO_STRIP, true, "constraint: consistent, spins: slaved", {0}},
+    {"penalty, packing", NO_STRIP, true, "constraint: penalty", {0}},
+    {"lumped, in space", DEEP, false, NULL, {0}},
 };
 enum { MODELS = sizeof models / sizeof *models };
 
@@ -231,11 +233,12 @@ static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
 static void a_million_steps_at_0_99_of_the_limit_keep_the_energy(void **state) {
     (void)state;
     const model small[] = {
-        {"small", {.length = 4e-3, .zone = 2e-3, .side = 1e-3, .rows = 1}, false, NULL},
+        {"small", {.length = 4e-3, .zone = 2e-3, .side = 1e-3, .rows = 1}, false, NULL, {0}},
         {"consistent",
          {.length = 4e-3, .zone = 2e-3, .side = 1e-3, .rows = 1},
          false,
-         "constraint: consistent"}};
+         "constraint: consistent",
+         {0}}};
     for (int k = 0; k < 2; k++) {
         double grown = energy_at(&small[k], 0.99, k ? 100000 : 1000000);
         print_message("# energy %.9g times at the end\n", grown);
@@ -327,6 +330,57 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
     }
 }
 
+/* --- elements that are small beside the particles that they turn --- */
+
+#define CONSISTENT "constraint: consistent, spins: slaved"
+#define STRIP(h)                                                                                   \
+    { .length = 6e-3, .zone = 3e-3, .side = (h), .rows = 3 }
+#define SOLID(h)                                                                                   \
+    { .length = 4e-3, .zone = 2e-3, .side = (h), .rows = 1, .space = true }
+
+static const model turned_models[] = {
+    {"lattice, cells 0.5", STRIP(0.5e-3), false, CONSISTENT, {0}},
+    {"lattice, cells 1.0",
+     {.length = 6e-3, .zone = 4e-3, .side = 1e-3, .rows = 3},
+     false,
+     CONSISTENT,
+     {0}},
+    {"lattice, cells 1.5", STRIP(1.5e-3), false, CONSISTENT, {0}},
+    {"packing, cells 0.4", NO_STRIP, true, CONSISTENT, {18, 11}},
+    {"packing, cells 0.7", NO_STRIP, true, CONSISTENT, {10, 6}},
+    {"in space, cells 0.5", SOLID(0.5e-3), false, CONSISTENT, {0}},
+    {"in space, cells 1.0", SOLID(1e-3), false, CONSISTENT, {0}},
+    {"lumped lattice, cells 0.5", STRIP(0.5e-3), false, "spins: slaved", {0}},
+    {"lumped packing, cells 0.7", NO_STRIP, true, "spins: slaved", {10, 6}},
+    {"lumped in space, cells 0.5", SOLID(0.5e-3), false, "spins: slaved", {0}},
+};
+enum { TURNED = sizeof turned_models / sizeof *turned_models };
+
+/* What turns particles and leaves them where they are has only the nodes' own mass. */
+static void small_elements_that_turn_particles_are_in_bound_and_step(void **state) {
+    (void)state;
+    for (int k = 0; k < TURNED; k++) {
+        const model *m = &turned_models[k];
+        gn_world *w = made(m, NULL, NULL);
+        const double sharp = gn_world_sharp_limit(w), bound = gn_world_bound(w);
+        const double sides = gn_limit_of_all(w, w->dem.stable), stable = w->stable;
+        const double dt = w->dt, safety = w->scene.safety;
+        world_end(w);
+        w = made(m, "estimate: bound", NULL);
+        const double careful = w->dt;
+        world_end(w);
+        const double dense = dense_limit(m, sharp);
+        print_message("# %s: sharp %.6g s, dense %.6g s, bound %.3f, sides %.3f of it\n", m->name,
+                      sharp, dense, bound / dense, sides / dense);
+        assert_near(sharp, dense, 1e-3 * dense);
+        assert_true(bound <= dense * (1.0 + 1e-6) && sides <= dense * (1.0 + 1e-6));
+        assert_true(bound > 0.05 * dense);
+        assert_true(stable <= sharp && dt <= safety * sharp);
+        assert_near(careful, safety * bound, 1e-9 * bound);
+        assert_true(energy_at(m, safety, 2000) < 10.0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_limit_of_both_as_one_is_that_of_the_whole_matrix),
@@ -337,6 +391,7 @@ int main(void) {
         cmocka_unit_test(both_as_one_may_hold_more_than_each_by_itself),
         cmocka_unit_test(the_side_with_the_fastest_mode_is_named),
         cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
+        cmocka_unit_test(small_elements_that_turn_particles_are_in_bound_and_step),
         cmocka_unit_test(dashpots_are_in_the_limit_of_both_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

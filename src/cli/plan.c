@@ -301,12 +301,13 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("cost\n  steps            %.0f to t = %g s%s%s\n", steps,
            w->scene.stage_count ? fmin(w->scene.end, steps * w->dt) : w->scene.end,
            *stops ? " or, if that comes first, " : "", stops);
-    printf("  per step         %.1f us with %d threads:", per_step * 1e6, w->threads);
-    if (w->scene.has_specimen)
-        printf(" %s contact-steps/s", gn_format_count(contacts / per_step, text, sizeof text));
+    printf("  per step         %.1f us with %d thread%s", per_step * 1e6, w->threads,
+           w->threads > 1 ? "s" : "");
+    if (contacts > 0.0)
+        printf(": %s contact-steps/s", gn_format_count(contacts / per_step, text, sizeof text));
     if (w->element_count)
         printf(
-            "%s %s element-steps/s", w->scene.has_specimen ? "," : "",
+            "%s %s element-steps/s", contacts > 0.0 ? "," : ":",
             gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));

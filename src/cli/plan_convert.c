@@ -66,7 +66,8 @@ void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double ste
            w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
                ? " (a stop condition may come first)"
                : "");
-    printf("  per step         %.1f us with %d threads", per_step[0] * 1e6, w->threads);
+    printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, w->threads,
+           w->threads > 1 ? "s" : "");
     if (per_step[1] > 0.0)
         printf(" of elements alone, %.1f us with what converts first", per_step[1] * 1e6);
     printf("\n  time             %s%s\n",
@@ -85,12 +86,29 @@ static void warn_of_looks(const gn_world *w, int *warnings) {
     (*warnings)++;
 }
 
-void gn_print_conversion(const gn_world *w, int *warnings) {
+static void print_places(gn_world *w, int *warnings) {
+    gn_conversion_places_seen seen;
+    if (gn_conversion_begun(w) || gn_conversion_see_places(w, &seen, NULL) != GNEISS_OK) return;
+    printf("  places           %zu looked at", seen.looked);
+    if (seen.along)
+        printf(": at %zu elements around go along, as particles in one are too few", seen.along);
+    printf("\n");
+    if (!seen.too_few) return;
+    printf(
+        "  warning: at %zu of %zu places that were looked at particles are too few to weigh what "
+        "elements do that would go: conversion there ends the run (a wider zone, or larger "
+        "elements)\n",
+        seen.too_few, seen.looked);
+    (*warnings)++;
+}
+
+void gn_print_conversion(gn_world *w, int *warnings) {
     gn_conversion_figures f;
     if (!gn_converts(w) || gn_conversion_measure(w, &f, NULL) != GNEISS_OK) return;
     const double width = w->scene.couple.convert.width;
-    printf("conversion\n  width of a zone  %.6g m = %.3g elements = %.3g particles\n", width,
-           width / f.element, width / f.diameter);
+    printf("conversion\n  width of a zone  %.6g m = %.3g elements (%.3g of the smallest) = %.3g "
+           "particles\n",
+           width, width / f.element, width / f.smallest, width / f.diameter);
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
            gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
@@ -101,11 +119,16 @@ void gn_print_conversion(const gn_world *w, int *warnings) {
                def->relax, (long long)def->relax_iterations);
     for (size_t k = 0; k < f.materials; k++)
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
+    print_places(w, warnings);
     warn_of_looks(w, warnings);
     const double advised = fmax(elements_least * f.element, diameters_least * f.diameter);
     if (width < advised)
         printf(
-            "  warning: the zone is thin: three elements and six particles across are advised\n");
+            "  warning: the zone is thin%s: three elements and six particles across are advised\n",
+            width >= fmax(elements_least * f.smallest, diameters_least * f.diameter)
+                ? " for elements of the mean size in the box, not for the smallest; what counts "
+                  "is where it converts"
+                : "");
     if (width > f.side)
         printf(
             "  warning: the zone is wider than the shortest side of the body, %.4g m: it spans all "

@@ -4,7 +4,7 @@
 
 #include "sim/conversion.h"
 
-void gn_print_conversion(const gn_world *world, int *warnings);
+void gn_print_conversion(gn_world *world, int *warnings);
 /* `plan`: who sleeps, before anything is tried. */
 void gn_print_sleepers(const gn_world *world, const gn_foreseen *foreseen);
 /* [2] of elements alone and, from the time on that was foreseen, with what has converted; dt: s, at

@@ -112,8 +112,9 @@ void gn_print_plan_flow(const gn_world *w, const gn_plan_flow *p) {
                       : ", which they will not once particles touch",
            w->scene.stage_count ? " (a stop condition may come first)" : "");
     printf(
-        "  time             %s with %d threads, for %.4g particles at the end if none left; once "
+        "  time             %s with %d thread%s, for %.4g particles at the end if none left; once "
         "they lie closely each costs more\n",
-        gn_format_seconds(p->seconds, text, sizeof text), w->threads, p->most);
+        gn_format_seconds(p->seconds, text, sizeof text), w->threads, w->threads > 1 ? "s" : "",
+        p->most);
     gn_print_stages(w, p->steps > 0.0 ? p->seconds / p->steps : 0.0);
 }

@@ -124,6 +124,6 @@ void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure) {
     if (!held) return;
     work k = prepare(solid, dt, measure);
     k.motion.pass = GN_PASS_MOVE;
-#pragma omp parallel for schedule(static) num_threads(solid->deal.threads)
+#pragma omp parallel for schedule(static) num_threads(solid->deal.team)
     for (size_t h = 0; h < held; h++) move(&k, (size_t)solid->hold.block[h]);
 }

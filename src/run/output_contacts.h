@@ -22,10 +22,10 @@ typedef struct gn_output_contacts {
 } gn_output_contacts;
 
 /* Of what is seen. */
-gneiss_status gn_output_contacts_make(const gn_output_view *view, gn_output_contacts *contacts,
+gneiss_status gn_output_contacts_make(const gn_output_view *view, gn_output_contacts *all,
                                       gneiss_error *error);
-void gn_output_contacts_free(gn_output_contacts *contacts);
-gn_output_source gn_output_contact_source(const gn_output_contacts *contacts);
+void gn_output_contacts_free(gn_output_contacts *all);
+gn_output_source gn_output_contact_source(const gn_output_contacts *all);
 
 /* DIR/NAME_<step>.hdf: lines between the centres, or to where walls and surfaces act. `points`:
  * centres by row of `points` and nothing else. */

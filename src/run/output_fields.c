@@ -223,9 +223,10 @@ static double criterion_of(const gn_output_view *v, size_t c) {
 
 enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
 
-int32_t gn_output_bond_state(const gn_contacts *b, size_t c) {
-    if (b->cause[c] != GN_INTACT || !(b->soa.effects & GN_FX_SOFTENING)) return b->cause[c];
-    gn_bond_condition is = gn_softening_condition(b, c);
+int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond) {
+    if (bonds->cause[bond] != GN_INTACT || !(bonds->soa.effects & GN_FX_SOFTENING))
+        return bonds->cause[bond];
+    gn_bond_condition is = gn_softening_condition(bonds, bond);
     if (is.tension > 0.0 || is.shear > 0.0) return BOND_SOFTENING;
     return is.permanent != 0.0 ? BOND_YIELDED : GN_INTACT;
 }

@@ -197,6 +197,12 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
                  "couple.convert.box and the packing in it have to reach farther on that side than "
                  "what converts by the width of the zone, %g m (couple.convert.width), or more",
                  w->scene.couple.convert.width);
+    else if (gn_conversion_was_thin(w))
+        snprintf(
+            to->text + told, sizeof to->text - (size_t)told,
+            "the zone has to be wider than %g m (couple.convert.width), three elements and six "
+            "particles, or elements larger there",
+            w->scene.couple.convert.width);
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "what is driven or loaded has to be farther from what converts, or "
@@ -247,6 +253,21 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
             "they have to fill the zone from side to side, with the elements' density "
             "(density_basis bulk)",
             k, f.mass);
+        return;
+    }
+}
+
+static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+        gn_zone_figures f;
+        gn_zone_measure(w, k, &f);
+        if (!f.beyond) continue;
+        gn_warning *to = add(list, "zones_beyond");
+        snprintf(to->text, sizeof to->text,
+                 "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
+                 "`to`, where elements carry all: `to` has to go through their outermost centres",
+                 f.beyond, f.particles, k);
         return;
     }
 }
@@ -576,6 +597,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_sources(run, list);
     warn_of_lost(run, list);
     warn_of_zone_masses(run, list);
+    warn_of_zone_ends(run, list);
     warn_of_packing(run, list);
     warn_of_conversion(run, list);
     warn_of_relaxation(run, list);

@@ -310,55 +310,6 @@ static void wake_all(gn_conversion *c) {
 
 /* --- converting --- */
 
-static const char outside[] = "is not in couple.convert.box";
-
-bool gn_conversion_left_box(const gn_world *w) {
-    return strstr(w->halt, outside);
-}
-
-/* Which side of the box an element is beyond, the first of them. */
-static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
-    const gn_convert_def *def = &c->world->scene.couple.convert;
-    for (int k = 0; k < b->dimension; k++)
-        for (int a = 0; a <= b->dimension; a++) {
-            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
-            const double seen = gn_point_out(b->origin[k], b->nodes.start[4 * n + (size_t)k]);
-            if (seen >= def->box_min[k] && seen <= def->box_max[k]) continue;
-            snprintf(text, size, "%s %c", seen < def->box_min[k] ? "lower" : "upper", "xyz"[k]);
-            return text;
-        }
-    return "";
-}
-
-/* At the start. */
-static void find_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
-    memset(centre, 0, 3 * sizeof *centre);
-    for (int a = 0; a <= b->dimension; a++)
-        for (size_t k = 0; k < 3; k++)
-            centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
-                         (b->dimension + 1);
-}
-
-/* The model stays as it was: it has all of its elements, and the run ends. */
-static void halt_at(const gn_conversion *c, int64_t e) {
-    gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    double centre[3];
-    char at[GN_POINT_SIZE], side[16];
-    find_centre(b, (size_t)e, centre);
-    const int told = snprintf(w->halt, sizeof w->halt,
-                              "conversion would have to go on to element %d at %.80s m, which ",
-                              b->elements.id[e], gn_point_text(b->origin, centre, at));
-    const size_t left = sizeof w->halt - (size_t)told;
-    if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->halt + told, left, "has nodes of a motion or a load");
-    else
-        snprintf(w->halt + told, left,
-                 "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
-                 side_beyond(c, e, side, sizeof side));
-}
-
 /* *stuck: halted, nothing has changed. */
 static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *error) {
     const gn_convert_def *def = &c->world->scene.couple.convert;
@@ -370,7 +321,7 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
     *stuck = element >= 0;
     if (*stuck) memcpy(b->nodes.blend, c->node_part, size);
     if (*stuck)
-        halt_at(c, element);
+        gn_conversion_halt_at(c, element);
     else
         find_touched(c);
     return GNEISS_OK;
@@ -395,13 +346,40 @@ static gneiss_status make_lists(const gn_conversion *c, const gn_tally *before,
     return gn_world_check_lists(w, error);
 }
 
+static void put_back(gn_conversion *c) {
+    gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
+    memcpy(nodes->blend, c->node_part, 2 * nodes->soa.count * sizeof *nodes->blend);
+    memcpy(q->blend, c->part, 2 * q->soa.count * sizeof *q->blend);
+    memset(c->active, 0, c->world->dem.prepared.soa.count);
+    c->acting = 0;
+}
+
+/* Front and parts, of particles that can have the mass of what goes: elements without such, as of a
+ * mesh that is fine beside them, take those around them along. */
+static gneiss_status advance(gn_conversion *c, bool *stuck, gneiss_error *error) {
+    enum { RINGS = 3 };
+    double missing[2];
+    for (c->rings = 0;; c->rings++) {
+        GN_TRY(advance_front(c, stuck, error));
+        if (*stuck) return GNEISS_OK;
+        find_parts(c);
+        if (gn_conversion_fits(c, missing)) return GNEISS_OK;
+        put_back(c);
+        if (c->rings < RINGS && gn_conversion_take_along(c)) continue;
+        *stuck = true;
+        gn_conversion_halt_thin(c, missing);
+        return GNEISS_OK;
+    }
+}
+
 static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
     gn_fem_solid *b = gn_coupled_solid(w);
     bool stuck = false;
-    GN_TRY(advance_front(c, &stuck, error));
+    GN_TRY(advance(c, &stuck, error));
     if (stuck) return GNEISS_OK;
-    find_parts(c);
+    if (c->rehearsed) put_back(c);
+    if (c->rehearsed) return GNEISS_OK;
     const gn_tally before = gn_conversion_tally(c);
     const double held = gn_conversion_held(c);
     GN_TRY(gn_conversion_find_rates(c, error));
@@ -416,12 +394,13 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
+static gneiss_status convert(gn_world *w, uint8_t *kind, int *rehearsed, gneiss_error *error) {
     const size_t n = w->dem.particles.soa.count + 1, elements = gn_conversion_elements(w) + 1;
     const size_t nodes = gn_coupled_solid(w)->nodes.soa.count + 1;
     size_t count;
     gn_conversion c = {.world = w,
                        .kind = kind,
+                       .rehearsed = rehearsed != NULL,
                        .place = gn_fem_places(gn_coupled_solid(w), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
                        .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
@@ -430,14 +409,24 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
                        .active = gn_alloc(w->dem.prepared.soa.count + 1),
                        .tied = gn_alloc_array_raw(n, 1),
+                       .reached = gn_alloc_array_raw(nodes, 1),
                        .rate = gn_alloc_array_raw(n, 3 * sizeof *c.rate)};
-    void *blocks[] = {c.place, c.part,   c.node_part, c.freed, c.touched,
-                      c.some,  c.active, c.tied,      c.rate};
+    void *blocks[] = {c.place, c.part,   c.node_part, c.freed,   c.touched,
+                      c.some,  c.active, c.tied,      c.reached, c.rate};
     bool held = true;
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
     gneiss_status status = held ? go(&c, error) : no_memory(error);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    if (rehearsed) *rehearsed = c.rings;
     return status;
+}
+
+gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
+    return convert(w, kind, NULL, error);
+}
+
+gneiss_status gn_conversion_rehearse(gn_world *w, uint8_t *kind, int *rings, gneiss_error *error) {
+    return convert(w, kind, rings, error);
 }
 
 /* --- what converts --- */
@@ -551,7 +540,7 @@ static void note_most_loaded(const gn_world *w, const double *excess, gn_most_lo
         if (excess[e] > excess[at]) at = e;
     if (!b->elements.soa.count || !(excess[at] > most->share)) return;
     *most = (gn_most_loaded){.share = excess[at], .time = w->time, .element = b->elements.id[at]};
-    find_centre(b, at, most->place);
+    gn_conversion_centre(b, at, most->place);
 }
 
 gneiss_status gn_conversion_look_around(const gn_world *w, uint8_t **kind, double **excess,

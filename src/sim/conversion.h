@@ -46,17 +46,34 @@ bool gn_conversion_begun(const gn_world *world);
 gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 
+/* What that would come to, with nothing changed but world->halt and `kind`: how many rings of
+ * elements would go along. */
+gneiss_status gn_conversion_rehearse(gn_world *world, uint8_t *kind, int *rings,
+                                     gneiss_error *error);
+
 /* Whether world->halt says that conversion came to the end of couple.convert.box. */
 bool gn_conversion_left_box(const gn_world *world);
+/* That particles are too few for the mass of what would go. */
+bool gn_conversion_was_thin(const gn_world *world);
+
+/* Places of an unconverted body that may convert, looked at by themselves: how many there are; how
+ * many of them take elements around along, and at how many particles are too few all the same;
+ * those where the box ends count for nothing (conversion_check.c). */
+typedef struct gn_conversion_places_seen {
+    size_t looked, along, too_few;
+} gn_conversion_places_seen;
+gneiss_status gn_conversion_see_places(gn_world *world, gn_conversion_places_seen *seen,
+                                       gneiss_error *error);
 
 /* What is in the box (conversion_check.c): elements, and the particles that sleep in them, at the
  * start all. */
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */
-    double side;                      /* m, the shortest of the body of elements */
-    double mass;                      /* of the particles over that of the elements */
-    size_t materials;                 /* of the elements, with the packing in each */
+    double smallest;  /* m, of elements: the least of what `element` is the mean of */
+    double side;      /* m, the shortest of the body of elements */
+    double mass;      /* of the particles over that of the elements */
+    size_t materials; /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_conversion_figures;
 gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,

@@ -6,14 +6,16 @@
 #include "sim/conversion_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
 static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
                                gn_conversion_figures *f) {
-    double mass = 0.0, sum = 0.0;
+    double mass = 0.0, sum = 0.0, least = INFINITY;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double side = 0.0;
         if (kind[e] == GN_FRONT_FIXED) continue;
         for (int k = 0; k < b->dimension; k++) {
             double lower = INFINITY, upper = -INFINITY;
@@ -23,13 +25,16 @@ static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
                 lower = fmin(lower, x);
                 upper = fmax(upper, x);
             }
-            sum += (upper - lower) / b->dimension;
+            side += (upper - lower) / b->dimension;
         }
+        sum += side;
+        least = fmin(least, side);
         mass += b->density[b->elements.material[e]] * b->elements.volume[e];
         f->elements++;
         f->held += kind[e] == GN_FRONT_HELD;
     }
     f->element = f->elements ? sum / (double)f->elements : 0.0;
+    f->smallest = f->elements ? least : 0.0;
     return mass;
 }
 
@@ -243,5 +248,44 @@ gneiss_status gn_conversion_measure(const gn_world *w, gn_conversion_figures *f,
     }
     gn_free(kind);
     gn_free(place);
+    return status;
+}
+
+/* --- places --- */
+
+static gneiss_status see(gn_world *w, const uint8_t *ready, size_t e, uint8_t *kind,
+                         gn_conversion_places_seen *seen, gneiss_error *error) {
+    int rings;
+    memcpy(kind, ready, gn_conversion_elements(w));
+    kind[e] = GN_FRONT_LEAVING;
+    GN_TRY(gn_conversion_rehearse(w, kind, &rings, error));
+    const bool thin = gn_conversion_was_thin(w), halted = *w->halt;
+    *w->halt = '\0';
+    if (halted && !thin) return GNEISS_OK;
+    seen->looked++;
+    seen->too_few += thin;
+    seen->along += rings > 0 && !thin;
+    return GNEISS_OK;
+}
+
+/* Evenly over the list; of large bodies fewer, as each looks at all of them. */
+gneiss_status gn_conversion_see_places(gn_world *w, gn_conversion_places_seen *seen,
+                                       gneiss_error *error) {
+    const size_t elements = gn_conversion_elements(w), size = elements + w->dem.particles.soa.count;
+    const size_t most = size < 100000 ? 100 : size < 1000000 ? 25 : 6;
+    uint8_t *ready = gn_alloc(elements + 1), *kind = gn_alloc(elements + 1);
+    size_t count = 0, at = 0;
+    *seen = (gn_conversion_places_seen){0};
+    gneiss_status status =
+        ready && kind ? gn_conversion_kinds(w, ready, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
+        count += ready[e] == GN_FRONT_READY;
+    const size_t stride = count > most ? (count + most - 1) / most : 1;
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++)
+        if (ready[e] == GN_FRONT_READY && at++ % stride == 0)
+            status = see(w, ready, e, kind, seen, error);
+    gn_free(ready);
+    gn_free(kind);
     return status;
 }

@@ -18,6 +18,9 @@ typedef struct gn_conversion {
     uint8_t *active;   /* [prepared bonds] acts from now on */
     size_t acting;     /* how many do */
     uint8_t *tied;     /* [particles] who followed nodes at the last tally */
+    uint8_t *reached;  /* [nodes] scratch */
+    bool rehearsed;    /* only whether it could be: all is put back */
+    int rings;         /* of elements that those that go take along */
     double *rate;      /* [particles][3] m/s2, of `freed`: with which their elements took them */
 } gn_conversion;
 
@@ -56,6 +59,21 @@ gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
 /* J (conversion_energy.c): what springs and elements hold of what is other after the conversion
  * than before; of the instant, in the sense of leap-frog. With parts and `freed` found. */
 double gn_conversion_held(const gn_conversion *c);
+
+/* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
+ * have to go, or be of a zone, and may not; where particles cannot have the mass. */
+void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
+void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]);
+/* m, of an element at the start. */
+void gn_conversion_centre(const gn_fem_solid *solid, size_t element, double centre[3]);
+
+/* Largest change of a mass that is taken for a packing's scatter. */
+#define GN_MASS_SCALED_MOST 0.5
+/* With parts found: whether particles can make up for what the body's mass would change by.
+ * `missing`, kg: that, and what they weigh. */
+bool gn_conversion_fits(const gn_conversion *c, double missing[2]);
+/* Marks the elements beside those that go, which may, as well; false: there are none. */
+bool gn_conversion_take_along(const gn_conversion *c);
 
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {

@@ -317,7 +317,7 @@ static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled 
 
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(w);
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.nodes))
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
         if (b->dimension == 2)
@@ -332,7 +332,7 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
     (void)error;
     if (q->before) gn_masses_remember(w, q);
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
         if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
@@ -380,7 +380,9 @@ static double place(gn_world *w, const gn_coupled *q, size_t k) {
 
 static double place_all(gn_world *w, const gn_coupled *q) {
     double most = 0.0;
-#pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))           \
+    reduction(max                                                                                  \
+              : most)
     for (size_t k = 0; k < q->ties.count; k++) {
         double speed2 = q->place[k] >= 0 ? place(w, q, k) : 0.0;
         most = speed2 > most ? speed2 : most;

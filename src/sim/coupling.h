@@ -54,9 +54,9 @@ void gn_coupled_begin(gn_world *world);
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);
-/* Where elements convert, once the particles' limit is that of now: what slaved spins take of the
- * step. Whether that is more than before. */
-bool gn_coupled_turn_faster(gn_world *world);
+/* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
+ * is more than before (coupling_spins.c). */
+gneiss_status gn_coupled_turn_faster(gn_world *world, bool *more, gneiss_error *error);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */

@@ -35,4 +35,11 @@ gneiss_status gn_penalty_act(void *context, gn_world *world, gneiss_error *error
 gneiss_status gn_penalty_follow(void *context, gn_world *world, gneiss_error *error);
 void gn_penalty_book(void *context, const gn_world *world, gn_energy *reading);
 
+/* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
+ * the particles have found that they wait for each other (sched/pace.h). */
+static inline int gn_coupled_team(const gn_world *w, size_t count) {
+    enum { FEW = 200 };
+    return count <= FEW ? 1 : w->dem.deal.team > 0 ? w->dem.deal.team : w->threads;
+}
+
 #endif

@@ -8,7 +8,6 @@
  * frequency of all is at most
  *     max( w_D^2 + (1 + e) max_i k_i/m_i, w_F^2 + (1 + 1/e) max_a sum_i k_i N_a(X_i)/m_a ). */
 #include "base/memory.h"
-#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
@@ -84,43 +83,9 @@ static void added(const gn_world *w, gn_coupled *q, double most[2]) {
     for (size_t n = 0; n < t->nodes; n++) most[1] = fmax(most[1], q->sum[n] / node_mass(w, q, n));
 }
 
-/* Slaved spins bring their springs without their inertia: those of the particles are at most w_D^2
- * (sum m v^2 + sum I w^2), and by |w|^2 <= 1/4 (sum_a |grad N_a|) (sum_a |grad N_a| |v_a|^2) the
- * second sum is at most the returned number times that of m v^2 at the nodes. */
-static double spin_share(const gn_world *w, const gn_coupled *q) {
-    double most = 0.0, g[4][3];
-    for (size_t n = 0; n < q->ties.nodes; n++) {
-        double sum = 0.0;
-        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
-            const size_t k = (size_t)q->ties.share[s].tie;
-            double all = 0.0, *own = g[q->ties.share[s].corner];
-            if (q->place[k] < 0) continue;
-            gn_tie_gradients(&q->ties, k, &gn_coupled_solid(w)->nodes, g);
-            for (int a = 0; a < q->ties.corners; a++) all += sqrt(gn_dot3(g[a], g[a]));
-            sum += 0.25 / w->dem.particles.spin[4 * (size_t)q->place[k] + 3] * all *
-                   sqrt(gn_dot3(own, own));
-        }
-        most = fmax(most, sum / node_mass(w, q, n));
-    }
-    return most;
-}
-
-static double spin_rate(const gn_world *w, const gn_coupled *q) {
-    return sqrt(spin_share(w, q)) / w->dem.stable;
-}
-
-bool gn_coupled_turn_faster(gn_world *w) {
-    const gn_coupled *q = gn_converts(w) ? w->exchange[0].context : NULL;
-    if (!q || !q->turn) return false;
-    const double before = w->couple.rate[0];
-    w->couple.rate[0] = spin_rate(w, q);
-    return w->couple.rate[0] > before;
-}
-
 void gn_coupled_stiffen(gn_world *w) {
     double most[2], particles, elements, low = 1e-6, high = 1e6;
     gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
-    if (q && q->turn) w->couple.rate[0] = spin_rate(w, q);
     if (!q || !q->stiffness) return;
     particles = 2.0 / w->dem.stable;
     elements = 2.0 / gn_elements_stable(w);
@@ -185,7 +150,7 @@ gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
     (void)error;
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) pull(w, q, k, width);
     gn_coupled_hand_to_nodes(w, q);
     w->energy.coupling_damping += total(q->lost, q->ties.count);

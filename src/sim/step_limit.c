@@ -38,6 +38,15 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
+/* What slaved spins add to the square of the largest frequency of either side is a share of the
+ * particles' (coupling_spins.c). Dashpots turn as well: where K + C r is at most r^2 for the rate r
+ * = 1/dt, (1 + share) r is enough for 1 + share times both, and r_F + share r beside r_F. */
+static double turned_limit(const gn_world *w, double particles) {
+    const double share = w->couple.turned;
+    if (!(share > 0.0)) return INFINITY;
+    return particles / (w->dem.damping_fraction > 0.0 ? share : sqrt(share));
+}
+
 /* What particles are coupled to: free bodies, finite elements that they touch, springs of zones. */
 static double partner_limit(const gn_world *w) {
     double bodies = together(w, limit_of(w->boundary.surface_rate), limit_of(w->couple.rate[0]));
@@ -48,9 +57,10 @@ static double partner_limit(const gn_world *w) {
 
 /* Bodies and elements do not meet each other. */
 double gn_limit_of_all(const gn_world *w, double particles) {
-    double share = gn_world_nonviscous_share(w);
+    double share = gn_world_nonviscous_share(w), turned = turned_limit(w, share * particles);
     double elements = together(w, share * gn_elements_stable(w), limit_of(w->couple.rate[1]));
-    return fmin(together(w, share * particles, partner_limit(w)), elements);
+    return fmin(together(w, together(w, share * particles, partner_limit(w)), turned),
+                together(w, elements, turned));
 }
 
 double gn_limit_beside_surfaces(const gn_world *w, double particles) {
@@ -58,13 +68,21 @@ double gn_limit_beside_surfaces(const gn_world *w, double particles) {
     return together(w, gn_world_nonviscous_share(w) * particles, limit_of(rate));
 }
 
+/* 1/s: what `other` leaves of a rate. */
+static double without(const gn_world *w, double rate, double other) {
+    if (w->dem.damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
+    return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
+}
+
+/* With slaved spins also of what elements leave; where both are known as one nothing is asked of
+ * these. */
 double gn_limit_needed(const gn_world *w, double step) {
-    double other = partner_limit(w), left = 1.0 / step;
-    if (w->dem.damping_fraction > 0.0)
-        left -= 1.0 / other;
-    else
-        left = sqrt(fmax(0.0, left * left - 1.0 / (other * other)));
-    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(w)) : (double)INFINITY;
+    const double share = gn_world_nonviscous_share(w), own = turned_limit(w, 1.0);
+    double left = without(w, 1.0 / step, partner_limit(w));
+    if (isfinite(own)) left /= 1.0 / together(w, 1.0, own);
+    if (isfinite(own) && !(w->couple.whole > 0.0))
+        left = fmin(left, own * without(w, 1.0 / step, share * gn_elements_stable(w)));
+    return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
 /* Of particles and elements as one (coupling_limit.c): free bodies give way to them, and strain has
@@ -88,6 +106,8 @@ static gneiss_status limit_now(gn_world *w, double *limit, gneiss_error *error) 
     GN_TRY(gn_coupled_limit(w, false, whole, error));
     w->couple.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(w, whole->sharp));
+    /* However small elements are beside the particles that they turn. */
+    if (w->couple.turned > 0.0) *limit = fmin(*limit, gn_world_nonviscous_share(w) * whole->sharp);
     return GNEISS_OK;
 }
 
@@ -297,13 +317,14 @@ static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
-    bool due = false, elements_due = false;
+    bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
     if (w->scene.has_specimen) gn_pressed_look(w);
     if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
-    if (status == GNEISS_OK) due |= gn_coupled_turn_faster(w);
+    if (status == GNEISS_OK) status = gn_coupled_turn_faster(w, &turn_faster, error);
+    due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
         status = limit_now(w, &w->stable, error);
         if (status == GNEISS_OK) status = react(w, w->stable, error);
@@ -348,8 +369,9 @@ double gn_world_bound(const gn_world *w) {
     double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY, elements = INFINITY;
     for (size_t k = 0; k < w->element_count; k++)
         elements = fmin(elements, w->elements[k]->limit.bound);
-    return fmin(together(w, limit, limit_of(w->couple.rate[0])),
-                together(w, elements, limit_of(w->couple.rate[1])));
+    const double turned = turned_limit(w, limit);
+    return fmin(together(w, together(w, limit, limit_of(w->couple.rate[0])), turned),
+                together(w, together(w, elements, limit_of(w->couple.rate[1])), turned));
 }
 
 const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {

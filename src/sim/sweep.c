@@ -89,7 +89,7 @@ void gn_sweep_held(gn_world *w, const gn_motion_args *motion) {
     const size_t held = w->dem.hold.count, count = w->dem.particles.soa.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(w->dem.deal.team)
     for (size_t h = 0; h < held; h++) {
         size_t block = (size_t)w->dem.hold.block[h], first = block * GN_PARTICLE_BLOCK;
         size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;

@@ -1,0 +1,135 @@
+/* Where conversion ends a run, and whether particles can have the mass of what goes. */
+#include "base/point.h"
+#include "couple/front.h"
+#include "sim/conversion_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char outside[] = "is not in couple.convert.box";
+static const char too_light[] = "too much to be made up for by the";
+
+bool gn_conversion_left_box(const gn_world *w) {
+    return strstr(w->halt, outside);
+}
+
+bool gn_conversion_was_thin(const gn_world *w) {
+    return strstr(w->halt, too_light);
+}
+
+/* Which side of the box an element is beyond, the first of them. */
+static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_convert_def *def = &c->world->scene.couple.convert;
+    for (int k = 0; k < b->dimension; k++)
+        for (int a = 0; a <= b->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            const double seen = gn_point_out(b->origin[k], b->nodes.start[4 * n + (size_t)k]);
+            if (seen >= def->box_min[k] && seen <= def->box_max[k]) continue;
+            snprintf(text, size, "%s %c", seen < def->box_min[k] ? "lower" : "upper", "xyz"[k]);
+            return text;
+        }
+    return "";
+}
+
+/* At the start. */
+void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
+    memset(centre, 0, 3 * sizeof *centre);
+    for (int a = 0; a <= b->dimension; a++)
+        for (size_t k = 0; k < 3; k++)
+            centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
+                         (b->dimension + 1);
+}
+
+/* The model stays as it was: it has all of its elements, and the run ends. */
+void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
+    gn_world *w = c->world;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double centre[3];
+    char at[GN_POINT_SIZE], side[16];
+    gn_conversion_centre(b, (size_t)e, centre);
+    const int told = snprintf(w->halt, sizeof w->halt,
+                              "conversion would have to go on to element %d at %.80s m, which ",
+                              b->elements.id[e], gn_point_text(b->origin, centre, at));
+    const size_t left = sizeof w->halt - (size_t)told;
+    if (c->kind[e] != GN_FRONT_FIXED)
+        snprintf(w->halt + told, left, "has nodes of a motion or a load");
+    else
+        snprintf(w->halt + told, left,
+                 "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
+                 side_beyond(c, e, side, sizeof side));
+}
+
+/* --- masses --- */
+
+/* kg: of an element as a whole, and by how much its part changes. */
+static double element_change(const gn_conversion *c, size_t e, double *whole) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
+    double before = 0.0, now = 0.0;
+    for (int a = 0; a <= b->dimension; a++) {
+        const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
+        before += c->node_part[n];
+        now += b->nodes.blend[n];
+    }
+    *whole += mass;
+    if (!c->touched[e] || !(before > 0.0)) return 0.0;
+    return c->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
+}
+
+/* The same of a particle, and what of it can make up for more: kg of who has another weight, and of
+ * who is in a zone (conversion_masses.c). */
+static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
+    const gn_particles *q = &c->world->dem.particles;
+    const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
+    const int32_t e = gn_home_of(c, p);
+    if (!(part > 0.0)) return 0.0;
+    const double whole =
+        before > 0.0 ? 1.0 / (q->vel[4 * p + 3] * before) : 1.0 / gn_sleeper_of(c->world, p)->mass;
+    if (part != before) takes[0] += part * whole;
+    if (e >= 0 && c->kind[e] != GN_FRONT_LEAVING) takes[1] += part * whole;
+    return (part - before) * whole;
+}
+
+bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
+    const gn_world *w = c->world;
+    double whole = 0.0, change = 0.0, takes[2] = {0.0};
+    for (size_t e = 0; e < gn_conversion_elements(w); e++) change += element_change(c, e, &whole);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
+    missing[0] = -change;
+    missing[1] = fmax(takes[0], takes[1]);
+    return fabs(change) <= fmax(GN_MASS_SCALED_MOST * missing[1], 1e-12 * whole);
+}
+
+bool gn_conversion_take_along(const gn_conversion *c) {
+    const gn_elements *q = &gn_coupled_solid(c->world)->elements;
+    const int corners = gn_coupled_solid(c->world)->dimension + 1;
+    uint8_t *at = c->reached;
+    bool any = false;
+    memset(at, 0, gn_coupled_solid(c->world)->nodes.soa.count);
+    for (size_t e = 0; e < q->soa.count; e++)
+        for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
+            at[gn_elements_node(q, a)[e]] = 1;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        bool beside = false;
+        for (int a = 0; a < corners; a++) beside = beside || at[gn_elements_node(q, a)[e]];
+        if (!beside || c->kind[e] != GN_FRONT_READY) continue;
+        c->kind[e] = GN_FRONT_LEAVING;
+        any = true;
+    }
+    return any;
+}
+
+void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    size_t e = 0;
+    double centre[3];
+    char at[GN_POINT_SIZE];
+    while (e + 1 < b->elements.soa.count && c->kind[e] != GN_FRONT_LEAVING) e++;
+    gn_conversion_centre(b, e, centre);
+    snprintf(c->world->halt, sizeof c->world->halt,
+             "conversion at element %d at %.80s m would change the mass of the body by %.2g kg, "
+             "%s %.2g kg of particles there",
+             b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
+             missing[1]);
+}
