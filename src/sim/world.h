@@ -69,10 +69,12 @@ typedef struct gn_packing_differs {
 /* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
  * as checkpoints have it. */
 typedef struct gn_relaxations {
-    double count, iterations; /* that had something to do; of all of them */
-    double missed;            /* did not come to the ratio wanted, */
-    double kept;              /* of particles that did not go on, as bonds would have broken */
-    double worst, time;       /* the largest ratio that was left, and s, when */
+    double count, iterations;   /* that had something to do; of all of them */
+    double missed;              /* did not come to the ratio wanted, */
+    double broke, loose, tired; /* of these, as bonds would have broken; as nothing holds who would
+                                   go far; as iterations were used up: the first of these */
+    double kept;                /* of particles that did not go on, for one of the first two */
+    double worst, time;         /* the largest ratio that was left, and s, when */
 } gn_relaxations;
 
 struct gn_world {
