@@ -287,22 +287,31 @@ static void find_velocity(rigid *r, const lack *l) {
         r->motion[a] = m[a][a] > 0.0 ? l->momentum[a] / m[a][a] : 0.0;
 }
 
-/* As much of the angular momentum as all can take, and else the momentum alone. */
-static void find_rest(const gn_conversion *c, const lack *l, rigid *r) {
+/* As much of the angular momentum as all can take, and else the momentum alone; returns which part.
+ */
+static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
     double part = 0.0;
-    if (find_motion(r, l, 1.0)) part = l->most / most_change(r);
-    if (!(part > 0.0) || !find_motion(r, l, fmin(part, 1.0)))
-        if (!find_takers(c, l, false, r)) find_velocity(r, l);
+    if (find_motion(r, l, 1.0)) part = fmin(l->most / most_change(r), 1.0);
+    if (part > 0.0 && find_motion(r, l, part)) return part;
+    if (!find_takers(c, l, false, r)) find_velocity(r, l);
+    return 0.0;
 }
 
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
     gn_world *w = c->world;
+    gn_corrections *all = &w->couple.corrected;
     const lack l = lack_of(c, before, who);
     rigid r;
-    if (!find_takers(c, &l, true, &r)) find_rest(c, &l, &r);
-    const double beside = r.who > TAKERS_CHANGED ? gn_conversion_held_beside(c) : 0.0;
+    const bool taken = find_takers(c, &l, true, &r);
+    const double part = taken ? 1.0 : find_rest(c, &l, &r);
+    const bool wider = r.who != TAKERS_CHANGED;
+    const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
     change(&r);
     gn_fem_to_single(gn_coupled_solid(w));
     gn_coupled_follow(w); /* particles of zones go where nodes take them */
-    if (r.who > TAKERS_CHANGED) w->energy.conversion += beside - gn_conversion_held_beside(c);
+    if (wider) w->energy.conversion += beside - gn_conversion_held_beside(c);
+    if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
+    all->count += 1.0;
+    all->wider += wider;
+    all->missed += !taken;
 }

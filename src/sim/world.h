@@ -77,6 +77,16 @@ typedef struct gn_relaxations {
     double worst, time;         /* the largest ratio that was left, and s, when */
 } gn_relaxations;
 
+/* What conversions did to velocities (conversion_momentum.c), since the start; doubles, as
+ * checkpoints have it. */
+typedef struct gn_corrections {
+    double count, wider;  /* conversions; of these, where others than who weighs something else made
+                             up for momentum */
+    double missed, least; /* where angular momentum was not all made up for; the least part that was
+                             in these */
+    double energy;        /* J: kinetic, that all of this took, masses included */
+} gn_corrections;
+
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
                        world */
@@ -99,6 +109,7 @@ struct gn_world {
         double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                            * the last measured instant */
         gn_relaxations relaxed;
+        gn_corrections corrected;
         gn_packing_differs differs;
     } couple;
 
