@@ -285,9 +285,9 @@ static const char *made_by(const gn_world *w, double made) {
     if (d->modulus[0] > d->modulus[1])
         return "the particles held more energy in the same strain (calibrate their modulus to that "
                "of the elements), or the zone is thin";
-    return "mostly in contacts, which held more than the elements where they took their place; "
-           "not because the packing were stiffer: the strain there is not that of its "
-           "surroundings, or the zone is thin";
+    return "mostly in contacts, which held more than the elements where they took their place: the "
+           "strain there is not even, the packing is not what it is on the mean, or the zone is "
+           "thin";
 }
 
 static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
