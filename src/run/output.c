@@ -153,6 +153,19 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
     return status;
 }
 
+/* Who made up for the momentum that masses of particles would have changed. */
+static void summary_corrections(const gn_world *w, gn_json *j) {
+    const gn_corrections *c = &w->couple.corrected;
+    if (!gn_converts(w)) return;
+    gn_json_object(j, "conversions");
+    gn_json_integer(j, "count", (int64_t)c->count);
+    gn_json_integer(j, "wider", (int64_t)c->wider);
+    gn_json_integer(j, "missed", (int64_t)c->missed);
+    gn_json_number(j, "least", c->missed > 0.0 ? c->least : 1.0);
+    gn_json_number(j, "kinetic", c->energy);
+    gn_json_end(j);
+}
+
 /* What brought converted particles into balance. */
 static void summary_relaxation(const gn_world *w, gn_json *j) {
     const gn_relaxations *r = &w->couple.relaxed;
@@ -161,6 +174,9 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     gn_json_integer(j, "count", (int64_t)r->count);
     gn_json_integer(j, "iterations", (int64_t)r->iterations);
     gn_json_integer(j, "missed", (int64_t)r->missed);
+    gn_json_integer(j, "broke", (int64_t)r->broke);
+    gn_json_integer(j, "loose", (int64_t)r->loose);
+    gn_json_integer(j, "tired", (int64_t)r->tired);
     gn_json_integer(j, "kept", (int64_t)r->kept);
     gn_json_number(j, "worst", r->worst);
     gn_json_end(j);
@@ -516,6 +532,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gneiss_status status = summary_readings(run, j, error);
     if (status == GNEISS_OK) status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
+    summary_corrections(w, j);
     summary_relaxation(w, j);
     gn_output_flow(run, j);
     gn_json_number(j, "volume", w->volume);

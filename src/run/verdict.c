@@ -287,33 +287,51 @@ static void warn_of_packing(const gn_run *run, gn_warnings *list) {
  * the ledger has it, and closes. */
 static const double made_most = 0.03;
 
+/* What of it was made, by what is known of it. */
+static const char *made_by(const gn_world *w, double made) {
+    const gn_packing_differs *d = &w->couple.differs;
+    if (-w->couple.corrected.energy > 0.5 * made)
+        return "mostly as motion, by masses and velocities that are others than before";
+    if (d->modulus[0] > d->modulus[1])
+        return "the particles held more energy in the same strain (calibrate their modulus to that "
+               "of the elements), or the zone is thin";
+    return "mostly in contacts, which held more than the elements where they took their place: the "
+           "strain there is not even, the packing is not what it is on the mean, or the zone is "
+           "thin";
+}
+
 static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     const gn_energy *e = &run->world.reading;
     const double made = -e->conversion;
     if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
     gn_warning *to = add(list, "energy_conversion");
-    snprintf(
-        to->text, sizeof to->text,
-        "elements that turned into particles made %.3g of the %.4g J that have gone through: "
-        "the particles held more energy in the same strain (calibrate their modulus to that of "
-        "the elements), or the zone is thin",
-        made / gn_energy_scale(e), gn_energy_scale(e));
+    snprintf(to->text, sizeof to->text,
+             "elements that turned into particles made %.3g of the %.4g J that have gone through: "
+             "%s",
+             made / gn_energy_scale(e), gn_energy_scale(e), made_by(&run->world, made));
 }
 
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_relaxations *r = &w->couple.relaxed;
+    const char *const why[] = {
+        "bonds would have broken, whose ends stay where they are: lower limits (couple.convert) "
+        "convert before these are near their strength",
+        "nothing held some particles, which stay where they are",
+        "couple.convert.relax_iterations were used up",
+        "contacts close and open on the way, and nothing brings the energy farther down"};
+    const double times[] = {r->broke, r->loose, r->tired,
+                            r->missed - r->broke - r->loose - r->tired};
     if (!(r->missed > 0.0)) return;
     gn_warning *to = add(list, "relaxation");
-    snprintf(to->text, sizeof to->text,
-             "%.0f of %.0f relaxations of converted particles left more than %g of the mean "
-             "contact force out of balance, at most %.2g (t = %.4g s): %s",
-             r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time,
-             r->kept > 0.0
-                 ? "bonds would have broken, whose ends stay where they are; lower limits "
-                   "(couple.convert) convert sooner"
-                 : "more iterations (couple.convert.relax_iterations), or particles that nothing "
-                   "holds");
+    int used = snprintf(to->text, sizeof to->text,
+                        "%.0f of %.0f relaxations of converted particles left more than %g of the "
+                        "mean contact force out of balance, at most %.2g (t = %.4g s)",
+                        r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time);
+    for (int k = 0; k < 4; k++)
+        if (times[k] > 0.0 && used < (int)sizeof to->text)
+            used += snprintf(to->text + used, sizeof to->text - (size_t)used, "; in %.0f %s",
+                             times[k], why[k]);
 }
 
 /* Where the model ended the run it has said why. */

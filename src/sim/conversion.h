@@ -20,6 +20,11 @@ static inline gn_sleeper *gn_sleeper_of(const gn_world *w, size_t p) {
 static inline bool gn_is_asleep(const gn_world *w, size_t p) {
     return w->dem.sleeper && gn_sleeper_of(w, p)->mass > 0.0;
 }
+/* Whether elements convert, and have all of the body at both places. */
+static inline bool gn_conversion_hides(const gn_world *w, int32_t i, int32_t j) {
+    const double *part = w->dem.particles.blend;
+    return gn_converts(w) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
+}
 static inline size_t gn_home_id(const gn_world *w, size_t p) {
     return (size_t)gn_sleeper_of(w, p)->home;
 }

@@ -61,13 +61,13 @@ static bool is_other(const gn_conversion *c, int32_t p) {
     return c->freed[p] || part[k] != c->part[k] || part[k + 1] != c->part[k + 1];
 }
 
-static double contacts_energy(const gn_conversion *c, const gn_contacts *list) {
+static double contacts_energy(const gn_conversion *c, const gn_contacts *list, bool other) {
     const gn_world *w = c->world;
     const gn_contacts *bonds = &w->dem.bonds;
     double sum = 0.0;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
-        if (!is_other(c, i) && !is_other(c, j)) continue;
+        if ((is_other(c, i) || is_other(c, j)) != other) continue;
         const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
         const bool known =
             list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
@@ -77,27 +77,36 @@ static double contacts_energy(const gn_conversion *c, const gn_contacts *list) {
 }
 
 /* Of who changes place as it is brought into balance. */
-static double walls_energy(const gn_conversion *c) {
+static double walls_energy(const gn_conversion *c, bool other) {
     const gn_wall_contacts *q = &c->world->boundary.contacts;
     double sum = 0.0;
     for (size_t k = 0; c->world->scene.wall_count && k < q->soa.count; k++)
-        if (is_other(c, q->i[k])) sum += gn_wall_held(c->world, k);
+        if (is_other(c, q->i[k]) == other) sum += gn_wall_held(c->world, k);
     return sum;
 }
 
-/* Those that the conversion touches, of the elements that there are; scratch: c->some. */
-static double elements_energy(const gn_conversion *c) {
+/* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
+ */
+static double elements_energy(const gn_conversion *c, bool touched) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
     const double half = 0.5 * c->world->dt_past;
     size_t count = 0;
     for (size_t e = 0; e < b->elements.soa.count; e++)
-        if (c->touched[c->place[b->elements.id[e]]]) c->some[count++] = (int32_t)e;
+        if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;
     /* Half a step of the power is what the difference of two energies gives. */
     return gn_fem_stored(b, c->some, count, 0.0) +
            0.5 * (gn_fem_stored(b, c->some, count, -half) - gn_fem_stored(b, c->some, count, half));
 }
 
+static double held(const gn_conversion *c, bool changes) {
+    return elements_energy(c, changes) + contacts_energy(c, &c->world->dem.bonds, changes) +
+           contacts_energy(c, &c->world->dem.pairs, changes) + walls_energy(c, changes);
+}
+
 double gn_conversion_held(const gn_conversion *c) {
-    return elements_energy(c) + contacts_energy(c, &c->world->dem.bonds) +
-           contacts_energy(c, &c->world->dem.pairs) + walls_energy(c);
+    return held(c, true);
+}
+
+double gn_conversion_held_beside(const gn_conversion *c) {
+    return held(c, false);
 }

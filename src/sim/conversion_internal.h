@@ -59,6 +59,8 @@ gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
 /* J (conversion_energy.c): what springs and elements hold of what is other after the conversion
  * than before; of the instant, in the sense of leap-frog. With parts and `freed` found. */
 double gn_conversion_held(const gn_conversion *c);
+/* J: the same of all else. */
+double gn_conversion_held_beside(const gn_conversion *c);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */
@@ -84,10 +86,27 @@ typedef struct gn_tally {
     double energy;    /* J, kinetic */
 } gn_tally;
 gn_tally gn_conversion_tally(const gn_conversion *c);
+gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b);
+/* With moments, second moments and angular momentum about another place; m. */
+gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]);
+
 /* Scales the masses of who has another weight than before, by a function of the place, so that
- * mass, centre of mass and inertia are those of `before`; then gives those that were freed, and
- * nodes with another part, a rigid motion so that momentum and angular momentum are. */
+ * mass, centre of mass and inertia are those of `before`; then changes velocities so that momentum
+ * and angular momentum are. */
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error);
+
+/* Whose masses are scaled: who has another weight than before; who is in a zone where these are
+ * too few, as of an element at the edge that holds no particle. */
+typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t particle);
+
+/* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
+ */
+enum { GN_BASIS_MOST = 10 };
+bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
+
+/* Velocities (conversion_momentum.c), with these masses scaled. */
+void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who);
 
 #endif

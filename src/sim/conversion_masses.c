@@ -2,9 +2,7 @@
  * they its centre of mass and its inertia, which lumped masses at the nodes have more of: masses of
  * who has another weight than before are scaled by a polynomial of the place, so that these are
  * kept; a rigid motion then keeps its momenta and its energy by itself. What is left of any other
- * is made up by a rigid motion, v + w x r, of who moves by itself from now on and of the nodes that
- * have another part than before (an element smaller than a particle frees none): of all that could
- * be added that is what has the least kinetic energy. */
+ * is made up by velocities (conversion_momentum.c). */
 #include "sim/conversion_internal.h"
 
 #include <math.h>
@@ -13,7 +11,7 @@
 /* --- sums --- */
 
 /* Second moments that a rotation needs, of a place: in the plane that about the axis alone. */
-enum { SECOND_MOST = 6, BASIS_MOST = 10 };
+enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
 static size_t second_count(size_t dimension) {
     return dimension == 3 ? 6 : 1;
 }
@@ -89,8 +87,36 @@ gn_tally gn_conversion_tally(const gn_conversion *c) {
     return t;
 }
 
-/* x of m x = f for a symmetric positive m [n][n]; false: it is as good as singular. */
-static bool solve(size_t n, double m[BASIS_MOST][BASIS_MOST], double *f) {
+gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b) {
+    gn_tally t = {.mass = a->mass - b->mass, .energy = a->energy - b->energy};
+    for (int k = 0; k < 3; k++) {
+        t.moment[k] = a->moment[k] - b->moment[k];
+        t.momentum[k] = a->momentum[k] - b->momentum[k];
+        t.turning[k] = a->turning[k] - b->turning[k];
+    }
+    for (int k = 0; k < SECOND_MOST; k++) t.second[k] = a->second[k] - b->second[k];
+    return t;
+}
+
+gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]) {
+    const double *m = of->moment, mass = of->mass;
+    double lever[3];
+    gn_tally t = *of;
+    gn_cross3(x, of->momentum, lever);
+    for (int a = 0; a < 3; a++) {
+        t.moment[a] -= mass * x[a];
+        t.turning[a] -= lever[a];
+    }
+    if (dimension == 2)
+        t.second[0] += mass * (x[0] * x[0] + x[1] * x[1]) - 2.0 * (x[0] * m[0] + x[1] * m[1]);
+    for (size_t k = 0; dimension == 3 && k < SECOND_MOST; k++) {
+        const size_t a = k % 3, e = k < 3 ? a : (a + 1) % 3;
+        t.second[k] += mass * x[a] * x[e] - x[a] * m[e] - x[e] * m[a];
+    }
+    return t;
+}
+
+bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f) {
     double largest = 0.0;
     for (size_t a = 0; a < n; a++) largest = fmax(largest, m[a][a]);
     for (size_t k = 0; k < n; k++) {
@@ -110,14 +136,10 @@ static bool solve(size_t n, double m[BASIS_MOST][BASIS_MOST], double *f) {
 
 /* --- masses --- */
 
-/* Whose masses may be scaled: who has another weight than before; who is in a zone where these are
- * too few, as of an element at the edge that holds no particle. */
-typedef enum takers { GN_TAKERS_CHANGED, GN_TAKERS_TIED } takers;
-
-static bool takes(const gn_conversion *c, takers who, size_t p) {
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
     if (!(q->vel[4 * p + 3] > 0.0)) return false;
-    return who == GN_TAKERS_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
+    return who == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
 
 /* Of those who take. */
@@ -125,25 +147,22 @@ typedef struct spread {
     double mass, centre[3], size; /* kg, m; m, of the mean square from the centre */
 } spread;
 
-static spread spread_of(const gn_conversion *c, takers who) {
+static spread spread_of(const gn_conversion *c, gn_scaled who) {
     const gn_particles *q = &c->world->dem.particles;
     double square = 0.0;
     spread s = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!takes(c, who, p)) continue;
+        if (!gn_conversion_scales(c, who, p)) continue;
         s.mass += 1.0 / q->vel[4 * p + 3];
         for (size_t a = 0; a < 3; a++) s.centre[a] += q->pos[4 * p + a] / q->vel[4 * p + 3];
     }
     for (int a = 0; s.mass > 0.0 && a < 3; a++) s.centre[a] /= s.mass;
     for (size_t p = 0; p < q->soa.count; p++)
-        for (size_t a = 0; takes(c, who, p) && a < 3; a++)
+        for (size_t a = 0; gn_conversion_scales(c, who, p) && a < 3; a++)
             square += pow(q->pos[4 * p + a] - s.centre[a], 2.0) / q->vel[4 * p + 3];
     s.size = s.mass > 0.0 ? sqrt(square / s.mass) : 0.0;
     return s;
 }
-
-/* Largest change of a mass that is taken for a packing's scatter. */
-static const double most_scaled = 0.5;
 
 static void second_about(const gn_conversion *c, const double centre[3], const double *x,
                          double own, double out[SECOND_MOST]) {
@@ -179,20 +198,11 @@ static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b
 static void missing_about(const gn_conversion *c, const spread *s, const gn_tally *missing,
                           double b[BASIS_MOST]) {
     const size_t d = (size_t)c->world->scene.dimension;
-    const double *x = s->centre, *m = missing->moment, mass = missing->mass;
-    const double square = s->size * s->size;
-    b[0] = mass;
-    for (size_t a = 0; a < d; a++) b[1 + a] = (m[a] - mass * x[a]) / s->size;
-    if (d == 2) {
-        b[3] = (missing->second[0] - 2.0 * (x[0] * m[0] + x[1] * m[1]) +
-                mass * (x[0] * x[0] + x[1] * x[1])) /
-               square;
-        return;
-    }
-    for (size_t k = 0; k < 6; k++) {
-        const size_t a = k % 3, e = k < 3 ? a : (a + 1) % 3;
-        b[4 + k] = (missing->second[k] - x[a] * m[e] - x[e] * m[a] + mass * x[a] * x[e]) / square;
-    }
+    const gn_tally about = gn_tally_about(missing, d, s->centre);
+    b[0] = about.mass;
+    for (size_t a = 0; a < d; a++) b[1 + a] = about.moment[a] / s->size;
+    for (size_t k = 0; k < second_count(d); k++)
+        b[1 + d + k] = about.second[k] / (s->size * s->size);
 }
 
 static double factor_at(const double *f, const double *b, size_t n) {
@@ -203,40 +213,40 @@ static double factor_at(const double *f, const double *b, size_t n) {
 
 /* The first `n` of the basis, with factors f that make up for as much of what is missing; false:
  * that says too much. */
-static bool polynomial(const gn_conversion *c, takers who, const spread *s, const gn_tally *missing,
-                       size_t n, double f[BASIS_MOST]) {
+static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
+                       const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
     const gn_particles *q = &c->world->dem.particles;
     double m[BASIS_MOST][BASIS_MOST] = {{0.0}}, b[BASIS_MOST], largest = 0.0;
     missing_about(c, s, missing, f);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!takes(c, who, p)) continue;
+        if (!gn_conversion_scales(c, who, p)) continue;
         basis_at(c, s, p, b);
         for (size_t k = 0; k < n; k++)
             for (size_t l = 0; l < n; l++) m[k][l] += b[k] * b[l] / q->vel[4 * p + 3];
     }
-    if (!solve(n, m, f)) return false;
+    if (!gn_solve_positive(n, m, f)) return false;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!takes(c, who, p)) continue;
+        if (!gn_conversion_scales(c, who, p)) continue;
         basis_at(c, s, p, b);
         largest = fmax(largest, fabs(factor_at(f, b, n)));
     }
-    return largest <= most_scaled;
+    return largest <= GN_MASS_SCALED_MOST;
 }
 
 /* Whether those could take it: mass, its centre and inertia; or without the last, or the last two.
  */
-static bool scale_masses(const gn_conversion *c, takers who, const gn_tally *missing) {
+static bool scale_masses(const gn_conversion *c, gn_scaled who, const gn_tally *missing) {
     gn_particles *q = &c->world->dem.particles;
     const size_t d = (size_t)c->world->scene.dimension;
     const size_t counts[] = {1 + d + second_count(d), 1 + d, 1};
     const spread s = spread_of(c, who);
     double f[BASIS_MOST], b[BASIS_MOST];
     size_t k = 0;
-    if (!(fabs(missing->mass) <= most_scaled * s.mass) || !(s.mass > 0.0)) return false;
+    if (!(fabs(missing->mass) <= GN_MASS_SCALED_MOST * s.mass) || !(s.mass > 0.0)) return false;
     while (k < 2 && !polynomial(c, who, &s, missing, counts[k], f)) k++;
     if (k == 2) f[0] = missing->mass / s.mass;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!takes(c, who, p)) continue;
+        if (!gn_conversion_scales(c, who, p)) continue;
         basis_at(c, &s, p, b);
         const double factor = 1.0 + factor_at(f, b, counts[k]);
         q->vel[4 * p + 3] /= factor;
@@ -245,194 +255,7 @@ static bool scale_masses(const gn_conversion *c, takers who, const gn_tally *mis
     return true;
 }
 
-/* --- momentum --- */
-
-/* Whether a component of a node is free to have another velocity. All elements at a node with
- * another part than before are touched, so that the ledger sees what this does to them. */
-static bool node_takes(const gn_conversion *c, size_t n, size_t a) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
-    const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
-    return b->nodes.vel[4 * n + 3] > 0.0 && b->nodes.blend[2 * n] != c->node_part[2 * n] &&
-           !(slot >= 0 && b->prescribed.mask[slot] >> a & 1);
-}
-
-/* kg that take a component of the momentum that is missing. */
-static double taking_mass(const gn_conversion *c, size_t a) {
-    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    double mass = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++)
-        if (c->freed[p]) mass += 1.0 / q->vel[4 * p + 3];
-    for (size_t n = 0; n < nodes->soa.count; n++)
-        if (node_takes(c, n, a)) mass += 1.0 / nodes->vel[4 * n + 3];
-    return mass;
-}
-
-/* A rigid motion of those who take: velocity of the centre and spin times the size, as many as the
- * dimension has. */
-typedef struct rigid {
-    size_t dimension, count;
-    double centre[3], size; /* m */
-    double motion[6];       /* m/s */
-} rigid;
-
-/* What each of these is at a place, of a component. */
-static void share_of(const rigid *r, const double *x, size_t a, double b[6]) {
-    const size_t d = r->dimension, next = (a + 1) % 3, last = (a + 2) % 3;
-    double from[3];
-    for (size_t k = 0; k < 3; k++) from[k] = (x[k] - r->centre[k]) / r->size;
-    for (size_t k = 0; k < 6; k++) b[k] = k == a ? 1.0 : 0.0;
-    if (d == 2) {
-        b[2] = a == 0 ? -from[1] : from[0];
-        return;
-    }
-    b[3 + next] = from[last];
-    b[3 + last] = -from[next];
-}
-
-/* The component of a taker: its part of the masses, or the motion added to it. */
-static void visit(const rigid *r, const double *x, size_t a, double *v, double mass,
-                  double m[BASIS_MOST][BASIS_MOST]) {
-    double b[6];
-    share_of(r, x, a, b);
-    for (size_t k = 0; m && k < r->count; k++)
-        for (size_t l = 0; l < r->count; l++) m[k][l] += mass * b[k] * b[l];
-    for (size_t k = 0; !m && k < r->count; k++) v[a] += r->motion[k] * b[k];
-}
-
-static void visit_takers(const gn_conversion *c, const rigid *r, double m[BASIS_MOST][BASIS_MOST]) {
-    gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    for (size_t a = 0; a < r->dimension; a++) {
-        for (size_t p = 0; p < q->soa.count; p++)
-            if (c->freed[p])
-                visit(r, q->pos + 4 * p, a, q->vel + 4 * p, 1.0 / q->vel[4 * p + 3], m);
-        for (size_t n = 0; n < nodes->soa.count; n++)
-            if (node_takes(c, n, a))
-                visit(r, nodes->pos + 4 * n, a, nodes->vel + 4 * n, 1.0 / nodes->vel[4 * n + 3], m);
-    }
-    for (size_t p = 0; q->spin && p < q->soa.count; p++)
-        for (size_t k = r->dimension; c->freed[p] && k < r->count; k++) {
-            const size_t axis = r->dimension == 3 ? k - 3 : 2;
-            if (m)
-                m[k][k] += 1.0 / (q->spin[4 * p + 3] * r->size * r->size);
-            else
-                q->spin[4 * p + axis] += r->motion[k] / r->size;
-        }
-}
-
-/* About where most of those are who take, whatever holds them. */
-static rigid rigid_of(const gn_conversion *c) {
-    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    rigid r = {.dimension = (size_t)c->world->scene.dimension};
-    const gn_particles *all[2] = {q, nodes};
-    double mass = 0.0, sum[3] = {0.0}, square = 0.0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int k = 0; k < 2; k++)
-            for (size_t p = 0; p < all[k]->soa.count; p++) {
-                const double *x = all[k]->pos + 4 * p, inverse = all[k]->vel[4 * p + 3];
-                if (k ? !node_takes(c, p, 0) && !node_takes(c, p, 1) : !c->freed[p]) continue;
-                for (int a = 0; a < 3; a++)
-                    pass ? (square += pow(x[a] - r.centre[a], 2.0) / inverse)
-                         : (sum[a] += x[a] / inverse);
-                mass += pass ? 0.0 : 1.0 / inverse;
-            }
-        for (int a = 0; !pass && mass > 0.0 && a < 3; a++) r.centre[a] = sum[a] / mass;
-    }
-    r.size = mass > 0.0 ? sqrt(square / mass) : 0.0;
-    r.count = r.dimension == 3 ? 6 : 3;
-    return r;
-}
-
-/* The mean spin of who weighs something else than before, rad/s: of a rigid motion its own. */
-static void mean_spin(const gn_conversion *c, double spin[3]) {
-    const gn_particles *q = &c->world->dem.particles;
-    double mass = 0.0;
-    spin[0] = spin[1] = spin[2] = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (!takes(c, GN_TAKERS_CHANGED, p)) continue;
-        mass += 1.0 / q->vel[4 * p + 3];
-        for (size_t a = 0; a < 3; a++) spin[a] += q->spin[4 * p + a] / q->vel[4 * p + 3];
-    }
-    for (int a = 0; mass > 0.0 && a < 3; a++) spin[a] /= mass;
-}
-
-/* kg m2/s: what a rotation has more with the inertia of before, where masses could not keep it. To
- * make up for that as well would have a body that turns rigidly turn otherwise where it converts.
- */
-static void turning_of_inertia(const gn_conversion *c, const gn_tally *before, const gn_tally *now,
-                               double out[3]) {
-    double spin[3], s[6], trace = 0.0;
-    mean_spin(c, spin);
-    for (int k = 0; k < 6; k++) s[k] = before->second[k] - now->second[k];
-    out[0] = out[1] = 0.0;
-    out[2] = s[0] * spin[2];
-    if (c->world->scene.dimension == 2) return;
-    trace = s[0] + s[1] + s[2];
-    for (size_t a = 0; a < 3; a++) /* xy, yz and zx follow the squares */
-        out[a] = (trace - s[a]) * spin[a] - s[3 + a] * spin[(a + 1) % 3] -
-                 s[3 + (a + 2) % 3] * spin[(a + 2) % 3];
-}
-
-/* Nothing, where sums over the whole model have no more digits: size is the most that it could be.
- */
-static double beyond_rounding(double missing, double size) {
-    return fabs(missing) > 1e-14 * size ? missing : 0.0;
-}
-
-/* What is missing, as a rigid motion has it: of momentum and, about its centre, of angular
- * momentum. */
-static void missing_of(const gn_conversion *c, const rigid *r, const gn_tally *before,
-                       double f[6]) {
-    const gn_tally now = gn_conversion_tally(c);
-    const double trace = now.second[0] + (r->dimension == 3 ? now.second[1] + now.second[2] : 0.0);
-    double lever[3], missing[3], stays[3];
-    turning_of_inertia(c, before, &now, stays);
-    for (int a = 0; a < 3; a++)
-        missing[a] = beyond_rounding(before->momentum[a] - now.momentum[a],
-                                     sqrt(2.0 * now.mass * now.energy));
-    gn_cross3(r->centre, missing, lever);
-    for (size_t a = 0; a < r->dimension; a++) f[a] = missing[a];
-    for (size_t k = r->dimension; k < r->count; k++) {
-        const size_t a = r->dimension == 3 ? k - 3 : 2;
-        f[k] = beyond_rounding(before->turning[a] - now.turning[a] - stays[a],
-                               sqrt(2.0 * trace * now.energy)) -
-               lever[a];
-        f[k] /= r->size;
-    }
-}
-
-/* False: those who take are too few to turn, or in a line. */
-static bool add_rigid_motion(const gn_conversion *c, const gn_tally *before) {
-    double m[BASIS_MOST][BASIS_MOST] = {{0.0}};
-    rigid r = rigid_of(c);
-    if (!(r.size > 0.0) || !c->world->dem.particles.spin) return false;
-    missing_of(c, &r, before, r.motion);
-    visit_takers(c, &r, m);
-    if (!solve(r.count, m, r.motion)) return false;
-    visit_takers(c, &r, NULL);
-    return true;
-}
-
-static void add_velocity(const gn_conversion *c, const gn_tally *before) {
-    gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    const gn_tally now = gn_conversion_tally(c);
-    for (size_t a = 0; a < (size_t)c->world->scene.dimension; a++) {
-        const double mass = taking_mass(c, a);
-        if (!(mass > 0.0)) continue;
-        const double more = (before->momentum[a] - now.momentum[a]) / mass;
-        for (size_t p = 0; p < q->soa.count; p++)
-            if (c->freed[p]) q->vel[4 * p + a] += more;
-        for (size_t n = 0; n < nodes->soa.count; n++)
-            if (node_takes(c, n, a)) nodes->vel[4 * n + a] += more;
-    }
-}
-
-/* Particles of zones have no momentum of their own, and go where nodes take them. */
-static void keep_momentum(const gn_conversion *c, const gn_tally *before) {
-    gn_world *w = c->world;
-    if (!add_rigid_motion(c, before)) add_velocity(c, before);
-    gn_fem_to_single(gn_coupled_solid(w));
-    gn_coupled_follow(w);
-}
+/* --- all of it --- */
 
 /* Where few have another weight they cannot make up for what elements weighed. */
 static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
@@ -451,14 +274,12 @@ static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
 
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error) {
-    gn_tally missing = gn_conversion_tally(c);
-    missing.mass = before->mass - missing.mass;
-    for (int a = 0; a < 3; a++) missing.moment[a] = before->moment[a] - missing.moment[a];
-    for (int k = 0; k < SECOND_MOST; k++) missing.second[k] = before->second[k] - missing.second[k];
-    const bool taken =
-        scale_masses(c, GN_TAKERS_CHANGED, &missing) || scale_masses(c, GN_TAKERS_TIED, &missing);
+    const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
+    gn_scaled who = GN_SCALED_CHANGED;
+    bool taken = scale_masses(c, who, &missing);
+    if (!taken) taken = scale_masses(c, who = GN_SCALED_TIED, &missing);
     GN_TRY(gn_coupled_weigh(c->world, error));
     if (!taken) GN_TRY(check_mass(c, before, error));
-    keep_momentum(c, before);
+    gn_conversion_keep_momentum(c, before, who);
     return GNEISS_OK;
 }

@@ -9,8 +9,11 @@
  * runs through what converts stays a wave, and weight and drag hold for both sides alike. What is
  * taken out is what elements do not know of.
  *
- * No bond comes to its strength by it: both ends of one that would stay where they are. Velocities
- * stay, and with them momentum; what springs hold less is booked with the conversion. */
+ * No bond comes to its strength by it: both ends of one that would stay where they are. So does who
+ * would go farther than a spring that holds it would let it. Contacts close and open on the way,
+ * which no linear system knows of: of its solution as much is taken as brings the energy down, of
+ * the springs as they are then, less the work of m a; nothing where none does. Velocities stay, and
+ * with them momentum; what springs hold less is booked with the conversion. */
 #include "base/memory.h"
 #include "couple/held_springs.h"
 #include "kernels/law.h"
@@ -25,6 +28,10 @@ enum { N = GN_HELD_DOFS, PASSES = 20 };
 static const double solved = 0.3;
 /* Of radii: nobody goes farther than that in a pass, who is held. */
 static const double farthest = 0.02;
+/* Halvings of a step that brings no energy down. */
+enum { HALVINGS = 8 };
+/* Of all energies' sizes: below is rounding. */
+static const double least_energy = 1e-13;
 /* Forces of contacts that are below so many roundings of places are none. */
 static const double roundings = 64.0;
 
@@ -44,10 +51,14 @@ typedef struct relaxation {
     gn_held_spring *spring; /* [links] */
     uint8_t *moves, *kept;  /* [count] components; 1: would break a bond */
     double *load, *u, *work;
+    double *moved;         /* [count][3] m, since the start */
+    double *place, *shear; /* [count][7] positions, orientations; [links][3] N: before a step */
     unsigned components;
     double ratio, moving; /* mean load over mean contact force; of those that may move */
     double rounding;      /* N */
+    double energy, size;  /* J: of the links, less the work of m a; sum of sizes */
     int iterations;
+    bool broke, loose; /* somebody stays, as a bond would break; as nothing holds it */
 } relaxation;
 
 /* --- who, and what holds them --- */
@@ -61,12 +72,16 @@ static bool allocate(relaxation *r, size_t links) {
     r->load = gn_alloc_array(n, N * sizeof *r->load);
     r->u = gn_alloc_array(n, N * sizeof *r->u);
     r->work = gn_alloc_array(gn_held_work(r->count), sizeof *r->work);
-    return r->link && r->spring && r->moves && r->kept && r->load && r->u && r->work;
+    r->moved = gn_alloc_array(n, 3 * sizeof *r->moved);
+    r->place = gn_alloc_array(n, 7 * sizeof *r->place);
+    r->shear = gn_alloc_array(links + 1, 3 * sizeof *r->shear);
+    return r->link && r->spring && r->moves && r->kept && r->load && r->u && r->work && r->moved &&
+           r->place && r->shear;
 }
 
 static void release(relaxation *r) {
-    void *blocks[] = {r->particle, r->local, r->link, r->spring, r->moves,
-                      r->kept,     r->load,  r->u,    r->work};
+    void *blocks[] = {r->particle, r->local, r->link, r->spring, r->moves, r->kept,
+                      r->load,     r->u,     r->work, r->place,  r->shear, r->moved};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
 }
 
@@ -112,6 +127,20 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
 
 /* --- forces --- */
 
+/* J, of a contact that does not slide; of one that does what its springs hold at the limit. */
+static double stored_in(const relaxation *r, size_t k, double length, double rest) {
+    const link *l = &r->link[k];
+    const double *n = r->spring[k].n;
+    const gn_law_held h =
+        gn_law_of(l->list->soa.effects)->held(l->list, l->at, length, length - rest);
+    const double kt = l->list->kt ? l->list->kt[l->at] : 0.0;
+    double across[3];
+    if (!l->bonded && l->normal == 0.0) return 0.0;
+    for (int a = 0; a < 3; a++) across[a] = l->force[a] - l->normal * n[a];
+    return h.stored +
+           (kt > 0.0 ? (gn_dot3(across, across) - gn_dot3(h.shear, h.shear)) / (2.0 * kt) : 0.0);
+}
+
 /* What contact k does now, and how stiff it is. */
 static void look_at(relaxation *r, size_t k) {
     link *l = &r->link[k];
@@ -135,6 +164,9 @@ static void look_at(relaxation *r, size_t k) {
     s->arm_j = j[3] + half * (length - i[3] - j[3]);
     s->kn = acts ? spring.kn : 0.0;
     s->kt = acts && sticks ? spring.kt : 0.0;
+    const double stored = stored_in(r, k, length, rest);
+    r->energy += stored;
+    r->size += fabs(stored);
 }
 
 static void add_load(relaxation *r, int32_t p, double side, double arm, const double n[3],
@@ -178,6 +210,7 @@ static void evaluate(relaxation *r) {
     double force = 0.0, stiffness = 0.0, reach = 0.0;
     size_t carry = 0;
     memset(r->load, 0, N * r->count * sizeof *r->load);
+    r->energy = r->size = 0.0;
     for (size_t k = 0; k < r->links; k++) {
         look_at(r, k);
         const gn_held_spring *s = &r->spring[k];
@@ -191,7 +224,10 @@ static void evaluate(relaxation *r) {
     for (size_t k = 0; k < r->count; k++) {
         const size_t p = (size_t)r->particle[k];
         for (size_t a = 0; a < 3; a++) {
-            r->load[N * k + a] -= r->c->rate[3 * p + a] / q->vel[4 * p + 3];
+            const double carried = r->c->rate[3 * p + a] / q->vel[4 * p + 3];
+            r->load[N * k + a] -= carried;
+            r->energy += carried * r->moved[3 * k + a];
+            r->size += fabs(carried * r->moved[3 * k + a]);
             reach = fmax(reach, fabs(q->pos[4 * p + a]));
         }
     }
@@ -237,21 +273,26 @@ static bool keep_bonds(relaxation *r) {
             if (p < 0 || r->kept[p]) continue;
             r->kept[p] = 1;
             r->moves[p] = 0;
-            any = true;
+            r->broke = any = true;
         }
     }
     return any;
 }
 
-/* Whether nobody goes where no spring would let it. */
-static bool stays_near(const relaxation *r) {
+/* Who goes where no spring that held it would let it stays; false: nobody does. */
+static bool keep_loose(relaxation *r) {
+    bool any = false;
     for (size_t k = 0; k < r->count; k++) {
         const double *u = r->u + N * k,
                      most = farthest * r->w->dem.particles.pos[4 * (size_t)r->particle[k] + 3];
-        if (!(gn_dot3(u, u) <= most * most) || !(gn_dot3(u + 3, u + 3) <= farthest * farthest))
-            return false;
+        if ((gn_dot3(u, u) <= most * most && gn_dot3(u + 3, u + 3) <= farthest * farthest) ||
+            r->kept[k])
+            continue;
+        r->kept[k] = 1;
+        r->moves[k] = 0;
+        r->loose = any = true;
     }
-    return true;
+    return any;
 }
 
 static void turn(double *o, const double *by) {
@@ -263,7 +304,32 @@ static void turn(double *o, const double *by) {
     for (int k = 0; k < 4; k++) o[k] = q[k] / size;
 }
 
-static void move(relaxation *r) {
+/* Keeps what a step changes, or puts it back. */
+static void keep_state(relaxation *r, bool back) {
+    gn_particles *q = &r->w->dem.particles;
+    for (size_t k = 0; k < r->links; k++) {
+        gn_contacts *list = r->link[k].list;
+        for (size_t a = 0; a < 3; a++) {
+            const size_t at = r->link[k].at + a * list->soa.capacity;
+            double *kept = &r->shear[3 * k + a];
+            if (!back) *kept = list->shear_f ? (double)list->shear_f[at] : 0.0;
+            if (!back && list->shear) *kept = list->shear[at];
+            if (back && list->shear) list->shear[at] = *kept;
+            if (back && list->shear_f) list->shear_f[at] = (float)*kept;
+        }
+    }
+    for (size_t k = 0; k < r->count; k++) {
+        const size_t p = 4 * (size_t)r->particle[k];
+        double *kept = r->place + 7 * k;
+        memcpy(back ? q->pos + p : kept, back ? kept : q->pos + p, 3 * sizeof *kept);
+        if (q->orientation)
+            memcpy(back ? q->orientation + p : kept + 3, back ? kept + 3 : q->orientation + p,
+                   4 * sizeof *kept);
+    }
+}
+
+/* By this part of the ways. */
+static void move(relaxation *r, double part) {
     gn_particles *q = &r->w->dem.particles;
     for (size_t k = 0; k < r->links; k++) {
         gn_contacts *list = r->link[k].list;
@@ -273,22 +339,53 @@ static void move(relaxation *r) {
         const double along = gn_dot3(e, s->n);
         for (size_t a = 0; a < 3; a++) {
             const size_t at = r->link[k].at + a * list->soa.capacity;
-            const double more = s->kt * (e[a] - along * s->n[a]);
+            const double more = part * s->kt * (e[a] - along * s->n[a]);
             if (list->shear) list->shear[at] += more;
             if (list->shear_f) list->shear_f[at] = (float)((double)list->shear_f[at] + more);
         }
     }
     for (size_t k = 0; k < r->count; k++) {
         const size_t p = 4 * (size_t)r->particle[k];
+        double turned[3];
         for (size_t a = 0; a < 3; a++) {
-            q->pos[p + a] += r->u[N * k + a];
+            q->pos[p + a] += part * r->u[N * k + a];
+            r->moved[3 * k + a] += part * r->u[N * k + a];
+            turned[a] = part * r->u[N * k + 3 + a];
             if (q->travel_f) q->travel_f[p + a] = (float)(q->pos[p + a] - q->ref[p + a]);
         }
-        if (q->orientation) turn(q->orientation + p, r->u + N * k + 3);
+        if (q->orientation) turn(q->orientation + p, turned);
     }
 }
 
-/* Solves until no bond would break by what comes out; false: nothing comes of it. */
+static void move_back(relaxation *r, double part) {
+    gn_particles *q = &r->w->dem.particles;
+    keep_state(r, true);
+    for (size_t k = 0; k < r->count; k++)
+        for (size_t a = 0; a < 3; a++) {
+            const size_t p = 4 * (size_t)r->particle[k] + a;
+            r->moved[3 * k + a] -= part * r->u[N * k + a];
+            if (q->travel_f) q->travel_f[p] = (float)(q->pos[p] - q->ref[p]);
+        }
+}
+
+/* As far along the ways as brings the energy down, by halves; false: nothing does. Ways are those
+ * of the springs before, which `evaluate` looks at anew. */
+static bool descend(relaxation *r) {
+    const double before = r->energy, rounding = least_energy * r->size;
+    double part = 1.0;
+    keep_state(r, false);
+    for (int k = 0; k <= HALVINGS; k++, part *= 0.5) {
+        move(r, part);
+        evaluate(r);
+        if (r->energy <= before + rounding) return true;
+        move_back(r, part);
+        evaluate(r); /* also the springs that the ways are of */
+    }
+    return false;
+}
+
+/* Solves until nobody goes too far and no bond would break by what comes out; false: iterations are
+ * used up. */
 static bool find_ways(relaxation *r, double wanted, int most) {
     const gn_held_system system = {.particles = r->count,
                                    .springs = r->links,
@@ -296,11 +393,12 @@ static bool find_ways(relaxation *r, double wanted, int most) {
                                    .moves = r->moves,
                                    .work = r->work};
     const double tolerance = fmin(solved * wanted / r->moving, 0.5);
-    do {
-        if (r->iterations >= most) return false;
+    while (r->iterations < most) {
         r->iterations += gn_held_solve(&system, r->load, tolerance, most - r->iterations, r->u);
-    } while (keep_bonds(r));
-    return stays_near(r);
+        if (keep_loose(r)) continue;
+        if (!keep_bonds(r)) return true;
+    }
+    return false;
 }
 
 /* Returns the ratio before. */
@@ -309,9 +407,7 @@ static double relax(relaxation *r) {
     evaluate(r);
     const double before = r->ratio;
     for (int k = 0; k < PASSES && r->moving > def->relax; k++) {
-        if (!find_ways(r, def->relax, (int)def->relax_iterations)) break;
-        move(r);
-        evaluate(r);
+        if (!find_ways(r, def->relax, (int)def->relax_iterations) || !descend(r)) break;
     }
     return before;
 }
@@ -322,8 +418,16 @@ static void note(const relaxation *r, double before) {
     if (!(before > wanted)) return;
     all->count += 1.0;
     all->iterations += r->iterations;
-    all->missed += r->ratio > wanted;
     for (size_t k = 0; k < r->count; k++) all->kept += r->kept[k];
+    if (!(r->ratio > wanted)) return;
+    const bool tired = r->iterations >= (int)r->w->scene.couple.convert.relax_iterations;
+    all->missed += 1.0;
+    if (r->broke)
+        all->broke += 1.0;
+    else if (r->loose)
+        all->loose += 1.0;
+    else if (tired)
+        all->tired += 1.0;
     if (!(r->ratio > all->worst)) return;
     all->worst = r->ratio;
     all->time = r->w->time;

@@ -1,5 +1,6 @@
 #include "sim/invariants.h"
 
+#include "sim/conversion.h"
 #include "sim/internal.h"
 
 #ifndef NDEBUG
@@ -73,6 +74,7 @@ static void assert_complete(const gn_world *w) {
             const double *x = q->pos + 4 * (int64_t)i, *y = q->pos + 4 * (int64_t)j;
             double d[3], gap = sqrt(gn_branch(w, x, y, d)) - x[3] - y[3];
             bool there = q->vel[4 * (int64_t)i + 3] > 0.0 && q->vel[4 * (int64_t)j + 3] > 0.0;
+            there = there && !gn_conversion_hides(w, i, j);
             bool bond = listed(&w->dem.bonds, i, j), pair = listed(&w->dem.pairs, i, j);
             assert(!(bond && pair));
             assert(bond || pair || !there || gap > w->dem.verlet.skin * (1.0 - 1e-9));

@@ -39,12 +39,14 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
 }
 
+/* Those without bonds; where elements convert, those of which one has a part of the body at least:
+ * bonds of others sleep, and their overlap, which is all theirs, is no contact. */
 static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
     if (!w->dem.bonds.soa.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&w->dem.bonds, &at, i, j)) continue;
+        if (walk_to(&w->dem.bonds, &at, i, j) || gn_conversion_hides(w, i, j)) continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }

@@ -69,11 +69,23 @@ typedef struct gn_packing_differs {
 /* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
  * as checkpoints have it. */
 typedef struct gn_relaxations {
-    double count, iterations; /* that had something to do; of all of them */
-    double missed;            /* did not come to the ratio wanted, */
-    double kept;              /* of particles that did not go on, as bonds would have broken */
-    double worst, time;       /* the largest ratio that was left, and s, when */
+    double count, iterations;   /* that had something to do; of all of them */
+    double missed;              /* did not come to the ratio wanted, */
+    double broke, loose, tired; /* of these, as bonds would have broken; as nothing holds who would
+                                   go far; as iterations were used up: the first of these */
+    double kept;                /* of particles that did not go on, for one of the first two */
+    double worst, time;         /* the largest ratio that was left, and s, when */
 } gn_relaxations;
+
+/* What conversions did to velocities (conversion_momentum.c), since the start; doubles, as
+ * checkpoints have it. */
+typedef struct gn_corrections {
+    double count, wider;  /* conversions; of these, where others than who weighs something else made
+                             up for momentum */
+    double missed, least; /* where angular momentum was not all made up for; the least part that was
+                             in these */
+    double energy;        /* J: kinetic, that all of this took, masses included */
+} gn_corrections;
 
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
@@ -98,6 +110,7 @@ struct gn_world {
         double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                            * the last measured instant */
         gn_relaxations relaxed;
+        gn_corrections corrected;
         gn_packing_differs differs;
     } couple;
 
