@@ -69,7 +69,12 @@ def counts(result):
         return groups
 
 
-def table(found):
+HEAD = ["", "particles", "elements", "stiffness, MN/m", "peak, kN", "off, %", "deflection there, um", "opening there, um", "bonds broken",
+        "from the crack of particles alone, mm", "residual, %", "s of a core", "times cheaper"]
+
+
+def lines(found):
+    """A line of the table for each of (name, run), beside the first, which is of particles alone."""
     alone = found[0][1]
     top, seconds, broke = np.max(curve(alone)[1]), alone.summary["seconds"]["cpu"], coupling_study.crack(alone)
     rows = []
@@ -84,8 +89,11 @@ def table(found):
                      f"{1e6 * result.results('history/opening')[peak]:.1f}" if real else "-", len(cracked) if real else "-",
                      f"{1e3 * apart:.1f}" if real else "-", f"{100 * result.residual:.3f}", f"{result.summary['seconds']['cpu']:.1f}",
                      f"{seconds / result.summary['seconds']['cpu']:.1f}" if real else "-"])
-    return study.table(["", "particles", "elements", "stiffness, MN/m", "peak, kN", "off, %", "deflection there, um", "opening there, um", "bonds broken",
-                        "from the crack of particles alone, mm", "residual, %", "s of a core", "times cheaper"], rows)
+    return rows
+
+
+def table(found):
+    return study.table(HEAD, lines(found))
 
 
 def draw(found):
@@ -121,6 +129,29 @@ def fast(name, **more):
     return table(found)
 
 
+FINE = {"specimen.mean_radius": "0.5 mm"}
+VARIED = {"": {}, ", steps of 0.89": {"time.safety": 0.89}, ", of 0.88": {"time.safety": 0.88}, ", packing 2": {"run.seed": 2}, ", packing 3": {"run.seed": 3}}
+
+
+def fine_pairs():
+    """Name, particles alone and the adaptive run, of particles of half the size with the slow load: other roundings and other packings."""
+    found = []
+    for name, more in VARIED.items():
+        note = "-".join(["slow", *(str(value) for value in more.values())])
+        settings = {**FINE, **more}
+        alone = study.run(f"coupling/beam-particles-fine-{note}", "scenes/bending-particles.yaml", settings)
+        adaptive = study.run(f"coupling/adaptive-fine-{note}", ADAPTIVE, {**settings, "couple.convert.stress": LIMITS[0], "couple.convert.width": WIDTHS[0]})
+        found.append((name, alone, adaptive))
+    return found
+
+
+def fine_table(pairs):
+    """Each adaptive run beside particles alone of the same packing and the same fraction of the limit of the step."""
+    rows = [line for name, alone, adaptive in pairs
+            for line in lines([(f"particles alone{name}", alone), (f"adaptive, {LIMITS[0]}, {WIDTHS[0]}{name}", adaptive)])]
+    return study.table(HEAD, rows)
+
+
 def main():
     if "--mesh" in sys.argv:
         return mesh()
@@ -128,7 +159,8 @@ def main():
     draw(found)
     study.put("coupling.md", "table adaptive", table(found))
     study.put("coupling.md", "table fast", fast("fast"))
-    study.put("coupling.md", "table fine", fast("fine", **{"specimen.mean_radius": "0.5 mm"}))
+    study.put("coupling.md", "table fine", fast("fine", **FINE))
+    study.put("coupling.md", "table fine slow", fine_table(fine_pairs()))
 
 
 if __name__ == "__main__":
