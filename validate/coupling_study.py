@@ -240,7 +240,7 @@ def crack(result):
     """Where bonds broke, at the start."""
     x = result.results("particles/position") - result.results("particles/displacement")
     broken = result.results("bonds/state") > 0
-    return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])[:, :2]
+    return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])
 
 
 def main():
