@@ -39,7 +39,7 @@ def runs():
         for limit in LIMITS:
             name = f"coupling/adaptive-{limit.split()[0]}-{width.split()[0]}"
             found.append((f"adaptive, {limit}, {width}", study.run(name, ADAPTIVE, {"couple.convert.stress": limit, "couple.convert.width": width})))
-    found.append(("elements alone", study.run("coupling/adaptive-never", ADAPTIVE, {"couple.convert.stress": "1 TPa", "time.end": "15 ms"})))
+    found.append((NEVER, study.run("coupling/adaptive-never", ADAPTIVE, {"couple.convert.stress": "1 TPa", "time.end": "15 ms"})))
     return found
 
 
@@ -69,23 +69,55 @@ def counts(result):
         return groups
 
 
-def table(found):
+NEVER = "elements alone"
+
+
+def apart(cracked, broke):
+    """Mean distance of what broke in one run from the nearest that broke in another, m."""
+    return np.mean([np.min(np.linalg.norm(broke - at, axis=1)) for at in cracked])
+
+
+def head(unit):
+    return ["", "particles", "elements", "stiffness, MN/m", f"peak, {unit}", "off, %", "deflection there, um", "opening there, um", "bonds broken",
+            "from the crack of particles alone, mm", "residual, %", "s of a core", "times cheaper"]
+
+
+def lines(found, unit="kN"):
+    """A line of the table for each of (name, run), beside the first, which is of particles alone."""
     alone = found[0][1]
+    scale, digits = (1e3, 0) if unit == "kN" else (1.0, 2)
     top, seconds, broke = np.max(curve(alone)[1]), alone.summary["seconds"]["cpu"], coupling_study.crack(alone)
     rows = []
     for name, result in found:
         bend, force = curve(result)
-        cracked = coupling_study.crack(result)
         peak = int(np.argmax(force))
-        real = name != "elements alone"
-        apart = np.mean([np.min(np.linalg.norm(broke - at, axis=1)) for at in cracked]) if real and len(cracked) else np.nan
-        rows.append([name, *counts(result), f"{stiffness(result, top):.0f}", f"{force[peak] / 1e3:.2f}" if real else "-",
-                     f"{100 * (force[peak] / top - 1):+.1f}" if real else "-", f"{1e6 * bend[peak]:.1f}" if real else "-",
-                     f"{1e6 * result.results('history/opening')[peak]:.1f}" if real else "-", len(cracked) if real else "-",
-                     f"{1e3 * apart:.1f}" if real else "-", f"{100 * result.residual:.3f}", f"{result.summary['seconds']['cpu']:.1f}",
-                     f"{seconds / result.summary['seconds']['cpu']:.1f}" if real else "-"])
-    return study.table(["", "particles", "elements", "stiffness, MN/m", "peak, kN", "off, %", "deflection there, um", "opening there, um", "bonds broken",
-                        "from the crack of particles alone, mm", "residual, %", "s of a core", "times cheaper"], rows)
+        row = [name, *counts(result), f"{stiffness(result, top):.{digits}f}"]
+        if name == NEVER:
+            row += ["-"] * 6
+        else:
+            cracked = coupling_study.crack(result)
+            row += [f"{force[peak] / scale:.{2 if scale > 1 else 1}f}", f"{100 * (force[peak] / top - 1):+.1f}", f"{1e6 * bend[peak]:.1f}",
+                    f"{1e6 * result.results('history/opening')[peak]:.1f}", len(cracked), f"{1e3 * apart(cracked, broke):.1f}" if len(cracked) else "-"]
+        cost = result.summary["seconds"]["cpu"]
+        rows.append([*row, f"{100 * result.residual:.3f}", f"{cost:.1f}", f"{seconds / cost:.1f}" if name != NEVER else "-"])
+    return rows
+
+
+def table(found):
+    return study.table(head("kN"), lines(found))
+
+
+def panels(axes, found, unit, bends, openings, most):
+    """Load over the deflection and over the opening, up to so many um and units of load."""
+    for name, result in found:
+        bend, force = curve(result)
+        opening = result.results("history/opening")
+        for axis, at, end in ((axes[0], bend, bends), (axes[1], opening, openings)):
+            shown = (bend < 1e-6 * bends) & (at < 1e-6 * end)
+            axis.plot(1e6 * at[shown], force[shown] / (1e3 if unit == "kN" else 1), label=name, linewidth=1, linestyle="--" if name == NEVER else "-")
+    axes[0].set(xlabel="deflection, um", ylabel=f"load, {unit}", ylim=(-0.03 * most, most))
+    axes[1].set(xlabel="opening of the notch's mouth, um")
+    axes[0].legend(fontsize=8)
 
 
 def draw(found):
@@ -95,15 +127,7 @@ def draw(found):
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True, constrained_layout=True)
-    for name, result in found:
-        bend, force = curve(result)
-        opening = result.results("history/opening")
-        for axis, at, most in ((axes[0], bend, 45e-6), (axes[1], opening, 30e-6)):
-            shown = (bend < 45e-6) & (at < most)
-            axis.plot(1e6 * at[shown], force[shown] / 1e3, label=name, linewidth=1, linestyle="--" if name == "elements alone" else "-")
-    axes[0].set(xlabel="deflection, um", ylabel="force, kN", ylim=(-1, 30))
-    axes[1].set(xlabel="opening of the notch's mouth, um")
-    axes[0].legend(fontsize=8)
+    panels(axes, found, "kN", 45, 30, 30)
     figure.savefig(PICTURE, dpi=110)
 
 
@@ -121,6 +145,29 @@ def fast(name, **more):
     return table(found)
 
 
+FINE = {"specimen.mean_radius": "0.5 mm"}
+VARIED = {"": {}, ", steps of 0.89": {"time.safety": 0.89}, ", of 0.88": {"time.safety": 0.88}, ", packing 2": {"run.seed": 2}, ", packing 3": {"run.seed": 3}}
+
+
+def fine_pairs():
+    """Name, particles alone and the adaptive run, of particles of half the size with the slow load: other roundings and other packings."""
+    found = []
+    for name, more in VARIED.items():
+        note = "-".join(["slow", *(str(value) for value in more.values())])
+        settings = {**FINE, **more}
+        alone = study.run(f"coupling/beam-particles-fine-{note}", "scenes/bending-particles.yaml", settings)
+        adaptive = study.run(f"coupling/adaptive-fine-{note}", ADAPTIVE, {**settings, "couple.convert.stress": LIMITS[0], "couple.convert.width": WIDTHS[0]})
+        found.append((name, alone, adaptive))
+    return found
+
+
+def fine_table(pairs):
+    """Each adaptive run beside particles alone of the same packing and the same fraction of the limit of the step."""
+    rows = [line for name, alone, adaptive in pairs
+            for line in lines([(f"particles alone{name}", alone), (f"adaptive, {LIMITS[0]}, {WIDTHS[0]}{name}", adaptive)])]
+    return study.table(head("kN"), rows)
+
+
 def main():
     if "--mesh" in sys.argv:
         return mesh()
@@ -128,7 +175,8 @@ def main():
     draw(found)
     study.put("coupling.md", "table adaptive", table(found))
     study.put("coupling.md", "table fast", fast("fast"))
-    study.put("coupling.md", "table fine", fast("fine", **{"specimen.mean_radius": "0.5 mm"}))
+    study.put("coupling.md", "table fine", fast("fine", **FINE))
+    study.put("coupling.md", "table fine slow", fine_table(fine_pairs()))
 
 
 if __name__ == "__main__":

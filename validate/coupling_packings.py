@@ -1,6 +1,7 @@
 """Waves through zones of disordered packings and of bars in space, and what no zone can let through: sections of coupling_study.py."""
 import numpy as np
 
+import meshes
 import study
 
 LENGTH, HEIGHT, MODULUS, DENSITY, RADIUS = 0.6, 0.01, 24e9, 7800.0, 0.5e-3
@@ -46,7 +47,26 @@ def body_of(space, packed, low, high, height):
             f"origin: [{low - RADIUS}, 0{', 0' if space else ''}]}}}}\n")
 
 
-def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constraint="lumped", edge=None, height=HEIGHT, contact=MODULUS, end=END):
+def even_mesh(name, mesh, side, height):
+    """A bar of tetrahedra whose nodes have equal masses inside, as a file beside the scene."""
+    across = np.linspace(0, height, 1 + max(1, round(height / side)))
+    grid = (np.round(np.linspace(*mesh, 1 + round((mesh[1] - mesh[0]) / side)), 9), across, across)
+    nodes = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(1, len(nodes) + 1).reshape([len(places) for places in grid])
+    path = study.RUNS / "coupling" / f"{name}.msh"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    meshes.write(path, nodes, meshes.even_tetrahedra(number), {})
+    return path.name
+
+
+def read_at(length, front=None):
+    """When what runs back is read, s: after 205 us; before particles' end at `front` while its echo has not yet come to the other end of the body, 10 mm
+    or more away."""
+    return END if front is None else min(END, (2 * front - CREST - 0.5 * length - 0.01) / SPEED)
+
+
+def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constraint="lumped", edge=None, height=HEIGHT, contact=MODULUS, end=END,
+             even=False):
     """Particles from low to high (None: none), elements over `mesh` (None: none), a zone with `edge` = (from, to)."""
     solid = (np.pi / 6 if space else np.pi / 4) if not packed else 1.0
     stiffness = (f"contact_modulus: {contact}, kratio: 1" if packed else
@@ -56,8 +76,10 @@ def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constrai
     if mesh:
         kind, across = ("box", f", {height}") if space else ("rectangle", "")
         cells = [round((mesh[1] - mesh[0]) / side), *([max(1, round(height / side))] * (2 if space else 1))]
-        elements = (f"elements:\n  {kind}: {{origin: [{mesh[0]}, 0{flat}], size: [{mesh[1] - mesh[0]}, {height}{across}], cells: {cells}"
-                    f"{'' if space else ', diagonals: parallel'}}}\n  materials: [{{young: {modulus}, poisson: 0, density: {DENSITY}}}]\n")
+        shape = (f"mesh: {even_mesh(name, mesh, side, height)}" if even else
+                 f"{kind}: {{origin: [{mesh[0]}, 0{flat}], size: [{mesh[1] - mesh[0]}, {height}{across}], cells: {cells}"
+                 f"{'' if space else ', diagonals: parallel'}}}")
+        elements = (f"elements:\n  {shape}\n  materials: [{{young: {modulus}, poisson: 0, density: {DENSITY}}}]\n")
     if edge:
         couple = (f"couple: {{constraint: {constraint}, zones: [{{edges: [{{from: [{edge[0]}, 0{flat}], to: [{edge[1]}, 0{flat}]}}]}}]}}\n")
     specimen = body_of(space, packed, low, high, height) if low is not None else ""
@@ -138,15 +160,17 @@ def contact_modulus(space, height):
     return contact, result
 
 
-def through_zone(space, packed, width, wave, side, contact, back, height, constraint="lumped"):
+def through_zone(space, packed, width, wave, side, contact, back, height, constraint="lumped", even=False):
     half, middle = width / 2, LENGTH / 2
     name = f"{'packed' if packed else 'bar'}-{3 if space else 2}d-{constraint}-{round(1e3 * width)}-{round(1e3 * wave)}-{side * 1e3:g}-{'back' if back else 'forth'}"
+    name += "-even" if even else ""
     reach = RADIUS if packed else 0.0  # outermost centres of a packing lie a radius inside
     if back:
         low, high, mesh, edge = 0.0, middle + half + reach, (middle - half, LENGTH), (middle - half, middle + half)
     else:
         low, high, mesh, edge = middle - half - reach, LENGTH, (0.0, middle + half), (middle + half, middle - half)
-    result = wave_run(name, space, packed, low, high, mesh, MODULUS, wave, side, constraint, edge, height, contact)
+    end = read_at(wave, middle - half) if back and not packed else END
+    result = wave_run(name, space, packed, low, high, mesh, MODULUS, wave, side, constraint, edge, height, contact, end, even)
     area = height * (height if space else 1.0)
     if not back:
         return 100 * result.returned_energy
@@ -171,20 +195,22 @@ def packing_table():
     return study.table(["packing", "direction", "wave, mm", "h, mm", "L 20", "L 40", "L 80", "packing alone"], rows)
 
 
-def mesh_alone(wave, side, height):
+def mesh_alone(wave, side, height, even):
     """What runs back in a bar of elements alone, by the same reading, in %."""
-    result = wave_run(f"bar-mesh-{round(1e3 * wave)}-{side * 1e3:g}", True, False, None, None, (0.0, LENGTH), MODULUS, wave, side, height=height)
+    name = f"bar-mesh-{round(1e3 * wave)}-{side * 1e3:g}{'-even' if even else ''}"
+    result = wave_run(name, True, False, None, None, (0.0, LENGTH), MODULUS, wave, side, height=height, even=even)
     return 100 * before_zone(result, "nodes", MODULUS, 0.26, area=height**2) / stored(result)
 
 
 def bar_table():
     rows, height = [], 4e-3
     for back in (False, True):
-        for wave, side in ((0.06, 4e-3), (0.12, 4e-3), (0.06, 2e-3)):
-            cells = [f"{through_zone(True, False, width, wave, side, MODULUS, back, height):.3f}" for width in (0.016, 0.04, 0.08)]
-            rows.append(["particles to elements" if back else "elements to particles", round(1e3 * wave), round(1e3 * side), *cells,
-                         "" if back else f"{mesh_alone(wave, side, height):.3f}"])
-    return study.table(["direction", "wave, mm", "h, mm", "L 16", "L 40", "L 80", "mesh alone"], rows)
+        for even, constraint in ((False, "lumped"), (False, "consistent"), (True, "lumped"), (True, "consistent")):
+            for wave, side in ((0.06, 4e-3), (0.12, 4e-3), (0.06, 2e-3)):
+                cells = [f"{through_zone(True, False, width, wave, side, MODULUS, back, height, constraint, even):.3f}" for width in (0.016, 0.04, 0.08)]
+                rows.append(["particles to elements" if back else "elements to particles", "6" if even else "5", constraint, round(1e3 * wave),
+                             round(1e3 * side), *cells, "" if back else f"{mesh_alone(wave, side, height, even):.3f}"])
+    return study.table(["direction", "tetrahedra a cell", "constraint", "wave, mm", "h, mm", "L 16", "L 40", "L 80", "mesh alone"], rows)
 
 
 def short_table(measured):

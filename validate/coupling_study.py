@@ -11,14 +11,20 @@ import study
 SCENE = "scenes/wave-zone.yaml"
 LENGTH, MODULUS, DENSITY, SPACING = 0.6, 24e9, 7800.0, 1e-3
 SPEED = np.sqrt(MODULUS / DENSITY)
-WIDTHS = (10, 20, 40, 80, 120)  # mm
+WIDTHS = (5, 10, 20, 40, 80, 120)  # mm
 CONSTRAINTS = ("lumped", "consistent", "penalty")
+
+
+def zone(width, mirrored):
+    """Where elements and particles end, in m: in the middle, elements at a multiple of 5 mm."""
+    half = width / 2
+    reach = 5e-3 * np.ceil((LENGTH / 2 + half) / 5e-3 - 1e-6)
+    return (LENGTH - reach, LENGTH - reach + width) if mirrored else (reach, reach - width)
 
 
 def wave_settings(width, wave, side, constraint, mirrored):
     """Of the strip of the scene, in m: elements first, or particles."""
-    middle, half = LENGTH / 2, width / 2
-    start, end = (middle - half, middle + half) if mirrored else (middle + half, middle - half)
+    start, end = (round(place, 9) for place in zone(width, mirrored))
     columns = 1 + round((end if mirrored else LENGTH - end) / SPACING)
     size = LENGTH - start if mirrored else start
     return {"specimen.lattice.cells": f"[{columns}, 10]",
@@ -54,51 +60,66 @@ def returned(result, mirrored, end):
     return 100 * np.sum(DENSITY * 0.01 * SPACING * wave**2) / whole
 
 
-def wave(width, length, side, constraint, mirrored=False):
-    name = f"coupling/{constraint}-{width}-{length}-{side}-{'back' if mirrored else 'forth'}"
+LATE = 240e-6  # s: when what a zone of 120 mm sends back from its far end has come out of it
+
+
+def wave_result(width, length, side, constraint, mirrored=False, end=None):
+    name = f"coupling/{constraint}-{width}-{length}-{side}-{'back' if mirrored else 'forth'}{f'-{1e6 * end:g}' if end else ''}"
     settings = wave_settings(width * 1e-3, length * 1e-3, side * 1e-3, constraint, mirrored)
-    result = study.run(name, SCENE, {**settings, "output.history_rows": 40})
-    return returned(result, mirrored, LENGTH / 2 - width * 0.5e-3)
+    end = end or coupling_packings.read_at(length * 1e-3, min(zone(width * 1e-3, mirrored)) if mirrored else None)
+    return study.run(name, SCENE, {**settings, "time.end": end, "output.history_rows": 40})
+
+
+def wave(width, length, side, constraint, mirrored=False, end=None):
+    result = wave_result(width, length, side, constraint, mirrored, end)
+    return returned(result, mirrored, min(zone(width * 1e-3, mirrored)))
 
 
 def wave_table(mirrored):
     rows = []
     for constraint in CONSTRAINTS:
         for length, side in ((30, 5), (60, 5), (120, 5), (60, 2.5)):
-            if mirrored and side != 5:
-                continue
-            rows.append([constraint, length, side, *(f"{wave(w, length, side, constraint, mirrored):.3f}" for w in WIDTHS)])
-    return study.table(["constraint", "wave, mm", "h, mm", *(f"L {w}" for w in WIDTHS)], rows)
+            late = [] if mirrored else [f"{wave(WIDTHS[-1], length, side, constraint, end=LATE):.3f}"]
+            rows.append([constraint, length, side, *(f"{wave(w, length, side, constraint, mirrored):.3f}" for w in WIDTHS), *late])
+    late = [] if mirrored else [f"L {WIDTHS[-1]}, after {1e6 * LATE:g} us"]
+    return study.table(["constraint", "wave, mm", "h, mm", *(f"L {w}" for w in WIDTHS), *late], rows)
 
 
-def wave_result(width, length, side, constraint):
-    wave(width, length, side, constraint)
-    settings = wave_settings(width * 1e-3, length * 1e-3, side * 1e-3, constraint, False)
-    return study.run(f"coupling/{constraint}-{width}-{length}-{side}-forth", SCENE, {**settings, "output.history_rows": 40})
 
 
-def energy_before(result, kind, start, end, whole):
-    """Of the columns of points before `start`, where the elements end, with the share that they have between there and `end`; J. `whole`: elements alone."""
+def energy_before(result, kind, edges=None):
+    """Of the columns of points up to the end of the zone between edges = (where elements end, where particles do), with the share that they have of it;
+    J. Without a zone up to the same place, edges = (that place,)."""
     x, u, v = columns_of(result, kind, step_of(result))
     middle, size = 0.5 * (x[1:] + x[:-1]), np.diff(x)
-    elements = np.ones_like(middle) if whole else np.clip((start - middle) / (start - end), 0, 1)
+    elements = np.clip((edges[0] - middle) / (edges[0] - edges[1]), 0, 1) if len(edges) > 1 else float(kind == "nodes")
     share = elements if kind == "nodes" else 1 - elements
     energy = 0.5 * DENSITY * 0.5 * (v[1:] ** 2 + v[:-1] ** 2) + 0.5 * MODULUS * (np.diff(u) / size) ** 2
-    return np.sum((0.01 * size * share * energy)[x[1:] <= start + 1e-9])
+    return np.sum((0.01 * size * share * energy)[x[1:] <= max(edges) + 1e-9])
 
 
-def behind_table(width=80):
-    start, end = LENGTH / 2 + width * 0.5e-3, LENGTH / 2 - width * 0.5e-3
+def left_alone(mirrored, length, side, place):
+    """What a mesh without particles (or a lattice without elements) leaves before a place, in %."""
+    if mirrored:
+        alone = coupling_packings.wave_run(f"strip-lattice-{length}", False, False, 0.0, LENGTH, None, MODULUS, length * 1e-3, side * 1e-3)
+    else:
+        alone = coupling_packings.wave_run(f"strip-mesh-{length}-{side:g}", False, False, None, None, (0.0, LENGTH), MODULUS, length * 1e-3, side * 1e-3)
+    return 100 * energy_before(alone, "particles" if mirrored else "nodes", (place,)) / coupling_packings.stored(alone)
+
+
+def behind_table(mirrored, widths=(20, 40, 80)):
     rows = []
     for length, side in ((30, 5), (60, 5), (120, 5), (60, 2.5)):
-        mesh = coupling_packings.wave_run(f"strip-mesh-{length}-{side:g}", False, False, None, None, (0.0, LENGTH), MODULUS, length * 1e-3, side * 1e-3)
-        tail = 100 * energy_before(mesh, "nodes", start, end, True) / coupling_packings.stored(mesh)
         for constraint in CONSTRAINTS:
-            result = wave_result(width, length, side, constraint)
-            left = 100 * (energy_before(result, "nodes", start, end, False) + energy_before(result, "particles", start, end, False))
-            left /= coupling_packings.stored(result)
-            rows.append([constraint, length, side, f"{left:.3f}", f"{tail:.3f}", f"{left - tail:.3f}"])
-    return study.table(["constraint", "wave, mm", "h, mm", f"left before the end of the zone (L {width}), %", "mesh alone, %", "difference, %"], rows)
+            cells = []
+            for width in widths:
+                result, edges = wave_result(width, length, side, constraint, mirrored), zone(width * 1e-3, mirrored)
+                left = 100 * sum(energy_before(result, kind, edges) for kind in ("nodes", "particles")) / coupling_packings.stored(result)
+                alone = left_alone(mirrored, length, side, max(edges))
+                cells += [f"{left:.3f}", f"{left - alone:.3f}"]
+            rows.append([constraint, length, side, *cells, f"{alone:.3f}"])
+    return study.table(["constraint", "wave, mm", "h, mm", *(name for width in widths for name in (f"L {width}, %", "more than alone, %")),
+                        f"alone, to the end of L {widths[-1]}, %"], rows)
 
 
 # --- a patch of a disordered packing --------------------------------------------------------------------------
@@ -219,12 +240,13 @@ def crack(result):
     """Where bonds broke, at the start."""
     x = result.results("particles/position") - result.results("particles/displacement")
     broken = result.results("bonds/state") > 0
-    return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])[:, :2]
+    return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])
 
 
 def main():
     study.put("coupling.md", "table short", coupling_packings.short_table(lambda width, length, side, how: wave(width, length, side, how, True)))
-    study.put("coupling.md", "table behind", behind_table())
+    study.put("coupling.md", "table behind", behind_table(False))
+    study.put("coupling.md", "table behind back", behind_table(True))
     study.put("coupling.md", "table bar", coupling_packings.bar_table())
     study.put("coupling.md", "table packing", coupling_packings.packing_table())
     study.put("coupling.md", "table forth", wave_table(False))

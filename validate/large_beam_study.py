@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 
+import meshes
 import study
 
 FOLDER = study.RUNS / "large-beam"
@@ -26,19 +27,8 @@ def region():
     outline = [left[0], left[1], left[2], (mid + half, NOTCH), (mid + half, LOW), (mid + SIDE, LOW), (mid + SIDE, NOTCH), (mid + SIDE, TOP),
                (mid - SIDE, TOP), left[3]]
     faces = [(0, 1, 2), (0, 2, 9), (4, 5, 6), (4, 6, 3), (9, 2, 8), (2, 3, 8), (3, 7, 8), (3, 6, 7)]
-    triangles = []
-    for a, b, c in faces:
-        triangles += [[(*outline[k], BREADTH) for k in (a, b, c)], [(*outline[k], 0.0) for k in (a, c, b)]]
-    for k, here in enumerate(outline):
-        there = outline[(k + 1) % len(outline)]
-        triangles += [[(*here, 0.0), (*there, 0.0), (*there, BREADTH)], [(*here, 0.0), (*there, BREADTH), (*here, BREADTH)]]
-    lines = ["solid region"]
-    for corners in triangles:
-        lines += ["facet normal 0 0 0", "outer loop", *("vertex " + " ".join(f"{v:.10g}" for v in corner) for corner in corners), "endloop", "endfacet"]
-    path = FOLDER / "region.stl"
     FOLDER.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join([*lines, "endsolid region"]) + "\n")
-    return str(path)
+    return meshes.prism(FOLDER / "region.stl", outline, faces, BREADTH)
 
 
 def scene(radius):

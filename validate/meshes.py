@@ -1,4 +1,6 @@
-"""Grids of triangles in the plane as files of gmsh, format 2.2."""
+"""Grids of triangles in the plane and of tetrahedra in space as files of gmsh, format 2.2, and prisms as STL."""
+import itertools
+
 import numpy as np
 
 
@@ -14,6 +16,38 @@ def triangles(number, kept=lambda row, column: True):
     return cells
 
 
+CENTRAL, CORNERS = ((0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)), ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1))
+
+
+def tetrahedra(number, kept=lambda column, row, layer: True):
+    """Five in each cell of a grid, the one in its middle turned from cell to cell. number[column, row, layer]: of its nodes, from 1 on."""
+    found = []
+    for start in np.ndindex(*(n - 1 for n in number.shape)):
+        if not kept(*start):
+            continue
+        odd = sum(start) % 2
+        node = lambda corner: number[start[0] + (corner[0] ^ odd), start[1] + corner[1], start[2] + corner[2]]  # noqa: E731
+        shapes = [CENTRAL, *((c, *(near for near in CENTRAL if sum(abs(a - b) for a, b in zip(c, near)) == 1)) for c in CORNERS)]
+        for shape in shapes:
+            right = np.linalg.det([np.subtract(corner, shape[0]) for corner in shape[1:]]) > 0
+            a, b, c, d = (node(corner) for corner in shape)
+            found.append((a, b, c, d) if right != bool(odd) else (a, c, b, d))
+    return found
+
+
+def even_tetrahedra(number):
+    """Six in each cell of a grid, all round the diagonal from its first corner: all nodes inside have the same volume."""
+    found = []
+    for start in np.ndindex(*(n - 1 for n in number.shape)):
+        for order in itertools.permutations(range(3)):
+            path = np.zeros((4, 3), int)
+            for k, axis in enumerate(order):
+                path[k + 1:, axis] = 1
+            a, b, c, d = (number[tuple(start + corner)] for corner in path)
+            found.append((a, b, c, d) if np.linalg.det(path[1:]) > 0 else (a, c, b, d))
+    return found
+
+
 def graded(marks, size):
     """Places from the first mark to the last, every mark among them; between two the spacing follows size(place) as closely as whole cells let it."""
     found = [marks[0]]
@@ -27,11 +61,28 @@ def graded(marks, size):
 
 
 def write(path, nodes, cells, points):
-    """`points`: groups of one node each, by name; the cells are the group body."""
-    groups = [f'0 {k + 1} "{name}"' for k, name in enumerate(points)] + [f'2 {len(points) + 1} "body"']
+    """`points`: groups of one node each, by name; the cells, triangles or tetrahedra, are the group body."""
+    dimension, kind = (3, 4) if len(cells[0]) == 4 else (2, 2)
+    groups = [f'0 {k + 1} "{name}"' for k, name in enumerate(points)] + [f'{dimension} {len(points) + 1} "body"']
     body, first = len(points) + 1, len(points) + 1
+    places = ((*place, 0)[:3] for place in nodes)
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(groups)), *groups, "$EndPhysicalNames", "$Nodes", str(len(nodes)),
-             *(f"{k + 1} {x:.10g} {y:.10g} 0" for k, (x, y) in enumerate(nodes)), "$EndNodes", "$Elements", str(len(cells) + len(points)),
+             *(f"{k + 1} {x:.10g} {y:.10g} {z:.10g}" for k, (x, y, z) in enumerate(places)), "$EndNodes", "$Elements", str(len(cells) + len(points)),
              *(f"{k + 1} 15 2 {k + 1} {k + 1} {node}" for k, node in enumerate(points.values())),
-             *(f"{k + first} 2 2 {body} {body} {a} {b} {d}" for k, (a, b, d) in enumerate(cells)), "$EndElements"]
+             *(f"{k + first} {kind} 2 {body} {body} " + " ".join(map(str, cell)) for k, cell in enumerate(cells)), "$EndElements"]
     path.write_text("\n".join(lines) + "\n")
+
+
+def prism(path, outline, faces, height):
+    """Closed surface between z = 0 and `height` over an outline [x, y], counter-clockwise, and the triangles that fill it; the path as text."""
+    triangles = []
+    for a, b, c in faces:
+        triangles += [[(*outline[k], height) for k in (a, b, c)], [(*outline[k], 0.0) for k in (a, c, b)]]
+    for k, here in enumerate(outline):
+        there = outline[(k + 1) % len(outline)]
+        triangles += [[(*here, 0.0), (*there, 0.0), (*there, height)], [(*here, 0.0), (*there, height), (*here, height)]]
+    lines = ["solid region"]
+    for corners in triangles:
+        lines += ["facet normal 0 0 0", "outer loop", *("vertex " + " ".join(f"{v:.10g}" for v in corner) for corner in corners), "endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid region"]) + "\n")
+    return str(path)

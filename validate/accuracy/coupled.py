@@ -63,7 +63,9 @@ def axes(v):
 
 
 def strength(row):
-    return row["flexural_strength"]
+    """Of a run that has come to its end: what comes after conversion has halted is not known."""
+    halted = any(one["name"] == "conversion_halted" for one in row.summary.get("warnings", []))
+    return float("nan") if halted else row["flexural_strength"]
 
 
 def saved(truth, rows):
@@ -76,7 +78,7 @@ def saved(truth, rows):
             text.append(f"within {words.percent(limit)} of its strength the cheapest takes {words.seconds(best.seconds)} s "
                         f"({best.axis} {words.plain(best.value)}), {best.seconds / whole:.2f} of it")
     return (f"The beam of particles alone takes {words.seconds(whole)} s. " + ("; ".join(text).capitalize() + ". " if text else "")
-            + "Runs without a strength ended where conversion would have left the packing.")
+            + "Runs without a strength ended where conversion would have left the packing or come to the load.")
 
 
 def section(study, pictures):
