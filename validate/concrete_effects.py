@@ -3,8 +3,8 @@ pressure and under 9 MPa. Writes the section on concrete of docs/accuracy.md and
 
     /usr/bin/python3 validate/concrete_effects.py [--fresh] [--kept] [--quick] [most] [large]
 
-Ten minutes of one core. `most`: 71 852 spheres too, as many as the source's largest specimen; `large`: speeds with 13 500 spheres too; each
-ten minutes more, and shown once they were made. --kept: of the runs that are there; --quick: few spheres, prints what it would have
+Ten minutes of one core. `most`: 71 852 spheres too, as many as the source's largest specimen; `large`: speeds with 13 500 spheres too; together
+twenty minutes more, and shown once they were made. --kept: of the runs that are there; --quick: few spheres, prints what it would have
 written. Runs stay in runs/studies/concrete.
 """
 import datetime
