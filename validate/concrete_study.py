@@ -1,10 +1,10 @@
 """Concrete under compression with pressure around it (Santasusana 2013, ch. 5 and 7, after Sfer et al. 2002): bonds by area that
-soften and yield, cylinders of 107 to 13 500 spheres. Fills the parts on concrete of docs/evidence/laboratory.md and its pictures.
+soften and yield, cylinders of 1 500 and 13 500 spheres. Fills the parts on concrete of docs/evidence/laboratory.md and its pictures. What number of
+particles, speed and step do: concrete_effects.py.
 
-    /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [particles] [most] [choices] [speed] [step] [hydrostatic] [oedometer]
+    /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [choices] [hydrostatic] [oedometer]
 
-A quarter of an hour of one core, without `large` (two more packings of 13 500 spheres) and `most` (71 852 spheres, as many as the source's largest
-specimen), which take as much each and are made when they are named.
+Ten minutes of one core, without `large` (two more packings of 13 500 spheres), which takes as much and is made when it is named.
 --kept: tables of the runs that are there; --quick: no more than 1 500 spheres, two minutes, and prints what it would have written. Runs stay in
 runs/studies/concrete.
 """
@@ -41,8 +41,9 @@ MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # the same of ma
 LARGE = 1500 if QUICK else 13500
 LARGE_TESTS = tuple(TESTS)
 MOST = 71852
-LONG = ("large", "most")  # made when they are asked for by name
+LONG = ("large",)  # made when they are asked for by name
 MIDDLE = 500 if QUICK else 1500
+LOAD_ROWS = 3000  # so that the start of loading, which bends from 9 MPa on, has rows enough; the largest number of spheres is read at its peak alone
 SEEDS = (1, 2, 3)
 RAISED, RAISED_FROM = 2.0, 4000  # factor of time.mass_scaling with so many spheres and more: half the steps
 COLOURS = {0: "#22303c", 1.5: "#2b6cb0", 4.5: "#2a9d8f", 9: "#6a994e", 30: "#e09f3e", 60: "#c8402f"}
@@ -98,7 +99,8 @@ def compression(count, seed, pressure, speed=None, strain=None, drop=0.6, **chan
             "membrane": {"pressure": pressure * 1e6, "ramp": RAMP}, "time": {"end": time + 6e-3},
             "stages": [{"name": "ramp", "end": {"time": RAMP}, "output": {"history_rows": 50}},
                        {"name": "rest", "end": {"unbalanced": 1e-3, "time": 4e-3}, "output": {"history_rows": 200}},
-                       {"name": "load", "sets": load, "end": {"strain": strain, "peak_drop": drop, "time": time}}]}
+                       {"name": "load", "sets": load, "end": {"strain": strain, "peak_drop": drop, "time": time},
+                        **({} if count > LARGE else {"output": {"history_rows": LOAD_ROWS}})}]}
 
 
 def made(name, scene, settings=None):
@@ -302,7 +304,7 @@ def large_part():
                                           "at 1 % of strain"], rows, QUICK, missing)
 
 
-# --- what the source leaves open, particles -------------------------------------------------------------------
+# --- what the source leaves open --------------------------------------------------------------------------------
 
 def choices_part():
     count = 500 if QUICK else 1500
@@ -319,69 +321,9 @@ def choices_part():
                           "left 0.2 % after the peak, 0 MPa", "9 MPa"], rows)
 
 
-def most_part():
-    """As many spheres as the largest specimen of the source has, in the table of the others."""
-    for pressure in () if QUICK else (0, 9):
-        study.if_there(tested, MOST, 1, pressure)
-    particles_part()
-
-
-def kept_there(count, pressures):
-    """Whether the runs of one packing were made before."""
-    return all((FOLDER / f"{count}-1-{pressure:g}" / "study.json").exists() for pressure in pressures)
-
-
-def particles_part():
-    rows = []
-    pressures = (0, 9)
-    for count in (107, 500, 1500, 4000, 13500, MOST):
-        if count > LARGE and not kept_there(count, pressures):
-            continue
-        seeds = SEEDS if count <= MIDDLE else SEEDS[:1]
-        found = {p: [tested(count, seed, p) for seed in seeds] for p in pressures}
-        free = found[0]
-        rows.append([count, len(seeds), f"{1e3 * np.mean([c.run.results('particles/radius').mean() for c in free]):.2f}",
-                     f"{np.mean([2 * c.run.bonds / c.run.summary['counts']['particles'] for c in free]):.2f}",
-                     spread([c.run.young_modulus_average / 1e9 for c in free]), spread([c.run.poisson_ratio for c in free], 2),
-                     *(spread([c.peak for c in found[p]]) for p in pressures)])
-    put("table particles", ["spheres", "packings", "mean radius mm", "n_c", "E average GPa", "nu", "largest deviator, 0 MPa", "9 MPa"], rows)
-
-
-# --- speed and step -----------------------------------------------------------------------------------------------
-
-def speed_part():
-    """Brittle bonds, as in the source, no pressure around; a small specimen."""
-    count = 500
-    rows, curves = [], {}
-    for speed in (1.0, 0.2, 0.1, 0.02) if QUICK else (1.0, 0.2, 0.1, 0.02, 0.002):
-        scene = compression(count, 1, 0, speed, 0.006, drop=0.9, law={"softening": "none"})
-        scene["materials"] = [brittle()]
-        scene["output"]["history_rows"] = 2000
-        curve = curves[speed] = Curve(made(f"speed-{count}-{speed:g}", scene), 0)
-        past = curve.axial[(np.arange(len(curve.stress)) > curve.row) & (curve.stress < 0.5 * curve.peak)]
-        fall = (past[0] / curve.peak_strain - 1) if len(past) else float("nan")
-        work = curve.run.results("history/energy_kinetic")[: curve.row + 1]
-        rows.append([f"{speed:g}", f"{speed / 3286 / curve.peak_strain:.4f}", f"{curve.modulus:.2f}", f"{curve.peak:.2f}", f"{100 * curve.peak_strain:.3f}",
-                     f"{fall:.2f}", f"{100 * curve.run.end_imbalance:.1f}", f"{work.max():.3g}", curve.run.summary["steps"]])
-    put("table speed", ["closing m/s", "over wave speed and peak strain", "E of the ends GPa", "UCS MPa", "strain there %", "strain to half of it, over that",
-                        "ends differ by %", "largest kinetic energy before J", "steps"], rows)
-    figure, axes = plt.subplots(figsize=(7, 5))
-    for (speed, curve), colour in zip(curves.items(), ("#c8402f", "#e09f3e", "#6a994e", "#2b6cb0", "#22303c")):
-        axes.plot(100 * curve.axial, curve.stress, color=colour, label=f"{speed:g} m/s")
-    axes.set(xlabel="axial strain, %", ylabel="stress, MPa", title=f"Speed of closing, brittle bonds, {count} spheres", ylim=(0, None))
-    axes.legend()
-    save(figure, "concrete-speed")
-
-
-def step_part():
-    count, rows = 500, []
-    for safety in (0.9, 0.45, 0.2, 0.05):
-        if QUICK and safety < 0.2:
-            continue
-        curve = tested(count, 1, 0, f"-safety{safety:g}", {"time.safety": safety})
-        rows.append([f"{safety:g}", f"{1e9 * curve.run.results('history/time')[-1] / curve.run.results('history/step')[-1]:.0f}", f"{curve.modulus:.2f}", f"{curve.peak:.2f}", f"{100 * curve.peak_strain:.3f}",
-                     f"{curve.run.residual:.0e}", curve.run.summary["steps"]])
-    put("table step", ["of the stable step", "ns", "E of the ends GPa", "UCS MPa", "strain there %", "residual", "steps"], rows)
+def kept_there(count, pressures, seeds=(1,)):
+    """Whether these runs were made before."""
+    return all((FOLDER / f"{count}-{seed}-{pressure:g}" / "study.json").exists() for pressure in pressures for seed in seeds)
 
 
 # --- hydrostatic and oedometric states --------------------------------------------------------------------------
@@ -501,11 +443,11 @@ def oedometer_part(hydrostatic):
 
 
 def main():
-    known = ("curves", "large", "particles", "most", "choices", "speed", "step", "hydrostatic", "oedometer")
+    known = ("curves", "large", "choices", "hydrostatic", "oedometer")
     asked = [a for a in sys.argv[1:] if not a.startswith("-")]
     if set(asked) - set(known):
         sys.exit(f"concrete_study: expected some of {', '.join(known)}, found {' '.join(asked)}")
-    simple = {"curves": curves_part, "large": large_part, "particles": particles_part, "most": most_part, "choices": choices_part, "speed": speed_part, "step": step_part}
+    simple = {"curves": curves_part, "large": large_part, "choices": choices_part}
     for name in asked or [name for name in known if name not in LONG]:
         if name in simple:
             simple[name]()

@@ -29,10 +29,11 @@ HEAD = """# What accuracy costs
 
 Written by `./do accuracy` (`validate/accuracy/`); do not edit. Every time is in **CPU seconds of one thread**, packing included where
 packings are varied, and the start of the program (0.02 s): the wall seconds of a machine that others use say nothing. Sections say when
-and with what they were measured. What speed, step and number of particles do to concrete whose bonds soften and yield is in
-[laboratory](evidence/laboratory.md#speed-and-step).
+and with what they were measured. The section on [concrete](#concrete-under-pressure), whose bonds soften and yield, is written by
+`validate/concrete_effects.py`.
 
 """
+ELSEWHERE = ("concrete",)  # sections that other studies write, between those of the cases and the slopes
 
 
 def cases():
@@ -53,6 +54,21 @@ def cases():
             "collision": collision.section, "wave": wave.section,
             "cantilever": cantilever.section, "bed": bed.section, "hopper": hopper.section, "notched": notched.section,
             "notched-elements": notched.elements_section, "coupled": coupled.section, "brazilian": brazilian.section, "packing": packing.section}
+
+
+def page_at(path, folder):
+    return Page(path, folder / "sections", HEAD, "./do accuracy --only")
+
+
+def write(page):
+    page.write(["overview", *cases(), *(name for name in ELSEWHERE if page.kept(name) or page.there(name)), "slopes"])
+
+
+def put_elsewhere(name, text):
+    """A section of the page that another study has measured."""
+    page = page_at(study.ROOT / "docs" / "accuracy.md", study.ROOT / "runs" / "accuracy")
+    page.keep(name, text)
+    write(page)
 
 
 def conditions(s, case):
@@ -101,7 +117,7 @@ def main(arguments):
     folder, path, pictures, table = places(arguments, quick)
     folder.mkdir(parents=True, exist_ok=True)
     s, p = machinery.Study(folder, quick), words.Pictures(pictures, "pictures")
-    page = Page(path, folder / "sections", HEAD, "./do accuracy --only")
+    page = page_at(path, folder)
     measured, found = [], {}
     for name in wanted:
         text, found[name] = known[name](s, p)
@@ -113,7 +129,7 @@ def main(arguments):
     if {"compression", "tension"} <= set(wanted):
         page.keep("overview", overview.section(p, [found["compression"], found["tension"]]))
     page.keep("slopes", overview.slopes_section(slopes.read(table)))
-    page.write(["overview", *known, "slopes"])
+    write(page)
 
 
 if __name__ == "__main__":

@@ -23,8 +23,9 @@ def sizes(options):
 def packing(options):
     thickness, radius = sizes(options)
     length, width, height = PROPORTIONS * thickness
+    seed = options.get("seed", 1)
     text = (f"specimen:\n  box: {{size: [{length}, {width}, {height}]}}\n  origin: [{-length / 2}, 0, 0]\n"
-            f"  mean_radius: {radius}\n  packing: {{size_ratio: 3, overlap: passive}}\nrun: {{seed: 1}}\n")
+            f"  mean_radius: {radius}\n  packing: {{size_ratio: 3, overlap: passive}}\nrun: {{seed: {seed}}}\n")
 
     def notch(folder):
         """A slot as wide as a mean particle and a quarter of the height deep, at mid-span."""
@@ -32,7 +33,7 @@ def packing(options):
         inside = (np.abs(rows[:, 0]) < radius) & (rows[:, 2] < height / 4)
         jobs.write_rows(folder / "notched.txt", rows[~inside])
 
-    name = "beam" + "".join(f"-{size}" for size in ("large", "small") if options.get(size))
+    name = "beam" + "".join(f"-{size}" for size in ("large", "small") if options.get(size)) + (f"-{seed}" if seed > 1 else "")
     return jobs.packed(name, text, notch) / "notched.txt"
 
 

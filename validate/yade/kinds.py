@@ -9,11 +9,12 @@ import laboratory as lab
 import own
 
 ROCK = {**lab.ROCK, "yade": {"fresh": "aligned"}}
-SEEDS = (1, 2, 3, 4, 5)  # packings; the first is run in YADE as well
+SEEDS = (1, 2, 3, 4, 5)  # packings
+PAIRED = SEEDS[:3]       # those that are run in YADE as well
 PRESSURES = (5e6, 20e6)
 RAMP, HELD = 0.05e-3, 0.1e-3  # s: the pressure comes, ends stand
 DISC, THICK = 0.050, 0.025    # m
-SHIFTS = 4
+SHIFTS, PEER_SHIFTS = 4, 2  # copies of packings shifted by round-off: in gneiss of each of PAIRED, in YADE of the first
 
 
 def packing(name, shape, count, seed):
@@ -63,8 +64,8 @@ def brazilian(seed):
     return with_steps(job, 0.012 * DISC, 0.1, 0.0)
 
 
-def bending(_):
-    return beam.job_of({"small": True})
+def bending(seed):
+    return beam.job_of({"small": True, "seed": seed})
 
 
 # --- readings ------------------------------------------------------------------------------------------------
@@ -131,24 +132,30 @@ TESTS["bending"] = {"job": bending, "read": of_beam, "file": "bending", "stress"
 
 
 def run_test(name):
-    """Job, both codes' runs; strengths in gneiss on copies shifted by round-off; readings in gneiss over packings."""
-    test = TESTS[name]
-    job = test["job"](SEEDS[0])
-    own_run, peer_run = jobs.both(f"kind-{test['file']}", job)
-    copies = [test["read"](job, jobs.run_gneiss(f"kind-{test['file']}-shifted-{k}", beam.shifted(job, k)))["strength"]
-              for k in range(1, SHIFTS + 1)]
-    packings = [test["read"](job, own_run)]
-    for seed in SEEDS[1:] if test["stress"] else ():
-        other = test["job"](seed)
-        packings.append(test["read"](other, jobs.run_gneiss(f"kind-{test['file']}-packing-{seed}", other)))
-    return job, own_run, peer_run, copies, packings
+    """Job and both codes' runs of the first packing; strengths per paired packing in both codes, the copies shifted by round-off among
+    them; strengths in gneiss over packings."""
+    test, part = TESTS[name], f"kind-{TESTS[name]['file']}"
+    first, pairs, packings = None, [], []
+    for seed in SEEDS if test["stress"] else PAIRED:
+        job, label = test["job"](seed), part if seed == SEEDS[0] else f"{part}-packing-{seed}"
+        mine = jobs.run_gneiss(label, job)
+        packings.append(test["read"](job, mine)["strength"])
+        if seed not in PAIRED:
+            continue
+        peer = jobs.run_yade(label, job)
+        first = first or (job, mine, peer)
+        copies = [(f"{label}-shifted-{k}", beam.shifted(job, k)) for k in range(1, SHIFTS + 1)]
+        pairs.append(([packings[-1], *(test["read"](job, jobs.run_gneiss(*copy))["strength"] for copy in copies)],
+                      [test["read"](job, peer)["strength"], *(test["read"](job, jobs.run_yade(*copy))["strength"]
+                                                              for copy in (copies[:PEER_SHIFTS] if seed == SEEDS[0] else ()))]))
+    return *first, pairs, packings
 
 
 # --- the section ---------------------------------------------------------------------------------------------
 
 INTRO = """## Tests by name
 
-About 1000 spheres each, one packing (`gneiss pack`), the contact parameters of the cylinders above; the ends are the same lists of particles,
+About 1000 spheres each, packed by `gneiss pack` (the first packing, where nothing is said), the contact parameters of the cylinders above; the ends are the same lists of particles,
 moved along the axis. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
 the same forces, of fixed directions, act on the same particles; they come in {ramp:g} ms, then the ends, which are held across, close at 0.4 m/s. Stiffness is that of the deviator. A particle keeps its
 share in YADE, and in gneiss as long as it touches the body. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
@@ -157,11 +164,48 @@ with spheres of 2.4 mm; stiffness in N/m, the ratio is that of the mouth's openi
 Slopes from 10 to 50 % of the peak. Scatter in per cent of the strength: of gneiss on {copies} copies with coordinates changed by a relative 1e-12, and over {seeds} packings.
 """
 
+STRENGTHS = """### Strengths of the tests by name, over packings and round-off
+
+Packings in both codes: {paired}; copies of each with coordinates changed by a relative 1e-12: {copies} in gneiss, {peer_copies} (of the first) in YADE. Smallest to largest
+of these runs in brackets, MPa (bending: N). Scatter: standard deviation of such copies about their mean, of all packings together. The last column is the difference of the means over
+its own standard deviation by that scatter.
+"""
+
 HEADS = ["test", "spheres", "bonds", "stiffness gneiss", "YADE", "%", "ratio gneiss", "YADE", "%", "strength gneiss", "YADE", "%",
          "scatter: round-off", "packings", "broken at the peak gneiss", "YADE"]
 
 
-def row(name, job, own_run, peer_run, copies, packings):
+STRENGTH_HEADS = ["test", "packing", "gneiss", "runs", "YADE", "runs", "difference of the means %", "scatter of a run %", "over what round-off makes of it"]
+
+
+def within(own_values, peer_values):
+    """Degrees of freedom and sum of squares of runs about the means of their code, relative."""
+    parts = [np.asarray(values) / np.mean(values) for values in (own_values, peer_values)]
+    return sum(len(part) - 1 for part in parts), sum(np.sum((part - 1) ** 2) for part in parts)
+
+
+def strength_rows(name, pairs):
+    scale = 1e6 if TESTS[name]["stress"] else 1
+    free, squares = np.sum([within(*pair) for pair in pairs], axis=0)
+    scatter, rows = np.sqrt(squares / free), []
+    for seed, (mine, peer) in zip(PAIRED, pairs):
+        difference = np.mean(peer) / np.mean(mine) - 1
+        rows.append([name, seed, *(cell for values in (mine, peer) for cell in (ranged(np.asarray(values) / scale), len(values))),
+                     f"{100 * difference:+.2g}", f"{100 * scatter:.2g}", f"{abs(difference) / (scatter * np.sqrt(1 / len(mine) + 1 / len(peer))):.1f}"])
+    if len(pairs) < 2:
+        return rows
+    means = [np.mean([np.mean(pair[code]) for pair in pairs]) for code in (0, 1)]
+    counts = [sum(1 / len(pair[0]) + 1 / len(pair[1]) for pair in pairs)]
+    difference = means[1] / means[0] - 1
+    return [*rows, [name, "all", f"{means[0] / scale:.2f}", sum(len(p[0]) for p in pairs), f"{means[1] / scale:.2f}", sum(len(p[1]) for p in pairs),
+                    f"{100 * difference:+.2g}", f"{100 * scatter:.2g}", f"{abs(difference) / (scatter * np.sqrt(counts[0]) / len(pairs)):.1f}"]]
+
+
+def ranged(values):
+    return f"{values.mean():.2f}" + (f" ({values.min():.2f} to {values.max():.2f})" if len(values) > 1 else "")
+
+
+def row(name, job, own_run, peer_run, pairs, packings):
     import page
 
     g, y = TESTS[name]["read"](job, own_run), TESTS[name]["read"](job, peer_run)
@@ -171,9 +215,7 @@ def row(name, job, own_run, peer_run, copies, packings):
     cells = [name, len(np.loadtxt(job["spheres"])), int(own_run["bonds"])]
     for key, scale, unit, digits in units:
         cells += [f"{g[key]/scale:.{digits}f}{unit}", f"{y[key]/scale:.{digits}f}", page.percent(y[key], g[key])]
-    strengths = [p["strength"] for p in packings]
-    return cells + [f"{page.spread([g['strength'], *copies]):.2f}", f"{page.spread(strengths):.1f}" if len(strengths) > 1 else "",
-                    *(f"{r['tension']} + {r['shear']}" for r in (g, y))]
+    return cells + [f"{page.spread(pairs[0][0]):.2f}", f"{page.spread(packings):.1f}" if len(packings) > len(PAIRED) else "", *(f"{r['tension']} + {r['shear']}" for r in (g, y))]
 
 
 def picture(found):
@@ -203,7 +245,11 @@ def section(options):
     rows = [row(name, *parts) for name, parts in found.items()]
     pairs = [(TESTS[n]["read"](job, a), TESTS[n]["read"](job, b)) for n, (job, a, b, *_) in found.items()]
     worst = {key: max(abs(100 * (y[key] / g[key] - 1)) for g, y in pairs) for key in ("E", "nu", "strength")}
-    after = (f"Largest differences between the codes: stiffness {worst['E']:.2g} %, ratio {worst['nu']:.2g} %, strength "
-             f"{worst['strength']:.2g} %. Asked for: elastic constants within 0.5 %, strengths within the scatter.")
+    table = [line for name, parts in found.items() for line in strength_rows(name, parts[3])]
+    whole = {line[0]: line for line in table}  # the last of a test: over all its packings
+    after = (f"Largest differences between the codes: stiffness {worst['E']:.2g} %, ratio {worst['nu']:.2g} %, strength of one run "
+             f"{worst['strength']:.2g} %. Asked for: elastic constants within 0.5 %, strengths within the scatter. Means over all packings, YADE's over "
+             f"gneiss': {', '.join(f'{name} {line[6]} % ({line[8]} standard deviations)' for name, line in whole.items())}.")
     intro = INTRO.format(ramp=1e3 * RAMP, copies=SHIFTS, seeds=len(SEEDS))
-    return "\n".join([intro, page.table(HEADS, rows), "", picture(found), "", after])
+    second = STRENGTHS.format(paired=len(PAIRED), copies=SHIFTS, peer_copies=PEER_SHIFTS)
+    return "\n".join([intro, page.table(HEADS, rows), "", picture(found), "", second, page.table(STRENGTH_HEADS, table), "", after])
