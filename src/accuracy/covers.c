@@ -1,25 +1,17 @@
 #include "accuracy/covers.h"
 
+#include "scene/acts.h"
+
 #include <math.h>
 #include <string.h>
 
 /* --- ends --- */
 
-static const gn_motion *motion_of(const gn_scene *s, const char *name) {
-    int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
-        set = gn_scene_find_set(s, name), nodes = gn_scene_find_element_motion(s, name);
-    return wall >= 0    ? &s->walls[wall].motion
-           : body >= 0  ? &s->bodies[body].motion
-           : set >= 0   ? &s->sets[set].motion
-           : nodes >= 0 ? &s->elements.motions[nodes].motion
-                        : NULL;
-}
-
 /* Mean over the parts of an end. */
 static double end_of(const gn_scene *s, const gn_test_end *end, double time, bool path) {
     double sum = 0.0;
     for (size_t k = 0; k < end->count; k++) {
-        const gn_motion *motion = motion_of(s, end->name[k]);
+        const gn_motion *motion = gn_scene_end_motion(s, end->name[k]);
         if (!motion) continue;
         const gn_table *table = &motion->velocity[s->test.axis];
         sum += path ? gn_table_between(table, 0.0, time) : gn_table_at(table, time);
@@ -39,7 +31,7 @@ double gn_test_closing(const gn_scene *s, double time) {
 /* Tables are straight from one point to the next, so that the fastest is at one of them. */
 static double fastest_at_points(const gn_scene *s, const gn_test_end *end, double fastest) {
     for (size_t k = 0; k < end->count; k++) {
-        const gn_motion *motion = motion_of(s, end->name[k]);
+        const gn_motion *motion = gn_scene_end_motion(s, end->name[k]);
         const gn_table *table = motion ? &motion->velocity[s->test.axis] : NULL;
         for (size_t p = 0; table && p < table->count; p++)
             if (table->time[p] <= s->end)

@@ -51,7 +51,7 @@ bool gn_scene_presses_beside(const gn_scene *s, bool membrane) {
     return (!membrane && gn_table_acts(&s->membrane.pressure)) || presses(s, membrane);
 }
 
-static const gn_motion *motion_of(const gn_scene *s, const char *name) {
+const gn_motion *gn_scene_end_motion(const gn_scene *s, const char *name) {
     const int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
               set = gn_scene_find_set(s, name), nodes = gn_scene_find_element_motion(s, name);
     return wall >= 0    ? &s->walls[wall].motion
@@ -64,7 +64,7 @@ static const gn_motion *motion_of(const gn_scene *s, const char *name) {
 bool gn_scene_end_moves(const gn_scene *s, const gn_test_end *end) {
     bool any = false;
     for (size_t k = 0; k < end->count; k++) {
-        const gn_motion *m = motion_of(s, end->name[k]);
+        const gn_motion *m = gn_scene_end_motion(s, end->name[k]);
         any = any || (m && gn_table_acts(&m->velocity[s->test.axis]));
     }
     return any;

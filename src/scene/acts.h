@@ -17,6 +17,9 @@ bool gn_scene_squeezes(const gn_scene *scene);
 /* The same without the motions of the ends of the test, or (`membrane`) without the membrane. */
 bool gn_scene_presses_beside(const gn_scene *scene, bool membrane);
 
+/* The motion of a wall, a body, a set or nodes by name; NULL: there is none of that name. */
+const gn_motion *gn_scene_end_motion(const gn_scene *scene, const char *name);
+
 /* Whether a part of an end ever has a prescribed velocity along the axis of the test. */
 bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 

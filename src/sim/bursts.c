@@ -3,6 +3,7 @@
 #include "sim/bursts.h"
 
 #include "base/memory.h"
+#include "base/union_find.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -43,19 +44,6 @@ typedef struct grid {
     int64_t most[3]; /* cells round a periodic box; 0: any number */
 } grid;
 
-static int32_t root_of(int32_t *parent, int32_t k) {
-    while (parent[k] != k) {
-        parent[k] = parent[parent[k]];
-        k = parent[k];
-    }
-    return k;
-}
-
-static void unite(int32_t *parent, int32_t i, int32_t j) {
-    int32_t a = root_of(parent, i), b = root_of(parent, j);
-    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
-}
-
 static void cell_of(const grid *g, const double place[3], int64_t cell[3]) {
     for (int a = 0; a < 3; a++) cell[a] = (int64_t)floor(place[a] / g->size[a]);
 }
@@ -78,7 +66,7 @@ static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
         double d[3];
         if (e->time - of->time > g->bursts->window) return; /* and so are all before it */
         if (gn_branch(g->world, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
-            unite(g->parent, m, k);
+            gn_set_unite(g->parent, m, k);
     }
 }
 
@@ -142,7 +130,7 @@ static void sum_up(const gn_world *w, int32_t *parent, gn_bursts *b) {
         const gn_event *e = &list->rows[k];
         b->of[k] = -1;
         if (!is_break(e)) continue;
-        const int32_t root = root_of(parent, (int32_t)k);
+        const int32_t root = gn_set_root(parent, (int32_t)k);
         if (root == (int32_t)k)
             b->row[b->count++] = (gn_burst){.time = e->time, .first = (int64_t)k};
         b->of[k] = root == (int32_t)k ? (int32_t)b->count - 1 : b->of[root];

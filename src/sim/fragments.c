@@ -2,6 +2,7 @@
 
 #include "base/ball.h"
 #include "base/memory.h"
+#include "base/union_find.h"
 #include "sim/conversion.h"
 #include "sim/internal.h"
 
@@ -9,23 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The first of its piece, with the path to it halved on the way. */
-static int32_t root_of(int32_t *parent, int32_t p) {
-    while (parent[p] != p) {
-        parent[p] = parent[parent[p]];
-        p = parent[p];
-    }
-    return p;
-}
-
-static void unite(int32_t *parent, int32_t i, int32_t j) {
-    int32_t a = root_of(parent, i), b = root_of(parent, j);
-    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
-}
-
 static void join(const gn_contacts *bonds, int32_t *parent) {
     for (size_t c = 0; c < bonds->soa.count; c++)
-        if (gn_contact_bonded(bonds, c)) unite(parent, bonds->i[c], bonds->j[c]);
+        if (gn_contact_bonded(bonds, c)) gn_set_unite(parent, bonds->i[c], bonds->j[c]);
 }
 
 static void join_touching(const gn_world *w, const gn_contacts *list, int32_t *parent) {
@@ -35,7 +22,7 @@ static void join_touching(const gn_world *w, const gn_contacts *list, int32_t *p
         const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
         double free = list->length0 ? list->length0[c] : pos[4 * i + 3] + pos[4 * j + 3];
         if (gn_contact_bonded(list, c) || gn_branch(w, pos + 4 * i, pos + 4 * j, d) < free * free)
-            unite(parent, (int32_t)i, (int32_t)j);
+            gn_set_unite(parent, (int32_t)i, (int32_t)j);
     }
 }
 
@@ -45,7 +32,7 @@ static gn_fragments measure(const gn_world *w, int32_t *parent, double *volume, 
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (gn_is_asleep(w, p)) continue; /* no part of the body as yet */
-        size_t root = (size_t)root_of(parent, (int32_t)p);
+        size_t root = (size_t)gn_set_root(parent, (int32_t)p);
         double own = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
         members[root]++;
@@ -85,9 +72,10 @@ const int32_t *gn_world_bodies(const gn_world *w) {
     join_touching(w, &w->dem.bonds, q->parent);
     join_touching(w, &w->dem.pairs, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
-        if (p->vel[4 * k + 3] > 0.0) q->members[root_of(q->parent, (int32_t)k)]++;
+        if (p->vel[4 * k + 3] > 0.0) q->members[gn_set_root(q->parent, (int32_t)k)]++;
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
-        q->members[k] = p->vel[4 * k + 3] > 0.0 ? q->members[root_of(q->parent, (int32_t)k)] : 0;
+        q->members[k] =
+            p->vel[4 * k + 3] > 0.0 ? q->members[gn_set_root(q->parent, (int32_t)k)] : 0;
     return q->members;
 }
 
@@ -110,7 +98,7 @@ size_t gn_world_body_groups(const gn_world *w, int32_t chip, int32_t *group) {
         if (members[p] > members[lead]) lead = (int32_t)p;
     for (size_t p = 0; p < n; p++) {
         bool large = (int64_t)chip * members[p] >= members[lead];
-        group[p] = root_of(parent, large ? (int32_t)p : lead);
+        group[p] = gn_set_root(parent, large ? (int32_t)p : lead);
         groups += group[p] == (int32_t)p;
     }
     return groups;
@@ -168,7 +156,7 @@ static void sum_pieces(const gn_world *w, gn_fragment_list *list, int32_t *piece
     for (int64_t id = 0; id < d->ids; id++) {
         const int32_t p = d->index_of_id[id];
         if (p < 0 || !is_there(w, (size_t)p)) continue;
-        const int32_t root = root_of(d->pieces.parent, p);
+        const int32_t root = gn_set_root(d->pieces.parent, p);
         if (piece[root] < 0) {
             piece[root] = (int32_t)list->count;
             list->row[list->count++].first = (int32_t)id;
@@ -197,9 +185,9 @@ gneiss_status gn_fragments_list(const gn_world *w, gn_fragment_list *list, gneis
     qsort(list->row, list->count, sizeof *list->row, by_volume);
     memset(q->members, -1, n * sizeof *q->members);
     for (size_t k = 0; k < list->count; k++)
-        q->members[root_of(q->parent, w->dem.index_of_id[list->row[k].first])] = (int32_t)k;
+        q->members[gn_set_root(q->parent, w->dem.index_of_id[list->row[k].first])] = (int32_t)k;
     for (size_t p = 0; p < n; p++)
-        list->of[p] = is_there(w, p) ? q->members[root_of(q->parent, (int32_t)p)] : -1;
+        list->of[p] = is_there(w, p) ? q->members[gn_set_root(q->parent, (int32_t)p)] : -1;
     return GNEISS_OK;
 }
 
