@@ -109,6 +109,42 @@ static void threads_and_resumption_in_a_stage_give_the_same_bits(void **state) {
     finish_alike(", spins: slaved");
 }
 
+/* Damped from a stage on: what sleeps is written as the run is then, before the first conversion
+ * and after it. */
+static void effects_that_come_with_a_stage_can_be_resumed(void **state) {
+    (void)state;
+    char *const undamped = strdup(beam), *const damping = strstr(undamped, "damping:");
+    assert_non_null(damping);
+    memmove(damping, strchr(damping, '\n') + 1, strlen(strchr(damping, '\n')));
+    gneiss_error error = {0};
+    gn_run *one = run_of(
+        undamped, "", "0", 1,
+        "time: {end: 1 ms}\n"
+        "stages: [{name: rest, end: {time: 0.01 ms}}, {name: load, damping: {background: {model: "
+        "viscous, coefficient: 5e3}}, elements: {motions: {load: {motion: {vy: [[0, 0], [0.05 ms, "
+        "-12 mm/s]]}}}}, end: {time: 0.23 ms}}, {name: hold, elements: {motions: {load: {motion: "
+        "{vy: 0}}}}, end: {time: 0.03 ms}}]");
+    static const size_t stages[] = {1, 2};
+    gn_run *resumed[2];
+    for (size_t k = 0; k < 2; k++) {
+        while (!one->finished && one->world.stage < stages[k])
+            if (gn_run_steps(one, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        assert_false(one->finished);
+        if (gn_run_steps(one, 50, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        resumed[k] = resumed_of(one);
+    }
+    finish(one);
+    assert_true(gn_conversion_elements(&one->world) < 480);
+    assert_true(one->world.scene.background_coefficient > 0.0);
+    for (size_t k = 0; k < 2; k++) {
+        finish(resumed[k]);
+        assert_true(gn_world_hash(&resumed[k]->world) == gn_world_hash(&one->world));
+        run_end(resumed[k]);
+    }
+    run_end(one);
+    free(undamped);
+}
+
 static void what_sleepers_would_not_know_is_refused(void **state) {
     (void)state;
     static const char *const changes[][2] = {
@@ -136,6 +172,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_are_what_tables_are),
         cmocka_unit_test(threads_and_resumption_in_a_stage_give_the_same_bits),
+        cmocka_unit_test(effects_that_come_with_a_stage_can_be_resumed),
         cmocka_unit_test(what_sleepers_would_not_know_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

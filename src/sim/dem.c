@@ -177,6 +177,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     w->dem.particles.soa.effects = w->effects;
     w->dem.bonds.soa.effects = gn_contact_list_effects(w->effects, true);
     w->dem.pairs.soa.effects = gn_contact_list_effects(w->effects, false);
+    if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.soa.effects;
     GN_TRY(gn_contacts_take_materials(w, &w->dem.bonds, error));
     GN_TRY(gn_contacts_take_materials(w, &w->dem.pairs, error));
     GN_TRY(enter_bonds(w, error));
