@@ -1355,6 +1355,59 @@ def it_is_told_where_shear_has_no_normal_stress(folder):
 
 
 @fact
+def a_lid_on_what_is_sheared_presses_it_and_has_no_part_in_its_travel(folder):
+    """The same specimen, with the lid in the list of the end or beside it: strain, modulus and normal stress are the same, and there is a normal stress."""
+    sets = [slab("low", "lower", depth=4.5e-3, vx=0, vy=0), slab("up", "upper", depth=4.5e-3, vx=[[0, 0], [3e-5, 0.05]])]
+    lid = plate("lid", 0.016, -1, servo={"force": 1e4, "max_velocity": 0.5})
+    found = []
+    for k, (upper, walls) in enumerate((("up", [lid]), (["up", "lid"], [lid]), ("up", [plate("lid", 0.016, -1)]))):
+        given = bonded(sets=sets, walls=walls, test={**ends("shear", "low", upper), "axis": "x", "normal": "y"})
+        assert "nothing presses" not in expect(gneiss("check", write_scene(folder, given)), 0).stdout, upper
+        out = run_scene(folder, given, name=f"out{k}")
+        assert "no_normal_stress" not in [w["name"] for w in summary(out)["warnings"]], (upper, summary(out)["warnings"])
+        found.append((history(out), readings(out)))
+    (beside, one), (within, other), _ = found
+    assert beside["deflection"][-1] > 3e-6 and one["shear_modulus"] > 0, (beside["deflection"][-1], one)
+    for name in ("deflection", "strain", "stress"):
+        assert np.array_equal(beside[name], within[name]), name
+    assert one["shear_modulus"] == other["shear_modulus"]
+    far = bonded(sets=sets, walls=[plate("lid", 0.03, -1)], test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
+    assert "nothing presses" in expect(gneiss("check", write_scene(folder, far)), 0).stdout
+
+
+def halves(gap):
+    """Of a box about the block of 16 by 16 mm, open by `gap`."""
+    def half(name, face, way):
+        edge = 8e-3 + way * gap / 2
+        return {"name": name, "stiffness": 1e9, "polyline": [[x, y] for x, y in ((-1e-5, edge), (-1e-5, face), (0.01601, face), (0.01601, edge))]}
+    return [half("low", -1e-5, -1), {**half("up", 16.01e-3, 1), "motion": {"vx": 0.01}}]
+
+
+@fact
+def what_is_sheared_is_what_the_ends_leave_free(folder):
+    """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A length that is free is not doubted."""
+    def said(test=None, **more):
+        given = bonded(test={**ends("shear", "low", "up"), "axis": "x", "normal": "y", **(test or {})}, **more)
+        text = expect(gneiss("check", write_scene(folder, given)), 0).stdout
+        found = re.search(r"test +length (\S+) m, area (\S+) m2(?: \(1 m thick\))?(?:, (.*))?\n", text)
+        return float(found[1]), float(found[2]), "warning: " in text and "the specimen has" in text, found[3]
+
+    def sets(depth):
+        return [slab("low", "lower", depth=depth, vx=0, vy=0), slab("up", "upper", depth=depth, vx=0.01, vy=0)]
+
+    for depth, free in ((1.5e-3, 14e-3), (5.5e-3, 6e-3), (7.5e-3, 16e-3)):  # centres at 1, 3, .. 15 mm from the face
+        length, area, doubted, source = said(sets=sets(depth))
+        assert abs(length / free - 1) < 1e-6 and abs(area / 0.016 - 1) < 0.01 and not doubted, (depth, length, area)
+        assert source == "that volume over the height", source
+    assert not said({"length": 4e-3}, sets=sets(5.5e-3))[2] and said({"length": 2e-3}, sets=sets(5.5e-3))[2]
+    assert said({"length": 4e-3}, sets=sets(5.5e-3))[1] == said(sets=sets(5.5e-3))[1]  # the section does not go with what is free
+    for gap, free in ((3e-3, 3e-3), (1e-3, 16e-3)):
+        length, _, doubted, _ = said(bodies=halves(gap))
+        assert abs(length / free - 1) < 1e-6 and not doubted, (gap, length)
+        assert not said({"length": gap}, bodies=halves(gap))[2], gap
+
+
+@fact
 def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
     """The same in results.h5 and summary.json; those of the last stage are those of the run."""
     given = bonded(sets=[slab("low", "lower", vx=0, vy=0), slab("up", "upper", vx=0, vy=0)], test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"},
@@ -1374,6 +1427,41 @@ def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
                 value = stage["readings"][name]
                 assert (np.isnan(data[0]) and name in stage["absent"]) if value is None else data[0] == value, (stage, name)
     assert "another stage" in stages[0]["absent"]["fragments"] and stages[1]["readings"]["fragments"] == 1, stages
+
+
+@fact
+def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
+    """Before, every particle is a piece of its own; without bonds in any stage they are refused at their place."""
+    stages = [{"name": "loose", "end": {"steps": 5}}, {"name": "bond", "bonds": {"enabled": "on"}, "end": {"steps": 5}}]
+    given = bonded(sets=[slab("low", "lower", vy=0)], stages=stages)
+    given["bonds"], given["output"] = {"enabled": "off"}, {"history_rows": 10, "snapshots": 1, "checkpoint": "off", "contacts": "on", "fields": ["fragment", "fragment_size"]}
+    out = run_scene(folder, given)
+    with results(out) as file:
+        assert (file["particles/fragment_size"][:] == 64).all() and len(set(file["particles/fragment"][:])) == 1
+    given["stages"] = [stages[0], {**stages[1], "bonds": {"enabled": "off"}}]
+    refused(folder, given, "output.fields: expected bonds beside 'fragment', found none in any stage")
+    out = run_scene(folder, {**bonded(sets=[slab("low", "lower", vy=0)], stages=[stages[0]]), "bonds": {"enabled": "on"},
+                             "output": {"snapshots": 0, "checkpoint": "off", "fields": ["fragment"]}}, name="first")
+    assert os.path.exists(os.path.join(out, "results.h5"))
+
+
+@fact
+def what_is_found_before_the_first_step_of_stages_has_its_place_in_the_file(folder):
+    """And not in the text that the scene of a stage is read from: of what a stage changes that of the stage, of all else its own."""
+    given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
+                   stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
+    said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr
+    with open(os.path.join(folder, "scene.yaml")) as file:
+        lines = file.read().split("\n")
+    line, column = map(int, re.search(r"scene.yaml:(\d+):(\d+): stages", said).groups())
+    assert lines[line - 1][column - 1:].lstrip(" -{").replace('"', "").startswith("name: wait"), (line, column)
+    sets = [slab("low", "lower", vx=0, vy=0), slab("up", "upper", depth=0.1, vx=0.01)]
+    given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"}, stages=[{"name": "one", "end": {"steps": 10}}])
+    said = expect(gneiss("check", write_scene(folder, given)), 2, r"test.upper: expected another part of the specimen").stderr
+    with open(os.path.join(folder, "scene.yaml")) as file:
+        lines = file.read().split("\n")
+    line = int(re.search(r"scene.yaml:(\d+):\d+: test.upper", said)[1])
+    assert line <= len(lines) and ("test" in lines[line - 1] or "upper" in lines[line - 1]), (line, len(lines))
 
 
 @fact
@@ -1543,6 +1631,21 @@ def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
         start -= start.mean(axis=0)
         turned = np.cross(start, u - u.mean(axis=0)).sum(axis=0) / (start ** 2).sum()
     assert np.abs(turned).max() < 1e-3, turned
+
+
+@fact
+def the_mean_stress_under_a_membrane_can_be_made_of_the_contacts(folder):
+    """With the volume and the part of the membrane that are attributes; without them it is another."""
+    out = run_scene(folder, {"specimen": {"cylinder": {"diameter": "20 mm", "height": "30 mm"}, "particles": 300, "material": "a"}, "materials": [ROCK],
+                             "law": {"stiffness": "harmonic"}, "bonds": {}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+                             "membrane": {"pressure": "10 MPa", "ramp": "0.1 ms", "surface": "particles"}, "test": {"kind": "hydrostatic"}, "time": {"end": "0.3 ms"},
+                             "output": {"history_rows": 50, "snapshots": 0, "checkpoint": "off", "contacts": "on"}, "run": {"threads": 1}})
+    with results(out) as file:
+        force, branch = file["contacts/force"][:], file["contacts/branch"][:]
+        found = np.einsum("ca,cb->ab", force, branch) / file.attrs["stress_volume"] + np.reshape(file.attrs["membrane_stress"], (3, 3))
+    rows = history(out)
+    for a, name in enumerate("xyz"):
+        assert abs(found[a, a] / rows[f"stress_{name}{name}"][-1] - 1) < 1e-3, (name, found[a, a], rows[f"stress_{name}{name}"][-1])
 
 
 @fact

@@ -88,6 +88,75 @@ static void damage_begins_where_the_volume_is_least(void **state) {
     assert_close(r.crack_damage_stress, stress_at(0.75), 1e-3); /* a row */
 }
 
+/* A start that others have loaded may expand as soon as it is sheared or pressed. */
+static void what_only_expands_has_no_onset_of_damage(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain",    "stress",         "strain_xx",   "strain_yy",
+                                        "strain_zz", "broken_tension", "broken_shear"};
+    table t = table_of(names, 7);
+    for (int k = 0; k <= 200; k++) {
+        double row[] = {k, k < 150 ? k : 50, 0.2 * k, 0.2 * k, 0.1 * k, k, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_close(r.peak_stress, 149, 1e-12);
+    absent_for(&r, GN_READING_crack_damage_stress, "gains volume from the start of loading");
+}
+
+/* Breaks and pieces are counted whatever the ends have. */
+static void what_broke_is_told_though_the_stress_has_the_other_sense(void **state) {
+    (void)state;
+    int32_t size[] = {3, 1, 7};
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    table t = table_of(names, 4);
+    for (int k = 0; k <= 10; k++) {
+        double row[] = {k, -k, k, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_TENSION,
+                                            .bursts = size,
+                                            .burst_count = 3,
+                                            .fragments = 4,
+                                            .largest_fragment = 0.5});
+    absent_for(&r, GN_READING_peak_stress, "never had the sense");
+    absent_for(&r, GN_READING_b_value, "3 bursts, 50 are needed");
+    assert_close(r.events, 3, 1e-12);
+    assert_close(r.fragments, 4, 1e-12);
+    assert_close(r.largest_fragment, 0.5, 1e-12);
+}
+
+/* A bonded block on a rough wall: stress grows over a way of 10, then friction takes `share` of the
+ * work of the ends over a way of `on`. */
+static gn_readings slid(double share, int on, gn_test_kind kind) {
+    static const char *const names[] = {"strain",         "stress",        "force",
+                                        "deflection",     "normal_stress", "energy_friction",
+                                        "broken_tension", "broken_shear"};
+    table t = table_of(names, 8);
+    for (int k = 0; k <= 10 + on; k++) {
+        double stress = k < 10 ? 3 * k : 30, dissipated = k < 10 ? 0 : 30 * share * (k - 10);
+        double row[] = {k, stress, 2 * stress, k, 100, 2 * dissipated, 0, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    return read_as(&t, (gn_tested){.kind = kind, .fragments = NAN});
+}
+
+static void friction_that_slides_is_a_strength_of_shear(void **state) {
+    (void)state;
+    gn_readings r = slid(0.9, 20, GN_TEST_SHEAR);
+    assert_close(r.shear_strength, 30, 1e-12);
+    assert_close(r.normal_stress_at_peak, 100, 1e-12);
+    r = slid(0.2, 20, GN_TEST_SHEAR);
+    absent_for(&r, GN_READING_shear_strength, "no bond has broken");
+    r = slid(0.9, 3, GN_TEST_SHEAR);
+    absent_for(&r, GN_READING_shear_strength, "no bond has broken");
+    r = slid(0.9, 20, GN_TEST_COMPRESSION);
+    absent_for(&r, GN_READING_peak_stress, "no bond has broken");
+    absent_for(&r, GN_READING_crack_initiation_stress, "the scene has no bonds");
+}
+
 static void brittleness_is_what_the_stress_lost_of_its_peak(void **state) {
     (void)state;
     table t = course();
@@ -259,6 +328,9 @@ int main(void) {
         cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
         cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
         cmocka_unit_test(damage_begins_where_the_volume_is_least),
+        cmocka_unit_test(what_only_expands_has_no_onset_of_damage),
+        cmocka_unit_test(what_broke_is_told_though_the_stress_has_the_other_sense),
+        cmocka_unit_test(friction_that_slides_is_a_strength_of_shear),
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
         cmocka_unit_test(few_bursts_have_no_slope),

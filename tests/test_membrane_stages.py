@@ -53,6 +53,20 @@ def the_pressure_of_a_stage_comes_from_what_there_is(folder):
 
 
 @fact
+def a_membrane_without_pressure_holds_that(folder):
+    """As one of a list of confinements; of one whose pressure goes to 0 once its ramp is over, of a table at its end."""
+    table = [[0, "0.1 MPa"], ["1 ms", 0], ["2 ms", 0], ["3 ms", "0.1 MPa"]]
+    out = run_scene(folder, block([stage("none", {"held": 0.01, "time": "5 ms"}, membrane={"pressure": 0}),
+                                   stage("some", {"held": 0.01}, membrane={"pressure": "0.1 MPa", "ramp": "1 ms"}),
+                                   stage("off", {"held": 0.01}, membrane={"pressure": 0, "ramp": "1 ms"}),
+                                   stage("back", {"held": 0.01}, membrane={"pressure": table, "ramp": 0})]))
+    stages, rows = summary(out)["stages"], history(out)
+    assert all(s["ended"] == "the mean stress held the pressure of the membrane to 0.01" for s in stages), [s["ended"] for s in stages]
+    times = [part(rows, k)["time"] for k in range(4)]
+    assert times[0][-1] - times[0][0] < 1.3e-3 and 1e-3 < times[2][-1] - times[2][0] < 2.3e-3 and times[3][-1] - times[3][0] > 3e-3, times
+
+
+@fact
 def a_stage_that_ends_by_held_waits_for_the_pressure_and_has_it(folder):
     """Not while the ramp lasts, though the stress is that of the moment all along; then the lattice is closed by p/k_n."""
     out = run_scene(folder, block(MANY))
@@ -126,7 +140,7 @@ def what_of_a_membrane_cannot_change_is_refused(folder):
             ([first, {**confine, "membrane": "off"}], {"membrane": {"pressure": 1}}, r"stages\[1\].membrane: expected a key that a stage may change"),
             ([first, {**confine, "membrane": {"follow": False}}], {"membrane": {"pressure": 1}},
              r"stages\[1\].membrane.follow: expected what holds before this stage too"),
-            ([first, {**confine, "membrane": {"pressure": 0}}], {}, r"stages\[1\].end.held: expected a wall or a periodic box with a servo, or a membrane"),
+            ([stage("a", {"held": 0.01}), confine], {"membrane": {"pressure": 0}}, r"stages\[0\].end.held: expected a wall or a periodic box with a servo, or a membrane"),
             ([first, {**confine, "membrane": {"pressure": "-1 MPa"}}], {}, r"stages\[1\].membrane.pressure: expected .*\[0, 1e18\]"),
             ([stage("a", {"held": 0.01}), confine], {}, r"stages\[0\].end.held: expected a wall")):
         expect(gneiss("check", write_scene(folder, block(stages, **more))), 2, r"scene.yaml:\d+:\d+: " + pattern)

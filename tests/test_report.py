@@ -136,6 +136,28 @@ def stages_are_those_of_the_history(folder):
     assert report.stages_table(results) == "" and results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
 
 
+def names_of_stages_and_legends_do_not_lie_over_each_other(folder):
+    """Nor a legend over the title or over the label of a second axis."""
+    path, shown = os.path.join(folder, "results.h5"), []
+    make("stages", path)
+    save, report_curves.save = report_curves.save, lambda figure, _: shown.append(figure)
+    try:
+        results = report.Results(path)
+        for plot in (report_curves.plot_broken, report_curves.plot_strains, report_curves.plot_forces):
+            plot(results, "")
+    finally:
+        report_curves.save = save
+    assert shown
+    for figure in shown:
+        figure.canvas.draw()
+        axes = figure.axes[0]
+        legend = axes.get_legend().get_window_extent()
+        others = [*axes.texts, axes.title, *(a.yaxis.label for a in figure.axes)]
+        texts = [t.get_text() for t in others if t.get_text() and legend.overlaps(t.get_window_extent())]
+        assert axes.texts and not texts, (axes.get_title(), texts)
+        report_curves.plt.close(figure)
+
+
 def curves_of_a_test_are_those_of_the_last_stage(folder):
     """From the rows 50 to 199, ways and strains from the first of them."""
     path = os.path.join(folder, "results.h5")
@@ -617,7 +639,7 @@ def main():
         bursts_are_drawn_with_their_number_and_size_beside_the_stress, tables_beside_the_page_are_history_bursts_and_fragments,
         parameters_have_units_and_few_digits_and_no_idle_keys,
         panes_of_walls_are_before_the_specimen, a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, stages_are_those_of_the_history, curves_of_a_test_are_those_of_the_last_stage,
+        a_damaged_chunk_is_refused, stages_are_those_of_the_history, names_of_stages_and_legends_do_not_lie_over_each_other, curves_of_a_test_are_those_of_the_last_stage,
         curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         bodies_are_cut_where_the_slice_is, of_bodies_the_folds_are_drawn, walls_are_where_they_have_come_to,

@@ -981,6 +981,12 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, end: {}}\n- {name: b}\n", "stages[0].end: expected a condition");
     refused("stages:\n- {name: a, end: {steps: 1}}\n- {name: a}\n",
             "s.yaml:19:10: stages[1].name: expected a name of its own, found 'a' a second time");
+    refused("stages:\n- {name: a, specimen: {}}\n",
+            "s.yaml:18:13: stages[0].specimen: expected a key that a stage may change");
+    refused("stages:\n- {name: a, sources: []}\n",
+            "s.yaml:18:13: stages[0].sources: expected a key that a stage may change");
+    refused("stages:\n- {name: a, walls: {lid: {motion: {}}}}\n- {name: a}\n",
+            "expected a condition under end");
     refused("stages:\n- {name: a, gravty: [0, 0, 1]}\n",
             "s.yaml:18:13: stages[0].gravty: unknown key 'gravty'; did you mean 'gravity'?");
     refused("stages:\n- {name: a, walls: {lid: {motin: {vz: 1}}}}\n",
@@ -1042,6 +1048,11 @@ static void a_stage_that_never_ends_is_refused(void **state) {
             nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, sets: {top: {force: [0, 0, -1]}}}\n");
     accepted("membrane: {pressure: 1 kPa}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n");
+    /* Nothing to hold: another condition has to end it, or a membrane is without pressure. */
+    refused("stages:\n- {name: a, end: {held: 1 %}}\n- {name: b}\n",
+            "s.yaml:18:25: stages[0].end.held: expected a wall or a periodic box with a servo");
+    accepted("stages:\n- {name: a, end: {held: 1 %, time: 1 ms}}\n- {name: b}\n");
+    accepted("stages:\n- {name: a, membrane: {pressure: 0}, end: {held: 1 %}}\n- {name: b}\n");
     refused("membrane: {pressure: 0}\nstages:\n- {name: a, end: {stress: 1 kPa}}\n", nothing);
     accepted("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: [[0, 0], [1, "
              "-1]]}}}}\n");

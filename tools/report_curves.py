@@ -54,6 +54,17 @@ def mark_stages(results, axes, x):
                           textcoords="offset points", rotation=90, va="top", fontsize=8, color="#5c6b76")
 
 
+def place_legend(results, axes, loc="best"):
+    """Out of the curves where the names of stages stand along the upper edge: above it beside the title if that is short, else at the right."""
+    names = axes.get_legend_handles_labels()[1]
+    if not results.stages:
+        axes.legend(loc=loc)
+    elif len("".join(names)) <= 30:
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(names), frameon=False, borderaxespad=0.2)
+    else:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
+
+
 def style_for(values):
     """One or two rows are points, not a line that nobody would see."""
     return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
@@ -141,7 +152,7 @@ def plot_broken(results, path):
         other.set_ylabel(f"{results.words[1]} [{unit}] (thin line)")
         other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
     axes.margins(x=0.02)
-    axes.legend(loc="upper left")
+    place_legend(results, axes, "upper left")
     mark_stages(results, axes, x)
     save(figure, path)
     return "Broken bonds so far by cause, with the stress (thin line) for orientation."
@@ -283,7 +294,7 @@ def plot_flow(results, path):
     axes.set_ylabel(f"mass [{unit}]")
     below.set_ylabel("rate [kg/s]")
     below.set_xlabel(label)
-    axes.legend(loc="upper left")
+    place_legend(results, axes, "upper left")
     axes.margins(x=0.02)
     mark_stages(results, axes, x)
     save(figure, path)
@@ -318,7 +329,7 @@ def plot_strains(results, path):
         axes.plot(x, values, color=color, label=f"ε$_{{{name[-2:]}}}$", **style_for(values))
     axes.axhline(0, color=INK, lw=0.6)
     axes.margins(x=0.02)
-    axes.legend(loc="best")
+    place_legend(results, axes, "best")
     mark_stages(results, axes, x)
     save(figure, path)
     return "Volume averages over the specimen's triangulation (Bagi 1996)."
@@ -360,7 +371,7 @@ def plot_forces(results, path):
         values = results.column(name) / factor
         axes.plot(time / t_factor, values, lw=1.2, label=name.replace("_", " "), **style_for(values))
     if shown:
-        axes.legend(loc="best")
+        place_legend(results, axes, "best")
     mark_stages(results, axes, time / t_factor)
     save(figure, path)
     return "The largest components; smaller than 1 % of the largest are left out."
@@ -377,7 +388,7 @@ def plot_conversion(results, path):
     axes.step(time / factor, elements, where="post", color=BLUE, dashes=(5, 2), label="elements that are left", **style_for(elements))
     axes.set_ylim(bottom=0)
     axes.margins(x=0.02)
-    axes.legend(loc="best")
+    place_legend(results, axes, "best")
     mark_stages(results, axes, time / factor)
     save(figure, path)
     return f"Elements that turned into particles: {int(elements[0])} to {int(elements[-1])} elements, {int(particles[0])} to {int(particles[-1])} particles."

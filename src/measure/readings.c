@@ -327,6 +327,7 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
         read_balance(&c, r);
         gn_readings_by_kind(&c, r);
     }
+    if (c.stress && history->row_count) gn_readings_of_breaks(tested, r);
     read_zones(tested, r);
     leave_others(tested, r);
     settle(r);

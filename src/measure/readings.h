@@ -51,7 +51,8 @@ const char *gn_no_average_strain(const double *strain, size_t row);
 /* What one kind of test has besides (readings_by_kind.c). */
 void gn_readings_by_kind(const gn_curves *curves, gn_readings *readings);
 
-/* Bursts of breaking bonds (readings_bursts.c). */
-void gn_readings_of_bursts(const gn_curves *curves, gn_readings *readings);
+/* Bursts of breaking bonds (readings_bursts.c); these and pieces, whatever the stress did. */
+void gn_readings_of_bursts(const gn_tested *tested, gn_readings *readings);
+void gn_readings_of_breaks(const gn_tested *tested, gn_readings *readings);
 
 #endif

@@ -35,8 +35,7 @@ static double power_of(double mean_log) {
 /* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 50 leave 14 %. */
 enum { EVENTS_LEAST = 50 };
 
-void gn_readings_of_bursts(const gn_curves *c, gn_readings *r) {
-    const gn_tested *t = c->tested;
+void gn_readings_of_bursts(const gn_tested *t, gn_readings *r) {
     double logs = 0.0;
     int32_t most = 0;
     if (!t->bursts) {

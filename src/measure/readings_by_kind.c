@@ -205,6 +205,7 @@ static void read_initiation(const gn_curves *c, gn_readings *r) {
     size_t row = 0;
     while (row < c->largest && !(broken(c, row) >= 0.01 * all)) row++;
     r->crack_initiation_stress = c->stress[row];
+    if (isnan(c->tested->fragments)) gn_reading_absent(r, which, "the scene has no bonds");
     if (reason) gn_reading_absent(r, which, "%s", reason);
     if (all < 100)
         gn_reading_absent(r, which, "%.0f bonds are broken at the peak, of 100 the first is 1 %%",
@@ -226,6 +227,8 @@ static void read_damage(const gn_curves *c, gn_readings *r) {
     r->crack_damage_stress = least < INFINITY ? c->stress[row] : NAN;
     if (reason) gn_reading_absent(r, which, "%s", reason);
     if (row == c->largest) gn_reading_absent(r, which, "the specimen loses volume up to the peak");
+    if (row < c->loading.first || row == 0)
+        gn_reading_absent(r, which, "the specimen gains volume from the start of loading on");
 }
 
 static void read_brittleness(const gn_curves *c, gn_readings *r) {
@@ -242,9 +245,15 @@ static void read_any(const gn_curves *c, gn_readings *r) {
     read_initiation(c, r);
     read_damage(c, r);
     read_brittleness(c, r);
-    gn_readings_of_bursts(c, r);
-    r->fragments = c->tested->fragments;
-    r->largest_fragment = c->tested->largest_fragment;
+}
+
+void gn_readings_of_breaks(const gn_tested *tested, gn_readings *r) {
+    const gn_reading which[] = {GN_READING_events, GN_READING_b_value, GN_READING_fragments,
+                                GN_READING_largest_fragment};
+    for (size_t k = 0; k < sizeof which / sizeof *which; k++) gn_reason_of(r, which[k])[0] = '\0';
+    gn_readings_of_bursts(tested, r);
+    r->fragments = tested->fragments;
+    r->largest_fragment = tested->largest_fragment;
     if (isnan(r->fragments)) {
         gn_reading_absent(r, GN_READING_fragments, "the scene has no bonds");
         gn_reading_absent(r, GN_READING_largest_fragment, "the scene has no bonds");

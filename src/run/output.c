@@ -12,6 +12,7 @@
 #include "run/stages.h"
 #include "sim/conversion.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -192,6 +193,17 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
+/* What makes the mean stress of that of the contacts. */
+static gneiss_status put_membrane(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const double volume = gn_membrane_volume(w);
+    double stress[9] = {0};
+    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    gn_membrane_stress(w, stress);
+    const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
+                                    {"membrane_stress", .number = stress, .count = 9}};
+    return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
+}
+
 gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
@@ -230,6 +242,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     };
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
     GN_TRY(put_mass_scaling(w, file, error));
+    GN_TRY(put_membrane(w, file, error));
     GN_TRY(put_stages(run, file, error));
     GN_TRY(put_warnings(run, file, error));
     return gn_scene_results(w, file, error);

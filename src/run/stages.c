@@ -96,11 +96,22 @@ static bool has_servo(const gn_world *w) {
     return any;
 }
 
+/* Whether the membrane has no pressure, its ramp over, and will have none: of a series one may be
+ * that. */
+static bool released(const gn_run *run, size_t row) {
+    const gn_table *given = &run->world.scene.membrane.pressure;
+    const size_t last = given->count ? given->count - 1 : 0;
+    if (in_row(run, "membrane_pressure", row) != 0.0) return false;
+    if (!given->count) return true;
+    return given->value[last] == 0.0 && (!last || in_row(run, "time", row) >= given->time[last]);
+}
+
 static bool membrane_holds(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD || !run->world.scene.has_membrane || has_servo(&run->world)) return false;
     for (size_t r = 1; r <= ROWS_HELD; r++) {
         const gn_servo_row row = membrane_row(run, run->history.row_count - r);
-        if (!(row.wanted > 0.0) || !holds(run, row)) return false;
+        if (!(row.wanted > 0.0 ? holds(run, row) : released(run, run->history.row_count - r)))
+            return false;
     }
     return true;
 }

@@ -184,7 +184,7 @@ static bool bears(const gn_scene *s, const char *name, int normal) {
     return true; /* a wall or a body, which has a weight if it is free */
 }
 
-static bool end_bears(const gn_scene *s, const gn_test_end *end) {
+bool gn_scene_end_bears(const gn_scene *s, const gn_test_end *end) {
     for (size_t k = 0; k < end->count; k++)
         if (bears(s, end->name[k], (int)s->test.normal)) return true;
     return false;
@@ -193,5 +193,5 @@ static bool end_bears(const gn_scene *s, const gn_test_end *end) {
 bool gn_scene_shears_loose(const gn_scene *s) {
     if (!gn_test_in(s->test.kind, GN_TESTS_SHEARED) || s->has_membrane) return false;
     if (s->gravity[s->test.normal] != 0.0) return false;
-    return !end_bears(s, &s->test.lower) || !end_bears(s, &s->test.upper);
+    return !gn_scene_end_bears(s, &s->test.lower) || !gn_scene_end_bears(s, &s->test.upper);
 }

@@ -40,7 +40,11 @@ bool gn_scene_set_stands(const gn_scene *scene, size_t set, int axis);
 bool gn_scene_motion_stands(const gn_scene *scene, size_t motion, int axis);
 
 /* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is
- * neither held nor pressed. */
+ * neither held nor pressed by itself. Walls beside them are not looked at
+ * (sim/ends_apart.c does). */
 bool gn_scene_shears_loose(const gn_scene *scene);
+
+/* Whether a part of an end of a shear test is held or pressed across the sheared plane. */
+bool gn_scene_end_bears(const gn_scene *scene, const gn_test_end *end);
 
 #endif

@@ -83,6 +83,8 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 
 /* What `output.fields` asks for (check_output.c). */
 gneiss_status gn_check_output(const check *c, gn_scene *s);
+/* Whether the scene, or any of its stages, has what the fields that were asked for are of. */
+gneiss_status gn_check_asked(const check *c, const gn_scene *s);
 /* What `time` says of steps (check_time.c). */
 gneiss_status gn_check_time(const check *c, const gn_scene *s);
 /* The first key of time.stop that is given; NULL: none. */

@@ -43,10 +43,17 @@ gneiss_status gn_check_output(const check *c, gn_scene *s) {
         if (s->asked >> f & 1)
             return gn_check_fail(c, "output.fields", "expected every name once, found '%s' again",
                                  fields[f].name);
-        if ((gn_scene_effects(s) & fields[f].needs) != fields[f].needs)
-            return gn_check_fail(c, "output.fields", "expected %s beside '%s', found none",
-                                 fields[f].lacks, fields[f].name);
         s->asked |= 1u << f;
     }
+    return s->stage_count ? GNEISS_OK : gn_check_asked(c, s);
+}
+
+gneiss_status gn_check_asked(const check *c, const gn_scene *s) {
+    const gn_effects has = gn_scene_effects(s);
+    for (int f = 0; f < GN_ASKED_COUNT; f++)
+        if (s->asked >> f & 1 && (has & fields[f].needs) != fields[f].needs)
+            return gn_check_fail(c, "output.fields", "expected %s beside '%s', found none%s",
+                                 fields[f].lacks, fields[f].name,
+                                 s->stage_count ? " in any stage" : "");
     return GNEISS_OK;
 }

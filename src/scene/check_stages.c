@@ -272,7 +272,12 @@ static gneiss_status check_can_end(const check *c, const gn_scene *before, const
         return gn_check_fail(c, end_by_rows(e),
                              "expected output.history_rows above 0, as it is looked at in rows of "
                              "the history, found 0: the stage would never end by it");
-    if (e->held > 0 && !servo(s) && !gn_table_acts(&s->membrane.pressure))
+    gn_stage others = *e;
+    others.held = 0.0;
+    /* A pressure of 0 that a stage gives is one of a series; else the membrane may begin later. */
+    const bool pressed =
+        s->has_membrane && (s->membrane_stage > 0 || gn_table_acts(&s->membrane.pressure));
+    if (e->held > 0 && !servo(s) && !pressed && !gn_stage_has_end(&others))
         return gn_check_fail(
             c, "end.held",
             "expected a wall or a periodic box with a servo, or a membrane with a pressure, in "

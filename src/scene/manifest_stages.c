@@ -20,7 +20,7 @@ static const gn_key end_keys[] = {
     KEY("held", REAL, gn_stage, held, .unit = "1", .range = "(0, 1)",
         NONE("once every servo, of walls and of a periodic box, has been within this fraction of "
              "its force or stress for ten rows of the history; without servos the mean stress "
-             "within this of the pressure of the membrane")),
+             "within this of the pressure of the membrane (without pressure that holds)")),
 };
 TABLE_OF(end);
 

@@ -62,11 +62,13 @@ static const gn_key test_keys[] = {
     KEY("normal", CHOICE, gn_scene, test.normal, .choices = axes_or_none, .fallback = "none",
         .text = "shear and simple_shear: across the plane that is sheared"),
     KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
-        .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
+        .fallback = "auto",
+        .text = "length of the specimen; auto: its extent along the axis, in shear what is free "
+                "between the ends along the normal"),
     KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
         .fallback = "auto",
         .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
-                "length"),
+                "length (in shear its height)"),
     KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = GN_LENGTHS, .word = "none",
         .fallback = "none",
         .text = "diameter of a cylinder; brazilian: of the disc, none: its extent along the axis"),

@@ -98,20 +98,35 @@ static const struct {
     {"", "it holds for all of the run"},
 };
 
-static bool begins_with(const char *path, const char *pattern) {
-    while (*pattern) {
-        size_t step = strcspn(path, "."), wanted = strcspn(pattern, ".");
-        bool any = wanted == 1 && *pattern == '*';
-        if (!*path || (!any && (step != wanted || strncmp(path, pattern, step) != 0))) return false;
-        path += step + (path[step] == '.');
-        pattern += wanted + (pattern[wanted] == '.');
+/* Whether a path and a pattern are alike as far as the shorter one goes; leaves of each what is
+ * longer than the other. */
+static bool alike(const char **path, const char **pattern) {
+    while (**path && **pattern) {
+        size_t step = strcspn(*path, "."), wanted = strcspn(*pattern, ".");
+        bool any = wanted == 1 && **pattern == '*';
+        if (!any && (step != wanted || strncmp(*path, *pattern, step) != 0)) return false;
+        *path += step + ((*path)[step] == '.');
+        *pattern += wanted + ((*pattern)[wanted] == '.');
     }
     return true;
+}
+
+static bool begins_with(const char *path, const char *pattern) {
+    return alike(&path, &pattern) && !*pattern;
 }
 
 static bool allowed(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++)
         if (begins_with(path, may_change[k])) return true;
+    return false;
+}
+
+/* Whether a stage may change anything at a path or below it. */
+static bool holds_allowed(const char *path) {
+    for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++) {
+        const char *own = path, *pattern = may_change[k];
+        if (alike(&own, &pattern)) return true;
+    }
     return false;
 }
 
@@ -257,6 +272,8 @@ static bool seen(const gn_node *map, const gn_node *child) {
 static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
     const gn_key *key = gn_scene_key_at(l->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
+    const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
+    if (empty && !holds_allowed(l->path)) return lay_value(l, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
         return lay_list(l, (gn_node *)gn_node_child(base, child->key), child);
     if (key && key->type == GN_KEY_SECTION && map) return lay_section(l, base, child);
@@ -323,6 +340,38 @@ static gneiss_status read_whole(const gn_reader *reader, const gn_node *root, gn
     own.path[0] = '\0';
     GN_TRY(gn_read_scene(&own, root));
     return gn_check_scene(&own, root);
+}
+
+static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage);
+
+static void point_at_elements(const gn_key *key, const char *from, char *to, gn_scene_place stage) {
+    char *given, *array;
+    memcpy(&given, from + key->offset, sizeof given);
+    memcpy(&array, to + key->offset, sizeof array);
+    const size_t count = *(const size_t *)(const void *)(from + key->second),
+                 own = *(const size_t *)(const void *)(to + key->second);
+    for (size_t k = 0; given && array && k < count && k < own; k++)
+        point_at(key->section, given + k * key->section->size, array + k * key->section->size,
+                 stage);
+}
+
+/* Places are those of the file, not of the text that the scene of a stage is read from; of what
+ * only stages have that of the stage. */
+static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage) {
+    if (section->where != GN_NO_WHERE) {
+        gn_scene_place given, own;
+        memcpy(&given, from + section->where, sizeof given);
+        memcpy(&own, to + section->where, sizeof own);
+        if (given.line == 0 && own.line > 0) given = stage;
+        memcpy(to + section->where, &given, sizeof given);
+    }
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        if (key->place_at) memcpy(to + key->place_at, from + key->place_at, sizeof(gn_scene_place));
+        if (key->type == GN_KEY_SECTION)
+            point_at(key->section, from + key->offset, to + key->offset, stage);
+        if (key->type == GN_KEY_LIST) point_at_elements(key, from, to, stage);
+    }
 }
 
 /* Messages while running point at the stage. */
@@ -393,6 +442,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     base->united = united;
     if (status != GNEISS_OK || reader->problems->count || !count) return status;
     const check whole = {.reader = reader, .map = gn_tree_root(tree)};
+    GN_TRY(gn_check_keep(&whole, gn_check_asked(&whole, base)));
     return gn_check_keep(&whole, gn_check_pressed(&whole, presses));
 }
 
@@ -471,6 +521,7 @@ gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
     gneiss_status status = gn_scene_parse_stage(text, scene->source, stage, out, error);
     free(text);
     if (status != GNEISS_OK) return status;
+    point_at(&gn_scene_section, (const char *)scene, (char *)out, scene->stages[stage].where);
     point_at_stage(out, scene->stages[stage].where);
     return GNEISS_OK;
 }

@@ -4,7 +4,8 @@
 
 #include "sim/internal.h"
 
-/* Change of the distance of the ends, m, positive in the sense of the test. */
+/* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along the
+ * plane that are not moved along it do not count beside others. */
 double gn_ends_deflection(const gn_world *world);
 /* Of the gauge of the test, m. */
 double gn_ends_opening(const gn_world *world);
@@ -13,8 +14,13 @@ double gn_ends_opening(const gn_world *world);
 void gn_ends_normals(const gn_world *world, double *lower, double *upper);
 double gn_ends_dilation(const gn_world *world);
 /* Between the innermost places of both ends along the normal of a shear test, at the start, m: of
- * sets centres, of walls their plane. Not positive: the ends overlap or are empty. */
+ * sets centres, of walls their plane, of bodies corners, of elements without particles nodes. Not
+ * positive: the ends overlap or are empty; infinite: nothing is known of an end, as of bodies that
+ * are not made yet. */
 double gn_ends_gap(const gn_world *world);
+/* m: the same where it is more than a particle and less than the height of the specimen along the
+ * normal, else that height. */
+double gn_ends_free(const gn_world *world);
 /* Whether nothing keeps the ends of a shear test from coming apart, so that there is no normal
  * stress; `text` then says so with its place. */
 bool gn_shear_is_loose(const gn_world *world, char *text, size_t size);

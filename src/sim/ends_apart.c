@@ -191,9 +191,30 @@ static const char *wrong(const gn_world *w, int way, const reach *lower, const r
     return NULL;
 }
 
+/* Whether a wall beside the ends lies on the specimen and presses there, or stands. */
+static bool wall_bears(const gn_world *w, size_t wall, double sense) {
+    const gn_scene *s = &w->scene;
+    const gn_wall_def *def = &s->walls[wall];
+    const int way = (int)s->test.normal;
+    const double face = sense < 0.0 ? w->upper[way] : w->lower[way];
+    if (!(sense * def->normal[way] > 0.9)) return false;
+    return def->servo.active || fabs(def->point[way] - face) < gn_world_mean_radius(w);
+}
+
+/* Of either end that nothing holds or presses; particles alone meet walls. */
+static bool walls_bear(const gn_world *w) {
+    bool below = gn_scene_end_bears(&w->scene, &w->scene.test.lower),
+         above = gn_scene_end_bears(&w->scene, &w->scene.test.upper);
+    for (size_t k = 0; w->dem.particles.soa.count && k < w->scene.wall_count; k++) {
+        below = below || wall_bears(w, k, 1.0);
+        above = above || wall_bears(w, k, -1.0);
+    }
+    return below && above;
+}
+
 bool gn_shear_is_loose(const gn_world *w, char *text, size_t size) {
     const gn_test *t = &w->scene.test;
-    if (!gn_scene_shears_loose(&w->scene)) return false;
+    if (!gn_scene_shears_loose(&w->scene) || walls_bear(w)) return false;
     snprintf(text, size,
              "%s: nothing presses the ends together along %c, and one of them is free there: the "
              "strength is that without a normal stress (a force of its set, a wall with a servo "

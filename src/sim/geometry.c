@@ -90,8 +90,10 @@ static size_t sizes_of(const gn_world *w, size_given sizes[SIZES_MOST]) {
     if (!gn_test_in(t->kind, GN_TESTS_PRISMS | GN_TESTS_SHEARED) || w->scene.source_count) return 0;
     if (t->length > 0.0 && !gn_scene_periodic_along(&w->scene, way)) {
         sizes[count] = length_along(w, "length", t->length, way);
-        /* Or what the ends leave between them. */
-        if (sheared) sizes[count].low = fmin(sizes[count].low, fmax(0.0, gn_ends_gap(w)));
+        /* Or what the ends leave between them, of sets to a radius at each side. */
+        const double gap = sheared ? gn_ends_gap(w) : INFINITY,
+                     sides = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w) : 0.0;
+        sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
         count++;
     }
     if ((t->area > 0.0 || t->diameter > 0.0) && !w->scene.has_periodic)

@@ -71,14 +71,16 @@ static gn_tested_shape beam(const gn_world *w) {
     return s;
 }
 
-/* Sheared between its ends: the section is across the normal, the strain that angle. */
+/* Sheared between its ends: the section is across the normal, the strain that angle. Ends may hold
+ * most of the height, of which the section is the mean all the same. */
 static gn_tested_shape sheared(const gn_world *w) {
     const gn_test *t = &w->scene.test;
+    const double height = extent(w, (int)t->normal);
     gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : extent(w, (int)t->normal);
+    s.length = t->length > 0.0 ? t->length : gn_ends_free(w);
     s.area = t->area > 0.0 ? t->area : given_section(w);
-    if (s.area > 0.0) s.volume = s.length * s.area;
-    if (!(s.area > 0.0)) s.area = w->volume / s.length;
+    if (s.area > 0.0) s.volume = (t->length > 0.0 ? t->length : height) * s.area;
+    if (!(s.area > 0.0)) s.area = w->volume / height;
     s.section = s.area;
     return s;
 }
@@ -137,7 +139,7 @@ const char *gn_test_area_source(const gn_world *w) {
         break;
     }
     if (t->area > 0.0 || t->diameter > 0.0) return "";
-    return "that volume over the length";
+    return t->kind == GN_TEST_SHEAR ? "that volume over the height" : "that volume over the length";
 }
 
 /* --- the stress in the middle of a disc --- */

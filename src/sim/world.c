@@ -270,6 +270,8 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_membrane_create(w, error));
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(w, error));
+    /* What bodies leave free to be sheared. */
+    if (w->scene.test.kind == GN_TEST_SHEAR) GN_TRY(measure_test(w, error));
     GN_TRY(gn_element_contact_create(w, error));
     GN_TRY(gn_flow_arrive(w, true, error));
     GN_TRY(gn_dem_arrange(w, error));
