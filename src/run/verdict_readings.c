@@ -43,10 +43,25 @@ static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
              ": more output.history_rows tell better");
 }
 
+/* What went before the test began, of the largest stress since. */
+static const double initial_limit = 0.1;
+
+static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
+    if (!(r->initial_fall > 0.0) || r->initial_fall <= initial_limit * r->largest_stress) return;
+    gn_warning *to = gn_warnings_add(list, "initial_stress");
+    snprintf(
+        to->text, sizeof to->text,
+        "the ends bore %.4g Pa before they moved, and %.4g Pa of that fell away: no strength is "
+        "read off it, but it may have broken bonds (ends that begin inside particles push "
+        "them away: passive: true of walls, or ends farther out)",
+        r->initial_stress, r->initial_fall);
+}
+
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_readings *r;
     GN_TRY(gn_run_readings(run, &r, error));
     warn_of_balance(r, list);
     warn_of_rows(r, list);
+    warn_of_beginning(r, list);
     return GNEISS_OK;
 }
