@@ -265,6 +265,59 @@ def auto_that_is_written_is_auto(folder):
 
 
 @fact
+def ends_that_measure_nothing_are_refused_or_told(folder):
+    """Refused where it is sure; what stands, or is under something else, is watched, and a run in which nothing was seen says so."""
+    only = r"test.upper: expected ends that close, found ends that only come apart: the test would measure nothing"
+    def moving(factor, **more):
+        given = disc(2, 150, time={"end": 2e-5, "stop": "none"}, **more)
+        for wall in given["walls"]:
+            wall["motion"]["vy"][1][1] *= factor
+        return given
+    refused(folder, moving(-1), only)
+    for legal in ({"gravity": [0, -9.81]}, {"sets": [{"name": "some", "select": {"end": {"axis": "y", "side": "upper", "depth": 2e-3}}, "force": [0, -1]}]}):
+        expect(gneiss("check", write_scene(folder, moving(-1, **legal))), 0)
+    comes_back = moving(-1)
+    comes_back["walls"][0]["motion"]["vy"].append([2e-4, 0.01])
+    expect(gneiss("check", write_scene(folder, comes_back)), 0)
+    rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
+    bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
+                sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", 1), ("upper", -1))],
+                test={"kind": "tension", "axis": "y", "lower": "lower", "upper": "upper"})
+    refused(folder, bar, r"test.upper: expected ends that come apart, found ends that only close: the test would measure nothing")
+    pulled = moving(1)
+    pulled["test"] = {**pulled["test"], "kind": "tension"}
+    refused(folder, pulled, r"test.upper: expected ends that can pull \(sets, motions of elements\), found walls on both sides, which only press")
+    for name, factor, told in (("still", 0, True), ("closing", 1, False)):
+        warned = {w["name"]: w["text"] for w in summary(run_scene(folder, moving(factor), name=name))["warnings"]}
+        assert ("nothing_measured" in warned) == told, (name, warned)
+
+
+@fact
+def walls_that_stand_wrong_to_a_specimen_are_told(folder):
+    """Deep inside it, far from it, tilted; flats of a disc, walls that come by themselves and wedges of two are not."""
+    def told(given):
+        return re.findall(r"warning: \S*scene.yaml:\d+:\d+: (test.(?:upper|lower): wall .*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
+    def with_top(**more):
+        given = disc(2, 150, time={"end": 1e-5})
+        given["walls"][1].update(more)
+        return given
+    flat = DIAMETER / 2 * np.cos(np.radians(15))
+    for top, text in (({}, None), ({"point": [0, flat]}, None), ({"normal": [0.02, -1]}, None), ({"point": [0, 0.01]}, "begins 0.01499 m inside the specimen"),
+                      ({"point": [0, 0.05]}, "begins 0.02501 m away from the specimen"), ({"normal": [0.3, -1]}, "is tilted by 16.7 degrees against the axis of the test, y")):
+        found = told(with_top(**top))
+        assert len(found) == bool(text) and all(f.startswith("test.upper: wall 'top', an end, ") and text in f for f in found), (top, found)
+    falls = with_top(point=[0, 0.05])
+    assert not told({**falls, "gravity": [0, -9.81]})
+    wedge = with_top()
+    base = wedge["walls"][0]
+    wedge["walls"] = [{**base, "name": "left", "point": [0, -0.0354], "normal": [1, 1]}, {**base, "name": "right", "point": [0, -0.0354], "normal": [-1, 1]}, wedge["walls"][1]]
+    wedge["test"] = {**wedge["test"], "lower": ["left", "right"]}
+    assert not told(wedge), told(wedge)
+    out = run_scene(folder, with_top(normal=[0.3, -1]))
+    assert "test_ends" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
+
+
+@fact
 def what_breaks_little_or_nothing_goes_on(folder):
     """Platens that press for a moment break the weakest bonds of a disc and let go of it: its stress is gone, and it is whole."""
     weak = {**ROCK, "tensile_strength": "20 MPa", "shear_strength": "80 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
