@@ -130,7 +130,7 @@ typedef struct gn_warning {
     const char *name;
     char text[640]; /* lists are on the stack */
 } gn_warning;
-enum { GN_WARNINGS_MAX = 40 };
+enum { GN_WARNINGS_MAX = 48 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];

@@ -44,11 +44,11 @@ static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
              ": more output.history_rows tell better");
 }
 
-/* What went before the test began, of the largest stress since. */
-static const double initial_limit = 0.1;
+/* What went before the test began, of the peak since: as much as breaks bonds. */
+static const double initial_limit = 0.5;
 
 static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
-    if (!(r->initial_fall > 0.0) || r->initial_fall <= initial_limit * r->largest_stress) return;
+    if (!(r->initial_fall > initial_limit * r->peak_stress)) return; /* nor where there is none */
     gn_warning *to = gn_warnings_add(list, "initial_stress");
     snprintf(
         to->text, sizeof to->text,

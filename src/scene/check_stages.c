@@ -215,10 +215,10 @@ gneiss_status gn_check_parting(const check *c, const gn_scene *s) {
     const double sign = gn_test_sign(t->kind);
     int against = 0;
     if (!gn_test_in(t->kind, GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS(BRAZILIAN) |
-                                 GN_TESTS(BENDING) | GN_TESTS(OEDOMETER)))
+                                 GN_TESTS(OEDOMETER)))
         return GNEISS_OK;
-    if (t->has_control || *s->specimen.from || gn_scene_presses_beside(s, false) ||
-        anything_else_acts(s) || rows_overlap(s))
+    if (s->has_elements || t->has_control || *s->specimen.from ||
+        gn_scene_presses_beside(s, false) || anything_else_acts(s) || rows_overlap(s))
         return GNEISS_OK;
     if (!only_against(s, &t->upper, sign, &against) || !only_against(s, &t->lower, -sign, &against))
         return GNEISS_OK;
