@@ -62,6 +62,7 @@ static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
 static bool measured(const gn_run *run, const gn_readings *r) {
     const double *stress = gn_history_column(&run->history, "stress");
     if (!gn_run_staged(run)) return !isnan(r->largest_stress);
+    if (run->world.stage + 1 < run->world.scene.stage_count) return true; /* it never got there */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
         if (stress[k] > 0.0) return true;
     return false;
