@@ -502,7 +502,7 @@ law: {stiffness: uniform}
 sets:
   - {name: inlay, select: {all: true}, material: SET}
 walls:
-  - {name: ceiling, point: [0, 1], normal: [0, -1], stiffness: 1e5, motion: {vy: 1}}
+  - {name: ceiling, point: [0, 1], normal: [0, -1], stiffness: 1e5, motion: {vy: -1}}
 bodies:
   - {name: anvil, polygon: [[0, -1], [1, -1], [0, -2]], stiffness: 1e5, kratio: KRATIO}
 test: {kind: compression, axis: y, lower: LOWER, upper: UPPER}

@@ -2,6 +2,7 @@
 #include "test.h"
 
 #include "base/test_kind.h"
+#include "measure/beginning.h"
 #include "measure/measure.h"
 
 /* Columns by name, filled row by row. */
@@ -323,6 +324,61 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
     assert_close(r.lateral_strain_at_peak, -15.8, 1e-12);
 }
 
+static gn_beginning begun_by(const double *strain, const double *stress, size_t rows) {
+    gn_beginning whole = {0}, one = {0};
+    gn_beginning_look(&whole, strain, stress, rows);
+    for (size_t k = 0; k <= rows; k++) gn_beginning_look(&one, strain, stress, k);
+    assert_true(whole.least == one.least && whole.begun == one.begun && whole.moved == one.moved);
+    return whole;
+}
+
+static void a_test_begins_where_its_ends_move_and_what_they_bore_has_gone(void **state) {
+    (void)state;
+    const double grows[] = {0, 1, 2, 3, 4, 5}, late[] = {0, 0, 0, 1, 2, 3}, never[] = {0, 0, 0};
+    const struct {
+        const double *strain;
+        double stress[6];
+        size_t least;
+        bool begun;
+    } cases[] = {
+        {grows, {0, 10, 20, 30, 20, 10}, 0, true},  /* from nothing */
+        {grows, {50, 60, 80, 99, 20, 10}, 0, true}, /* under load already */
+        {grows, {50, 49, 50.1, 99, 9, 1}, 1, true}, /* with a wobble */
+        {grows, {90, 30, 20, 23, 30, 60}, 2, true}, /* what went had been there */
+        {grows, {90, 91, 20, 10, 5, 1}, 0, true},   /* near its strength */
+        {grows, {90, 80, 60, 64, 30, 1}, 5, false}, /* or beyond it: nothing is known */
+        {late, {1, -4, 3, 8, 9, 2}, 2, true},       /* a normal stress comes first */
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const gn_beginning b = begun_by(cases[k].strain, cases[k].stress, 6);
+        assert_int_equal(b.least, cases[k].least);
+        assert_int_equal(b.begun, cases[k].begun);
+    }
+    assert_false(begun_by(never, cases[0].stress, 3).moved);
+    assert_true(begun_by(NULL, cases[0].stress, 3).begun);
+}
+
+static void what_ends_bear_before_they_move_is_no_peak(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    for (int weak = 0; weak < 2; weak++) {
+        table t = table_of(names, 4);
+        for (int k = 0; k <= 100; k++) {
+            const double rises = weak ? 0 : k < 80 ? k : 40;
+            double row[] = {0.01 * k, fmax(rises, 100 - 30 * k), k > 50, 0};
+            memcpy(t.row, row, sizeof row);
+            put(&t);
+        }
+        gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+        assert_close(r.initial_stress, 100, 1e-12);
+        if (weak) absent_for(&r, GN_READING_largest_stress, "has only fallen from the 100 Pa");
+        if (weak) continue;
+        assert_close(r.peak_stress, 79, 1e-12);
+        assert_close(r.peak_strain, 0.79, 1e-12);
+        assert_close(r.tangent_modulus, 100, 1e-9);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
@@ -341,6 +397,8 @@ int main(void) {
         cmocka_unit_test(the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from),
         cmocka_unit_test(an_oedometer_reads_its_modulus_and_lateral_ratio),
         cmocka_unit_test(a_confined_strength_adds_the_pressure_at_the_peak),
+        cmocka_unit_test(a_test_begins_where_its_ends_move_and_what_they_bore_has_gone),
+        cmocka_unit_test(what_ends_bear_before_they_move_is_no_peak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

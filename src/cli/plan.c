@@ -584,6 +584,10 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }
+    if (gn_ends_doubts(w, doubts, sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
     if (!w->scene.stage_count && gn_shear_is_loose(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;

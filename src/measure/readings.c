@@ -1,6 +1,8 @@
 /* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
 #include "measure/readings.h"
 
+#include "measure/beginning.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -71,17 +73,17 @@ static void settle(gn_readings *r) {
 
 /* --- rows --- */
 
-static size_t largest_row(const double *stress, size_t rows) {
+static size_t largest_row(const double *stress, size_t begin, size_t rows) {
     size_t largest = rows;
-    for (size_t k = 0; k < rows; k++)
+    for (size_t k = begin; k < rows; k++)
         if (stress[k] > 0 && (largest == rows || stress[k] > stress[largest])) largest = k;
     return largest;
 }
 
 /* From the first crossing of 1 % of the largest stress up to the first crossing of 50 %, both
  * before it. */
-static gn_row_span loading_span(const double *stress, size_t largest) {
-    gn_row_span s = {0};
+static gn_row_span loading_span(const double *stress, size_t begin, size_t largest) {
+    gn_row_span s = {.first = begin};
     while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
     s.last = s.first;
     while (s.last < largest && !(stress[s.last] > 0.5 * stress[largest])) s.last++;
@@ -299,6 +301,22 @@ static void read_balance(const gn_curves *c, gn_readings *r) {
     r->end_imbalance = fabs(difference) / sum;
 }
 
+/* Ends that never moved in the sense of the test leave all rows to it. */
+static void find_beginning(gn_curves *c, gn_readings *r) {
+    gn_beginning b = {0};
+    gn_beginning_look(&b, c->strain, c->stress, c->history->row_count);
+    if (!b.moved) return;
+    r->initial_stress = c->stress[b.first];
+    r->initial_fall = c->stress[b.first] - c->stress[b.least];
+    c->begin = b.least;
+    if (b.begun) return;
+    char reason[GN_REASON_SIZE];
+    snprintf(reason, sizeof reason,
+             "the stress has only fallen from the %.4g Pa that the ends bore before they moved",
+             r->initial_stress);
+    all_absent(r, reason);
+}
+
 void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *r) {
     memset(r, 0, sizeof *r);
     for (int k = 0; k < GN_READING_COUNT; k++) values_of(r)[k] = NAN;
@@ -312,11 +330,12 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
     c.average[2] = gn_history_column(history, "strain_zz");
     if (!c.stress) all_absent(r, "the scene has no test");
     if (history->row_count == 0) all_absent(r, "the history has no rows");
-    if (c.stress) c.largest = largest_row(c.stress, history->row_count);
+    if (c.stress) find_beginning(&c, r);
+    if (c.stress) c.largest = largest_row(c.stress, c.begin, history->row_count);
     if (c.stress && c.largest == history->row_count)
         all_absent(r, "the stress never had the sense of the test");
     if (!gn_reason_of(r, GN_READING_largest_stress)[0]) {
-        c.loading = loading_span(c.stress, c.largest);
+        c.loading = loading_span(c.stress, c.begin, c.largest);
         read_peak(&c, r);
         if (tested->axis >= 0) {
             read_modulus(&c, r);

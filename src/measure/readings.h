@@ -19,7 +19,8 @@ typedef struct gn_curves {
     const gn_history *history;
     const double *strain, *stress;
     const double *average[3]; /* strain, by axis */
-    size_t largest;           /* row of the largest stress */
+    size_t begin;             /* row with which the test begins (beginning.h) */
+    size_t largest;           /* row of the largest stress since */
     gn_row_span loading;      /* from 1 to 50 % of it */
     const double *time;       /* s */
     double interval;          /* s between rows of time steps; 0: not known */

@@ -159,7 +159,7 @@ static void read_shear(const gn_curves *c, gn_readings *r) {
 
 /* Rows from the first with a share of the largest stress to the first with another. */
 static gn_row_span between(const gn_curves *c, double low, double high) {
-    gn_row_span s = {0};
+    gn_row_span s = {.first = c->begin};
     const double most = c->stress[c->largest];
     while (s.first < c->largest && !(c->stress[s.first] >= low * most)) s.first++;
     s.last = s.first;
@@ -202,7 +202,7 @@ static void read_initiation(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_crack_initiation_stress;
     const char *reason = gn_no_peak(c);
     double all = broken(c, c->largest);
-    size_t row = 0;
+    size_t row = c->begin;
     while (row < c->largest && !(broken(c, row) >= 0.01 * all)) row++;
     r->crack_initiation_stress = c->stress[row];
     if (isnan(c->tested->fragments)) gn_reading_absent(r, which, "the scene has no bonds");
@@ -216,9 +216,9 @@ static void read_initiation(const gn_curves *c, gn_readings *r) {
 static void read_damage(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_crack_damage_stress;
     const char *reason = gn_no_peak(c);
-    size_t row = 0;
+    size_t row = c->begin;
     double least = INFINITY;
-    for (size_t k = 0; k <= c->largest; k++) {
+    for (size_t k = c->begin; k <= c->largest; k++) {
         double volume = 0;
         for (int a = 0; a < c->tested->dimension; a++)
             volume += c->average[a] ? c->average[a][k] : NAN;

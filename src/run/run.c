@@ -142,26 +142,58 @@ static bool broken_through(const gn_run *run) {
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 
-/* Of its last rows, so that what rings does not end a test. */
-static double recent(const gn_run *run, const char *column) {
-    const double *values = gn_history_column(&run->history, column);
-    const size_t rows = run->history.row_count;
-    double sum = 0.0;
-    if (!values || rows < GN_ROWS_HELD) return NAN;
-    for (size_t k = rows - GN_ROWS_HELD; k < rows; k++) sum += values[k];
-    return sum / GN_ROWS_HELD;
+/* Of what ten and twenty rows are of the thousand that there are by default: as long a time where
+ * fewer or more are wanted. */
+static size_t rows_of_thousand(const gn_run *run, size_t rows) {
+    const double wanted = (double)run->world.scene.history_rows * (double)rows / 1000.0;
+    return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* As tests of this kind end, where the scene says nothing of it: what did not break has no peak. */
+/* Whether the test has begun with so many rows as mean over those before `end`, and the mean. */
+static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
+    const double *stress = gn_history_column(&run->history, "stress");
+    if (!run->beginning.begun || end < run->beginning.least + count) return false;
+    *mean = 0.0;
+    for (size_t k = end - count; k < end; k++) *mean += stress[k] / (double)count;
+    return true;
+}
+
+/* The largest of the means of `count` rows since the test began; of all of them where it has just
+ * begun, as after a resume. */
+static double look_for_peak(gn_run *run, size_t count) {
+    const double *stress = gn_history_column(&run->history, "stress"),
+                 *strain = gn_history_column(&run->history, "strain");
+    const size_t rows = run->history.row_count;
+    const bool before = run->beginning.begun;
+    double mean = NAN;
+    gn_beginning_look(&run->beginning, strain, stress, rows);
+    if (!run->beginning.begun) return NAN;
+    if (!before) run->peak = 0.0;
+    for (size_t end = before ? rows : run->beginning.least + 1; end <= rows; end++)
+        if (mean_before(run, end, count, &mean)) run->peak = fmax(run->peak, mean);
+    return mean;
+}
+
+/* As tests of this kind end, where the scene says nothing of it: what did not break has no peak.
+ * Means of rows, so that what rings does not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
-    run->peak = fmax(run->peak, last(run, "stress"));
-    const bool fell = run->history.row_count > ROWS_BEFORE_PEAK && broken_through(run) &&
-                      run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
-                      recent(run, "stress") < (1.0 - stops->peak_drop) * run->peak;
+    const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
+    const bool fell = run->history.row_count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
+                      broken_through(run) && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
+                      mean < (1.0 - stops->peak_drop) * run->peak;
     if (stops->peak_drop > 0.0 && fell)
         stop_by_kind(run, "stress fell by %g of its peak", stops->peak_drop);
-    else if (stops->strain > 0.0 && last(run, "strain") >= stops->strain)
-        stop_by_kind(run, "strain reached %g", stops->strain);
+}
+
+/* As the scene says: the first fall of a row counts. */
+static void check_fall(gn_run *run, double peak_drop) {
+    const double stress = look_for_peak(run, 1);
+    const bool counts = run->world.effects & GN_FX_BONDS
+                            ? broken(run) > 0
+                            : run->history.row_count > ROWS_BEFORE_PEAK;
+    if (counts && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
+        stress < (1.0 - peak_drop) * run->peak)
+        stop(run, "stress fell by %g of its peak", peak_drop);
 }
 
 static void check_stop_conditions(gn_run *run) {
@@ -171,22 +203,13 @@ static void check_stop_conditions(gn_run *run) {
         gn_run_stage_row(run);
         return;
     }
-    if (stops.by_kind) {
+    if (stops.by_kind)
         check_end_of_test(run, &stops);
-        return;
-    }
-    if (s->test.kind != GN_TEST_NONE) {
-        double stress = last(run, "stress"), strain = last(run, "strain");
-        bool counts = run->world.effects & GN_FX_BONDS
-                          ? run->world.dem.broken_tension + run->world.dem.broken_shear > 0
-                          : run->history.row_count > ROWS_BEFORE_PEAK;
-        run->peak = fmax(run->peak, stress);
-        if (counts && stops.peak_drop > 0.0 && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
-            stress < (1.0 - stops.peak_drop) * run->peak)
-            stop(run, "stress fell by %g of its peak", stops.peak_drop);
-        if (stops.strain > 0.0 && strain >= stops.strain)
-            stop(run, "strain reached %g", stops.strain);
-    }
+    else if (stops.peak_drop > 0.0)
+        check_fall(run, stops.peak_drop);
+    if (s->test.kind != GN_TEST_NONE && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
+        last(run, "strain") >= stops.strain)
+        (stops.strain_by_kind ? stop_by_kind : stop)(run, "strain reached %g", stops.strain);
     if (s->stop_unbalanced > 0.0 && run->history.row_count > ROWS_BEFORE_PEAK &&
         run->world.unbalanced < s->stop_unbalanced)
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
@@ -301,6 +324,11 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                                                                    : GNEISS_ERROR_INPUT;
     }
     GN_TRY(gn_world_check_duration(w, error));
+    /* A scene that was written out says auto where nothing was said. */
+    if (w->scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
+        (sets(overrides, count, "time.stop.strain") ||
+         sets(overrides, count, "time.stop.unbalanced")))
+        w->scene.stop_peak_drop = w->given.stop_peak_drop = 0.0;
     for (size_t k = 0; k < count; k++) /* which is looked at again */
         if (ends_stage(&overrides[k])) w->stages[w->stage].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),

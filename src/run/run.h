@@ -4,6 +4,7 @@
 
 #include "base/version.h"
 #include "io/snapshot.h"
+#include "measure/beginning.h"
 #include "run/history_rows.h"
 #include "static/first_break.h"
 
@@ -23,7 +24,8 @@ typedef struct gn_run {
     double cpu_before;         /* s of processors, all threads, in earlier sittings */
     double cpu_start;          /* gn_process_time() at the start of this one */
     double next_checkpoint;    /* gn_now() */
-    double peak;               /* largest stress so far, Pa */
+    double peak;               /* largest stress since the test began, Pa */
+    gn_beginning beginning;    /* of the test, by the history so far */
     int64_t bad_since;         /* step since which the ledger has not closed, -1: it does */
     bool finished;
     char stop_reason[256];
@@ -128,7 +130,7 @@ typedef struct gn_warning {
     const char *name;
     char text[640]; /* lists are on the stack */
 } gn_warning;
-enum { GN_WARNINGS_MAX = 40 };
+enum { GN_WARNINGS_MAX = 48 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];

@@ -129,8 +129,12 @@ static bool servos_hold(const gn_run *run, size_t rows) {
 }
 
 bool gn_run_loaded(const gn_run *run, double peak) {
-    bool confined = gn_test_in(run->world.scene.test.kind, GN_TESTS_CONFINED);
-    return !confined || peak > 0.1 * in_row(run, "membrane_pressure", run->history.row_count - 1);
+    const gn_test_kind kind = run->world.scene.test.kind;
+    const size_t row = run->history.row_count - 1;
+    if (gn_test_in(kind, GN_TESTS_CONFINED))
+        return peak > 0.1 * in_row(run, "membrane_pressure", row);
+    return !gn_test_in(kind, GN_TESTS_SHEARED) ||
+           !(peak <= 0.05 * in_row(run, "normal_stress", row));
 }
 
 static bool fell(const gn_run *run, size_t rows, double stress) {

@@ -21,7 +21,8 @@ typedef enum gn_stage_cause {
 bool gn_run_staged(const gn_run *run);
 
 /* Whether a largest stress may be called a peak: while a cell's pressure comes and rests, platens
- * are touched now and then, and that is none of a deviator. */
+ * are touched now and then, and that is none of a deviator; nor is what wobbles while a normal
+ * stress comes a shear stress: spheres without friction still bear a tenth of it. */
 bool gn_run_loaded(const gn_run *run, double peak);
 /* Whether stages are left, or the last one did not come to the end that it names. */
 bool gn_run_stages_left(const gn_run *run);

@@ -315,8 +315,8 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_relaxations *r = &w->couple.relaxed;
     const char *const why[] = {
-        "bonds would have broken, whose ends stay where they are: lower limits (couple.convert) "
-        "convert before these are near their strength",
+        "bonds would have broken, and their ends stay where they are (convert sooner: lower "
+        "limits)",
         "nothing held some particles, which stay where they are",
         "couple.convert.relax_iterations were used up",
         "contacts close and open on the way, and nothing brings the energy farther down"};
@@ -552,6 +552,13 @@ static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
+static void warn_of_ends(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!gn_ends_doubts(&run->world, text, sizeof text)) return;
+    gn_warning *to = add(list, "test_ends");
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+}
+
 /* Of stages the last one is read. */
 static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
@@ -610,6 +617,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_overlap(run, list);
     warn_of_sizes(run, list);
     warn_of_geometry(run, list);
+    warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);

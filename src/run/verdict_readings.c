@@ -1,4 +1,5 @@
 /* What a run has to say against what was read off its history. */
+#include "run/stages.h"
 #include "run/verdict.h"
 
 #include <math.h>
@@ -43,10 +44,50 @@ static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
              ": more output.history_rows tell better");
 }
 
+/* What went before the test began, of the peak since: as much as breaks bonds. */
+static const double initial_limit = 0.5;
+
+static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
+    if (!(r->initial_fall > initial_limit * r->peak_stress)) return; /* nor where there is none */
+    gn_warning *to = gn_warnings_add(list, "initial_stress");
+    snprintf(
+        to->text, sizeof to->text,
+        "the ends bore %.4g Pa before they moved, and %.4g Pa of that fell away: no strength is "
+        "read off it, but it may have broken bonds (ends that begin inside particles push "
+        "them away: passive: true of walls, or ends farther out)",
+        r->initial_stress, r->initial_fall);
+}
+
+/* Of stages some unload what others loaded: the whole run is looked at. */
+static bool measured(const gn_run *run, const gn_readings *r) {
+    const double *stress = gn_history_column(&run->history, "stress");
+    if (!gn_run_staged(run)) return !isnan(r->largest_stress);
+    if (run->world.stage + 1 < run->world.scene.stage_count) return true; /* it never got there */
+    for (size_t k = 0; stress && k < run->history.row_count; k++)
+        if (stress[k] > 0.0) return true;
+    return false;
+}
+
+static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+    const gn_test_kind kind = run->world.scene.test.kind;
+    if (kind == GN_TEST_NONE || !run->finished || run->history.row_count < 2) return;
+    if (measured(run, r)) return;
+    gn_warning *to = gn_warnings_add(list, "nothing_measured");
+    snprintf(
+        to->text, sizeof to->text, "the test has read no strength and no modulus: %s%s",
+        gn_run_staged(run) ? "the stress never had the sense of the test"
+                           : r->reason[GN_READING_largest_stress],
+        gn_test_in(kind, GN_TESTS(HYDROSTATIC))
+            ? ""
+            : " (do the ends move, in the sense of the test, and reach the specimen in time?)");
+}
+
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_readings *r;
     GN_TRY(gn_run_readings(run, &r, error));
     warn_of_balance(r, list);
     warn_of_rows(r, list);
+    warn_of_beginning(r, list);
+    warn_of_nothing(run, r, list);
     return GNEISS_OK;
 }

@@ -572,8 +572,9 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     s->has_specimen = s->specimen_given || s->source_count > 0;
     if (s->bonds == GN_SWITCH_AUTO)
         s->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
-    /* Who says something of the end says all of it, also if it is lifted later. */
-    if (s->stop_peak_drop < 0 && (s->stop_strain > 0 || s->stop_unbalanced > 0))
+    /* Who says something of the end says all of it, also if it is lifted later; auto, too. */
+    if (s->stop_peak_drop < 0 && (s->stop_strain > 0 || s->stop_unbalanced > 0) &&
+        !gn_check_given(&c, "time.stop.peak_drop"))
         s->stop_peak_drop = 0;
     GN_TRY(check_matter(&c, s));
     GN_TRY(gn_check_keep(&c, check_from(&c, s)));

@@ -76,6 +76,10 @@ gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 
 /* The section `test` and the conditions that end one (check_test.c). */
 gneiss_status gn_check_test(const check *c, gn_scene *s);
+/* Of a test of one stage: ends that only ever go against its sense, where nothing else could give
+ * it a stress (check_stages.c). */
+gneiss_status gn_check_parting(const check *c, const gn_scene *s);
+
 /* Of a hydrostatic test: whether anything presses, in any stage. */
 gneiss_status gn_check_pressed(const check *c, bool presses);
 /* The section `membrane`. */

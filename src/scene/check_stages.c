@@ -190,6 +190,45 @@ static bool never_strains(const gn_scene *s, size_t stage) {
     return fastest(s, stage, &t->upper, sign) + fastest(s, stage, &t->lower, -sign) <= 0.0;
 }
 
+static const char *strains_by(const gn_scene *s) {
+    return gn_test_in(s->test.kind, GN_TESTS_SHEARED) ? "shear the specimen"
+           : gn_test_sign(s->test.kind) < 0           ? "close"
+                                                      : "come apart";
+}
+
+/* Whether each part of an end is moved as given, and none of them ever in the sense of `sign`; the
+ * others are counted. */
+static bool only_against(const gn_scene *s, const gn_test_end *end, double sign, int *against) {
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_table *velocity = velocity_of(s, end->name[k]);
+        const gn_motion *m = gn_scene_end_motion(s, end->name[k]);
+        if (!velocity || most(velocity, sign, -INFINITY) > 0.0) return false;
+        for (int a = 0; a < 3; a++)
+            if (gn_table_acts(&m->spin[a])) return false;
+        *against += gn_table_acts(velocity);
+    }
+    return true;
+}
+
+gneiss_status gn_check_parting(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    const double sign = gn_test_sign(t->kind);
+    int against = 0;
+    if (!gn_test_in(t->kind, GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS(BRAZILIAN) |
+                                 GN_TESTS(OEDOMETER)))
+        return GNEISS_OK;
+    if (s->has_elements || t->has_control || *s->specimen.from ||
+        gn_scene_presses_beside(s, false) || anything_else_acts(s) || rows_overlap(s))
+        return GNEISS_OK;
+    if (!only_against(s, &t->upper, sign, &against) || !only_against(s, &t->lower, -sign, &against))
+        return GNEISS_OK;
+    if (!against) return GNEISS_OK; /* what stands may be there to be watched */
+    return gn_check_fail(c, "test.upper",
+                         "expected ends that %s, found ends that only %s: the test would measure "
+                         "nothing",
+                         strains_by(s), sign < 0.0 ? "come apart" : "close");
+}
+
 static double largest_pressure(const gn_scene *s) {
     return s ? fmax(0.0, most(&s->membrane.pressure, 1.0, -INFINITY)) : 0.0;
 }
@@ -226,12 +265,6 @@ static const char nothing[] = "expected something that moves or acts in this sta
 
 static const char parting[] = "expected ends that %s in this stage, found none that do: it would "
                               "never end";
-
-static const char *strains_by(const gn_scene *s) {
-    return gn_test_in(s->test.kind, GN_TESTS_SHEARED) ? "shear the specimen"
-           : gn_test_sign(s->test.kind) < 0           ? "close"
-                                                      : "come apart";
-}
 
 /* Of a given step, which stays what it is. */
 static gneiss_status check_steps(const check *c, const gn_scene *s, const gn_stage *e) {

@@ -110,6 +110,25 @@ static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* Walls that face the specimen press on it, and cannot pull. */
+static bool only_walls(const gn_scene *s, const gn_test_end *end, double sense) {
+    for (size_t k = 0; k < end->count; k++) {
+        const int wall = gn_scene_find_wall(s, end->name[k]);
+        if (wall < 0 || !(sense * s->walls[wall].normal[s->test.axis] > 0.0)) return false;
+    }
+    return true;
+}
+
+static gneiss_status check_pull(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (t->kind != GN_TEST_TENSION || !only_walls(s, &t->lower, 1.0) ||
+        !only_walls(s, &t->upper, -1.0))
+        return GNEISS_OK;
+    return gn_check_fail(c, "test.upper",
+                         "expected ends that can pull (sets, motions of elements), found walls on "
+                         "both sides, which only press");
+}
+
 static gneiss_status check_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
@@ -123,7 +142,9 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
     if (!gn_check_sound(c, "test")) return GNEISS_OK;
     GN_TRY(gn_check_keep(c, check_walls_of_ends(c, s)));
+    GN_TRY(check_pull(c, s));
     if (s->stage_count) return GNEISS_OK;
+    GN_TRY(gn_check_parting(c, s));
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "

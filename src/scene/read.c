@@ -70,28 +70,37 @@ static bool is_word(const gn_key *key, const gn_node *node) {
     return key->word && node->kind == GN_NODE_SCALAR && strcmp(node->text, key->word) == 0;
 }
 
+/* " or 'off' or 'auto'". */
+static const char *words_of(const gn_key *key, char text[80]) {
+    const char *other = key->other_word;
+    *text = '\0';
+    if (key->word)
+        snprintf(text, 80, " or '%s'%s%s%s", key->word, other ? " or '" : "", other ? other : "",
+                 other ? "'" : "");
+    return text;
+}
+
 static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, const gn_node *node) {
-    char expected[160];
+    char expected[160], words[80];
     const char *unit =
         key->unit && strcmp(key->unit, "1") && !strchr(key->unit, '|') ? key->unit : "";
-    snprintf(expected, sizeof expected, "a value in %s%s%s%s%s%s", key->range, *unit ? " " : "",
-             unit, key->word ? " or '" : "", key->word ? key->word : "", key->word ? "'" : "");
+    snprintf(expected, sizeof expected, "a value in %s%s%s%s", key->range, *unit ? " " : "", unit,
+             words_of(key, words));
     return unexpected(reader, node, expected, "");
 }
 
 /* A number in `unit`, without words. */
 static gneiss_status read_number(const gn_reader *reader, const gn_key *key, const char *unit,
                                  const gn_node *node, double *value) {
-    char reason[96] = "", expected[160];
+    char reason[96] = "", expected[160], words[80];
     if (node->kind == GN_NODE_SCALAR &&
         gn_read_quantity(reader, node->text, unit, value, reason, sizeof reason)) {
         if (key->range && !gn_range_holds(key->range, *value))
             return out_of_range(reader, key, node);
         return GNEISS_OK;
     }
-    snprintf(expected, sizeof expected, "%s%s%s%s",
-             gn_unit_text(strchr(unit, '|') ? strchr(unit, '|') + 1 : unit),
-             key->word ? " or '" : "", key->word ? key->word : "", key->word ? "'" : "");
+    snprintf(expected, sizeof expected, "%s%s",
+             gn_unit_text(strchr(unit, '|') ? strchr(unit, '|') + 1 : unit), words_of(key, words));
     return unexpected(reader, node, expected, reason);
 }
 

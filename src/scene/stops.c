@@ -30,30 +30,41 @@ static gn_stops stops_of(gn_test_kind kind) {
 }
 
 gn_stops gn_scene_stops(const gn_scene *s) {
-    const gn_stops given = {.peak_drop = s->stop_peak_drop > 0.0 ? s->stop_peak_drop : 0.0,
-                            .strain = s->stop_strain};
-    const bool said = s->stop_peak_drop >= 0.0 || s->stop_strain > 0.0 || s->stop_unbalanced > 0.0;
+    gn_stops stops = {.peak_drop = s->stop_peak_drop > 0.0 ? s->stop_peak_drop : 0.0,
+                      .strain = s->stop_strain};
     /* Read in rows of the history: without any nothing is. What is controlled is followed down. */
-    if (said || s->stage_count || !s->history_rows || s->test.has_control) return given;
-    gn_stops stops = stops_of(s->test.kind);
-    stops.by_kind = stops.peak_drop > 0.0 || stops.strain > 0.0;
+    if (s->stop_peak_drop >= 0.0 || s->stage_count || !s->history_rows || s->test.has_control)
+        return stops;
+    const gn_stops by_kind = stops_of(s->test.kind);
+    const bool said = s->stop_strain > 0.0 || s->stop_unbalanced > 0.0;
+    stops.peak_drop = by_kind.peak_drop;
+    if (!said) stops.strain = by_kind.strain;
+    stops.by_kind = by_kind.peak_drop > 0.0;
+    stops.strain_by_kind = !said && by_kind.strain > 0.0;
     return stops;
+}
+
+static const char *name_of(const gn_scene *s) {
+    return gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)s->test.kind);
 }
 
 const char *gn_stops_text(const gn_scene *s, char *text, size_t size) {
     const gn_stops stops = gn_scene_stops(s);
+    const bool said = s->stop_strain > 0.0 || s->stop_unbalanced > 0.0;
     int used = 0;
     *text = '\0';
     if (stops.peak_drop > 0.0)
         used = snprintf(text, size, "stress %g below its peak", stops.peak_drop);
+    if (stops.by_kind && said && (size_t)used < size)
+        used += snprintf(text + used, size - (size_t)used, ", as %s tests end,", name_of(s));
     if (stops.strain > 0.0 && (size_t)used < size)
         used += snprintf(text + used, size - (size_t)used, "%sstrain %g", used ? " or " : "",
                          stops.strain);
     if (s->stop_unbalanced > 0.0 && !s->stage_count && (size_t)used < size)
         used += snprintf(text + used, size - (size_t)used, "%sunbalanced < %g", used ? " or " : "",
                          s->stop_unbalanced);
-    if (stops.by_kind && (size_t)used < size)
+    if (stops.by_kind && !said && (size_t)used < size)
         snprintf(text + used, size - (size_t)used, " (as %s tests end; time.stop says otherwise)",
-                 gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)s->test.kind));
+                 name_of(s));
     return text;
 }

@@ -5,12 +5,14 @@
 #include "scene/scene.h"
 
 typedef struct gn_stops {
-    double peak_drop; /* share of its peak by which stress has fallen; 0: never by it */
-    double strain;    /* reached; 0: never by it */
-    bool by_kind;     /* the kind of the test says so, time.stop nothing */
+    double peak_drop;    /* share of its peak by which stress has fallen; 0: never by it */
+    double strain;       /* reached; 0: never by it */
+    bool by_kind;        /* the kind of the test says of the peak, which time.stop leaves to it */
+    bool strain_by_kind; /* and of the strain */
 } gn_stops;
 
-/* What time.stop says of the test; where it says nothing at all, what tests of this kind end at.
+/* What time.stop says of the test; where it says nothing at all, what tests of this kind end at;
+ * where it says auto of the peak, their fall of stress beside what else it says.
  * Scenes with stages have none, each of which says when it ends,
  * and tests under control go on behind their peak. */
 gn_stops gn_scene_stops(const gn_scene *scene);

@@ -24,6 +24,9 @@ double gn_ends_free(const gn_world *world);
 /* Whether nothing keeps the ends of a shear test from coming apart, so that there is no normal
  * stress; `text` then says so with its place. */
 bool gn_shear_is_loose(const gn_world *world, char *text, size_t size);
+/* Whether a wall that is an end of a test begins deep inside its specimen or far away from it, or
+ * stands tilted; `text` then says so with its place. */
+bool gn_ends_doubts(const gn_world *world, char *text, size_t size);
 /* GNEISS_ERROR_INPUT where both ends are on one side, share particles or nodes, or the upper one is
  * below the other; of walls the scene is checked before. After all parts are made. */
 gneiss_status gn_ends_check(const gn_world *world, gneiss_error *error);
