@@ -315,8 +315,7 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_relaxations *r = &w->couple.relaxed;
     const char *const why[] = {
-        "bonds would have broken, and their ends stay where they are (convert sooner: lower "
-        "limits)",
+        "bonds would have broken, whose ends stay where they are (lower limits convert sooner)",
         "nothing held some particles, which stay where they are",
         "couple.convert.relax_iterations were used up",
         "contacts close and open on the way, and nothing brings the energy farther down"};
