@@ -12,8 +12,9 @@ static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLIC
 static const gn_key stop_keys[] = {
     KEY("peak_drop", REAL, gn_scene, stop_peak_drop, .unit = "1", .range = "(0, 1)", .word = "off",
         .other_word = "auto", .other_value = -1, .fallback = "auto",
-        .text = "stop once stress has fallen by this fraction of its peak; auto: as tests of its "
-                "kind end, beside what else is written; without auto written, if nothing of stop is"),
+        .text =
+            "stop once stress has fallen by this fraction of its peak; auto: as tests of its "
+            "kind end, beside what else is written; without auto written, if nothing of stop is"),
     KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
         .fallback = "off", .text = "stop at this strain"),
     KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",

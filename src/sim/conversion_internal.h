@@ -67,7 +67,7 @@ double gn_conversion_held_beside(const gn_conversion *c);
 void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
 void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]);
 /* m, of an element at the start. */
-void gn_conversion_centre(const gn_fem_solid *solid, size_t element, double centre[3]);
+void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
 
 /* Largest change of a mass that is taken for a packing's scatter. */
 #define GN_MASS_SCALED_MOST 0.5

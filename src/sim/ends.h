@@ -4,8 +4,8 @@
 
 #include "sim/internal.h"
 
-/* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along the
- * plane that are not moved along it do not count beside others. */
+/* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
+ * the plane that are not moved along it do not count beside others. */
 double gn_ends_deflection(const gn_world *world);
 /* Of the gauge of the test, m. */
 double gn_ends_opening(const gn_world *world);
