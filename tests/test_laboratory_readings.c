@@ -379,8 +379,30 @@ static void what_ends_bear_before_they_move_is_no_peak(void **state) {
     }
 }
 
+/* Ends that stand while bonds break, that unload, or that a dead load moves on. */
+static void ends_that_do_not_move_or_hold_a_load_have_no_strength(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    for (int kind = 0; kind < 3; kind++) {
+        table t = table_of(names, 4);
+        for (int k = 0; k <= 100; k++) {
+            double row[] = {kind == 0   ? 0
+                            : kind == 1 ? -0.01 * k
+                                        : 0.01 * k,
+                            kind == 2 ? 100 - 0.02 * k : 100 + 20 * (k == 3) - 0.8 * k, k > 50, 0};
+            memcpy(t.row, row, sizeof row);
+            put(&t);
+        }
+        gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+        assert_close(r.largest_stress, kind == 2 ? 100 : 117.6, 1e-12);
+        absent_for(&r, GN_READING_peak_stress,
+                   kind == 2 ? "has not fallen by 5 %" : "never moved in the sense of the test");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ends_that_do_not_move_or_hold_a_load_have_no_strength),
         cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
         cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
         cmocka_unit_test(damage_begins_where_the_volume_is_least),

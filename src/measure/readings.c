@@ -301,15 +301,18 @@ static void read_balance(const gn_curves *c, gn_readings *r) {
     r->end_imbalance = fabs(difference) / sum;
 }
 
-/* Ends that never moved in the sense of the test leave all rows to it. */
+static const double held = 0.05; /* share that a load which is held may waver by */
+
+/* Ends that never moved in the sense of the test leave all rows to it, and no strength. */
 static void find_beginning(gn_curves *c, gn_readings *r) {
     gn_beginning b = {0};
     gn_beginning_look(&b, c->strain, c->stress, c->history->row_count);
+    c->still = !b.moved && c->strain && c->history->row_count && !isnan(c->strain[0]);
     if (!b.moved) return;
     r->initial_stress = c->stress[b.first];
     r->initial_fall = c->stress[b.first] - c->stress[b.least];
-    c->begin = b.least;
-    if (b.begun) return;
+    c->begin = b.begun ? b.least : b.first;
+    if (b.begun || !(r->initial_fall > held * r->initial_stress)) return; /* a dead load */
     char reason[GN_REASON_SIZE];
     snprintf(reason, sizeof reason,
              "the stress has only fallen from the %.4g Pa that the ends bore before they moved",

@@ -20,6 +20,7 @@ typedef struct gn_curves {
     const double *strain, *stress;
     const double *average[3]; /* strain, by axis */
     size_t begin;             /* row with which the test begins (beginning.h) */
+    bool still;               /* the strain never grew in the sense of the test */
     size_t largest;           /* row of the largest stress since */
     gn_row_span loading;      /* from 1 to 50 % of it */
     const double *time;       /* s */

@@ -48,7 +48,9 @@ static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
 static const double initial_limit = 0.5;
 
 static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
-    if (!(r->initial_fall > initial_limit * r->peak_stress)) return; /* nor where there is none */
+    /* Without a peak of what the test came to. */
+    const double most = isnan(r->peak_stress) ? r->largest_stress : r->peak_stress;
+    if (!(r->initial_fall > initial_limit * most)) return;
     gn_warning *to = gn_warnings_add(list, "initial_stress");
     snprintf(
         to->text, sizeof to->text,
