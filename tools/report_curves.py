@@ -132,6 +132,17 @@ def plot_stress(results, path):
             + (" Strain counts from the start of the stage." if results.of_stage else ""))
 
 
+def draw_stress_beside(axes, x, stress, label):
+    """A thin line with an axis of its own at the right; `label` has a place for the unit."""
+    factor, unit = scale_of(stress, "Pa")
+    other = axes.twinx()
+    other.grid(False)
+    other.spines["right"].set_visible(True)
+    other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
+    other.set_ylabel(label.format(unit))
+    other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
+
+
 def plot_broken(results, path):
     x, label = abscissa(results)
     tension, shear = results.column("broken_tension"), results.column("broken_shear")
@@ -144,13 +155,7 @@ def plot_broken(results, path):
     axes.set_ylim(bottom=0)
     stress = results.column("stress")
     if stress is not None:
-        factor, unit = scale_of(stress, "Pa")
-        other = axes.twinx()
-        other.grid(False)
-        other.spines["right"].set_visible(True)
-        other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
-        other.set_ylabel(f"{results.words[1]} [{unit}] (thin line)")
-        other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
+        draw_stress_beside(axes, x, stress, f"{results.words[1]} [{{}}] (thin line)")
     axes.margins(x=0.02)
     place_legend(results, axes, "upper left")
     mark_stages(results, axes, x)
@@ -209,13 +214,7 @@ def plot_bursts(results, path):
     below.set_ylabel("bonds broken in a burst")
     below.set_xlabel(label)
     if stress is not None:
-        factor, unit = scale_of(stress, "Pa")
-        other = above.twinx()
-        other.grid(False)
-        other.spines["right"].set_visible(True)
-        other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
-        other.set_ylabel(f"{results.words[1] if len(results.words[1]) < 15 else 'stress'} [{unit}]\n(thin line)")
-        other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
+        draw_stress_beside(above, x, stress, f"{results.words[1] if len(results.words[1]) < 15 else 'stress'} [{{}}]\n(thin line)")
     above.margins(x=0.02)
     mark_stages(results, above, x)
     save(figure, path)
