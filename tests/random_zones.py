@@ -43,6 +43,7 @@ class Maker:
         self.d = d = Draw(f"gneiss zones {seed}")
         self.kind = KINDS[seed % len(KINDS)]
         self.dim = d.choice((2, 2, 3))
+        self.six = Draw(f"gneiss diagonals {seed}").chance(0.5)
         self.s = d.log(2e-4, 1e-1)
         self.young, self.density = d.log(1e6, 1e11), d.log(1e2, 1e4)
         self.speed = math.sqrt(self.young / self.density)
@@ -93,7 +94,7 @@ class Maker:
     def elements(self, size, origin, cells, **more):
         d = self.d
         part = {"size": size, "cells": cells, "origin": origin, "distortion": d.choice((0.0, 0.0, d.uniform(0.0, 0.15)))}
-        if self.dim == 2 and d.chance(0.3):
+        if d.chance(0.3) if self.dim == 2 else self.six:
             part["diagonals"] = "parallel"
         self.scene["elements"] = {"rectangle" if self.dim == 2 else "box": part,
                                   "materials": [{"young": self.young, "poisson": d.choice((0.0, d.uniform(0, 0.35))), "density": self.density}], **more}
