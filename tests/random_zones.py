@@ -10,15 +10,15 @@ body, and strengths from the stress that they make.
 """
 import argparse
 import collections
+import functools
 import json
 import math
 import os
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 
-from random_scenes import AXES, ENVIRONMENT, Draw, rounded
+from random_scenes import AXES, ENVIRONMENT, Draw, rounded, run_all
 
 KINDS = ("zones", "conversion")
 # Seeds that go bad, and why {seed: reason}: left open.
@@ -330,15 +330,6 @@ def run(program, momentum, seed, limit=120):
         return Outcome(seed, maker.kind, bad, warned(s), residual, converted, broken, shift, s["steps"], os.times().elapsed - start)
 
 
-def run_all(program, momentum, seeds, jobs=2, note=lambda outcome: None):
-    with ThreadPoolExecutor(jobs) as pool:
-        outcomes = []
-        for outcome in pool.map(lambda seed: run(program, momentum, seed), seeds):
-            note(outcome)
-            outcomes.append(outcome)
-        return outcomes
-
-
 def table(outcomes):
     rows = []
     for kind in (*KINDS, "all"):
@@ -361,7 +352,7 @@ def main():
         print(write(options.seed, options.write))
         return 0
     seeds = range(*options.seeds) if options.seeds else [options.seed]
-    outcomes = run_all(options.program, options.momentum, seeds, note=lambda o: (o.bad or options.seed is not None) and print(
+    outcomes = run_all(functools.partial(run, options.program, options.momentum), seeds, note=lambda o: (o.bad or options.seed is not None) and print(
         f"seed {o.seed} ({o.kind}, {o.steps} steps, {o.seconds:.1f} s, residual {o.residual}, {o.converted} awake, {o.broken} broken, momentum {o.momentum}): "
         f"{'bad' if o.bad else 'well'}: {o.text}", flush=True))
     head, rows = table(outcomes)
