@@ -170,15 +170,16 @@ def through_zone(space, packed, width, wave, side, contact, back, height, constr
 
 def packing_table():
     rows = []
-    for space, height in ((False, HEIGHT), (True, 4e-3)):
+    for space, height, even in ((False, HEIGHT, False), (True, 4e-3, False), (True, 4e-3, True)):
         contact, alone = contact_modulus(space, height)
         area = height * (height if space else 1.0)
         for back in (False, True):
             for wave, side in ((0.06, 5e-3), (0.12, 5e-3)):
-                cells = [f"{through_zone(space, True, width, wave, side, contact, back, height):.3f}" for width in (0.02, 0.04, 0.08)]
+                cells = [f"{through_zone(space, True, width, wave, side, contact, back, height, even=even):.3f}" for width in (0.02, 0.04, 0.08)]
                 floor = coherent(alone, wave, area) if back else before_zone(alone, "particles", MODULUS, 0.26, area=area)
-                rows.append(["3D" if space else "2D", "particles to elements" if back else "elements to particles", round(1e3 * wave), round(1e3 * side),
-                             *cells, f"{100 * floor / stored(alone):.3f}" if back or wave == 0.06 else ""])
+                name = f"3D, {'six' if even else 'five'} tetrahedra a cell" if space else "2D"
+                rows.append([name, "particles to elements" if back else "elements to particles", round(1e3 * wave), round(1e3 * side), *cells,
+                             f"{100 * floor / stored(alone):.3f}" if back or wave == 0.06 else ""])
     return study.table(["packing", "direction", "wave, mm", "h, mm", "L 20", "L 40", "L 80", "packing alone"], rows)
 
 
