@@ -20,7 +20,7 @@ static inline int dimension_of(int kind) {
 
 static inline gn_mesh distorted_mesh(int kind) {
     const int d = dimension_of(kind);
-    return split_mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d), kind & PARALLEL);
+    return split_mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d), (kind & PARALLEL) != 0);
 }
 
 static inline gn_fem_solid *distorted_kind(int kind) {
