@@ -10,8 +10,9 @@
 static const gn_fem_material rock = {.young = 30e9, .poisson = 0.2, .density = 2600.0};
 
 /* A rectangle (cells[2] = 0) or box with one corner at the origin. */
-static inline gn_mesh mesh_of(const double size[3], const int cells[3], double distortion) {
-    gn_structured s = {.distortion = distortion, .seed = 7};
+static inline gn_mesh split_mesh_of(const double size[3], const int cells[3], double distortion,
+                                    bool parallel) {
+    gn_structured s = {.distortion = distortion, .seed = 7, .parallel = parallel};
     gn_mesh mesh;
     gneiss_error error = {0};
     for (int k = 0; k < 3; k++) {
@@ -22,6 +23,10 @@ static inline gn_mesh mesh_of(const double size[3], const int cells[3], double d
         cells[2] ? gn_mesh_box(&s, &mesh, &error) : gn_mesh_rectangle(&s, &mesh, &error);
     if (status != GNEISS_OK) fail_msg("%s", error.message);
     return mesh;
+}
+
+static inline gn_mesh mesh_of(const double size[3], const int cells[3], double distortion) {
+    return split_mesh_of(size, cells, distortion, false);
 }
 
 static inline gn_fem_spec spec_of(int dimension, const gn_fem_material *material) {

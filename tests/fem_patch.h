@@ -11,10 +11,26 @@ static inline double distortion_of(int d) {
     return d == 3 ? 0.16 : 0.24;
 }
 
+/* Kinds of bodies: plane or in space, both forms, diagonals alternating or parallel. */
+enum { SPACE = 1, MIXED = 2, PARALLEL = 4, BODY_KINDS = 8 };
+
+static inline int dimension_of(int kind) {
+    return kind & SPACE ? 3 : 2;
+}
+
+static inline gn_mesh distorted_mesh(int kind) {
+    const int d = dimension_of(kind);
+    return split_mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d), (kind & PARALLEL) != 0);
+}
+
+static inline gn_fem_solid *distorted_kind(int kind) {
+    gn_fem_spec spec = spec_of(dimension_of(kind), &rock);
+    spec.form = kind & MIXED ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
+    return body_of(&spec, distorted_mesh(kind));
+}
+
 static inline gn_fem_solid *distorted_body(int d, gn_fem_form form) {
-    gn_fem_spec spec = spec_of(d, &rock);
-    spec.form = form;
-    return body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
+    return distorted_kind((d == 3 ? SPACE : 0) | (form == GN_FEM_PRESSURE ? MIXED : 0));
 }
 
 /* x = F X for all nodes. */
@@ -74,9 +90,9 @@ static inline double strain_round_off(int d) {
 }
 
 /* A distorted mesh under the small deformation `f`. */
-static inline gn_fem_solid *deformed_body(int d, gn_fem_form form, double f[3][3]) {
-    gn_fem_solid *solid = distorted_body(d, form);
-    small_deformation(d, f);
+static inline gn_fem_solid *deformed_kind(int kind, double f[3][3]) {
+    gn_fem_solid *solid = distorted_kind(kind);
+    small_deformation(dimension_of(kind), f);
     place(solid, f);
     return solid;
 }

@@ -9,6 +9,7 @@ overlap comes near a radius: whatever goes bad then is the doing of the step, no
 """
 import argparse
 import collections
+import functools
 import json
 import math
 import os
@@ -669,10 +670,11 @@ def run(program, seed, limit=60):
         return Outcome(seed, kind, how, text, residual, steps, os.times().elapsed - start)
 
 
-def run_all(program, seeds, jobs=2, note=lambda outcome: None):
+def run_all(run_seed, seeds, jobs=2, note=lambda outcome: None):
+    """What run_seed(seed) says of every seed, some of them side by side; `note` looks at each in turn."""
     with ThreadPoolExecutor(jobs) as pool:
         outcomes = []
-        for outcome in pool.map(lambda seed: run(program, seed), seeds):
+        for outcome in pool.map(run_seed, seeds):
             note(outcome)
             outcomes.append(outcome)
         return outcomes
@@ -700,7 +702,7 @@ def main():
         print(write(options.seed, options.write))
         return 0
     seeds = range(*options.seeds) if options.seeds else [options.seed]
-    outcomes = run_all(options.program, seeds, note=lambda o: (o.how != WELL or options.seed is not None) and print(
+    outcomes = run_all(functools.partial(run, options.program), seeds, note=lambda o: (o.how != WELL or options.seed is not None) and print(
         f"seed {o.seed} ({o.kind}, {o.steps} steps, {o.seconds:.1f} s, residual {o.residual}): {o.how}: {o.text}", flush=True))
     head, rows = table(outcomes)
     for row in [head, *rows]:

@@ -10,15 +10,15 @@ body, and strengths from the stress that they make.
 """
 import argparse
 import collections
+import functools
 import json
 import math
 import os
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 
-from random_scenes import AXES, ENVIRONMENT, Draw, rounded
+from random_scenes import AXES, ENVIRONMENT, Draw, rounded, run_all
 
 KINDS = ("zones", "conversion")
 # Seeds that go bad, and why {seed: reason}: left open.
@@ -43,6 +43,7 @@ class Maker:
         self.d = d = Draw(f"gneiss zones {seed}")
         self.kind = KINDS[seed % len(KINDS)]
         self.dim = d.choice((2, 2, 3))
+        self.six = Draw(f"gneiss diagonals {seed}").chance(0.5)
         self.s = d.log(2e-4, 1e-1)
         self.young, self.density = d.log(1e6, 1e11), d.log(1e2, 1e4)
         self.speed = math.sqrt(self.young / self.density)
@@ -93,7 +94,7 @@ class Maker:
     def elements(self, size, origin, cells, **more):
         d = self.d
         part = {"size": size, "cells": cells, "origin": origin, "distortion": d.choice((0.0, 0.0, d.uniform(0.0, 0.15)))}
-        if self.dim == 2 and d.chance(0.3):
+        if d.chance(0.3) if self.dim == 2 else self.six:
             part["diagonals"] = "parallel"
         self.scene["elements"] = {"rectangle" if self.dim == 2 else "box": part,
                                   "materials": [{"young": self.young, "poisson": d.choice((0.0, d.uniform(0, 0.35))), "density": self.density}], **more}
@@ -329,15 +330,6 @@ def run(program, momentum, seed, limit=120):
         return Outcome(seed, maker.kind, bad, warned(s), residual, converted, broken, shift, s["steps"], os.times().elapsed - start)
 
 
-def run_all(program, momentum, seeds, jobs=2, note=lambda outcome: None):
-    with ThreadPoolExecutor(jobs) as pool:
-        outcomes = []
-        for outcome in pool.map(lambda seed: run(program, momentum, seed), seeds):
-            note(outcome)
-            outcomes.append(outcome)
-        return outcomes
-
-
 def table(outcomes):
     rows = []
     for kind in (*KINDS, "all"):
@@ -360,7 +352,7 @@ def main():
         print(write(options.seed, options.write))
         return 0
     seeds = range(*options.seeds) if options.seeds else [options.seed]
-    outcomes = run_all(options.program, options.momentum, seeds, note=lambda o: (o.bad or options.seed is not None) and print(
+    outcomes = run_all(functools.partial(run, options.program, options.momentum), seeds, note=lambda o: (o.bad or options.seed is not None) and print(
         f"seed {o.seed} ({o.kind}, {o.steps} steps, {o.seconds:.1f} s, residual {o.residual}, {o.converted} awake, {o.broken} broken, momentum {o.momentum}): "
         f"{'bad' if o.bad else 'well'}: {o.text}", flush=True))
     head, rows = table(outcomes)

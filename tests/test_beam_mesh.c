@@ -42,20 +42,24 @@ static void has_volume(const gn_structured_beam *spec) {
 
 static void its_volume_is_that_of_the_beam_less_the_notch(void **state) {
     (void)state;
-    gn_structured_beam plane = flat();
-    has_volume(&concrete);
-    has_volume(&plane);
-    plane.notch_depth = 0.0;
-    plane.notch_width = 0.0;
-    has_volume(&plane);
+    for (int parallel = 0; parallel < 2; parallel++) {
+        gn_structured_beam solid = concrete, plane = flat();
+        solid.parallel = plane.parallel = parallel;
+        has_volume(&solid);
+        has_volume(&plane);
+        plane.notch_depth = 0.0;
+        plane.notch_width = 0.0;
+        has_volume(&plane);
+    }
 }
 
 /* Every facet of the boundary is listed once, with the normal outward: the areas of the groups are
- * those of the faces and all area vectors add up to zero. */
-static void its_facets_close_it(void **state) {
-    (void)state;
-    gn_mesh m = beam_of(&concrete);
-    double area[16] = {0.0}, sum[3] = {0.0};
+ * those of the faces, all area vectors add up to zero, and with their places to the volume. */
+static void close_it(bool parallel) {
+    gn_structured_beam spec = concrete;
+    spec.parallel = parallel;
+    gn_mesh m = beam_of(&spec);
+    double area[16] = {0.0}, sum[3] = {0.0}, volume = 0.0;
     for (size_t t = 0; t < m.triangles.count; t++) {
         const int32_t *n = m.triangles.node + 3 * t;
         double u[3], v[3], a[3], size = 0.0;
@@ -67,6 +71,7 @@ static void its_facets_close_it(void **state) {
             a[k] = 0.5 * (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
             sum[k] += a[k];
             size += a[k] * a[k];
+            volume += a[k] * m.node[3 * n[0] + k] / 3.0;
         }
         area[m.triangles.group[t]] += sqrt(size);
     }
@@ -79,7 +84,57 @@ static void its_facets_close_it(void **state) {
                              (2 * 0.02 + 0.004) * 0.06};
     for (int k = 0; k < 7; k++) assert_true(fabs(area[2 + k] - wanted[k]) < 1e-12);
     for (int k = 0; k < 3; k++) assert_true(fabs(sum[k]) < 1e-14);
+    assert_true(fabs(volume - (0.34 * 0.1 - 0.004 * 0.02) * 0.06) < 1e-15);
+    size_t count = m.triangles.count;
+    gneiss_error error = {0};
+    assert_int_equal(gn_mesh_boundary(&m, 3, "beam", &error), GNEISS_OK);
+    assert_int_equal(m.triangles.count, count);
     gn_mesh_free(&m);
+}
+
+static void its_facets_close_it(void **state) {
+    (void)state;
+    close_it(false);
+    close_it(true);
+}
+
+/* Whether the corners of an element mirrored at x = 4 are those of another. */
+static bool mirrors(const gn_mesh *m, size_t e, size_t other) {
+    int same = 0;
+    for (int a = 0; a < 4; a++)
+        for (int b = 0; b < 4; b++) {
+            const double *x = m->node + 3 * m->tetrahedra.node[4 * e + (size_t)a],
+                         *y = m->node + 3 * m->tetrahedra.node[4 * other + (size_t)b];
+            same += x[0] + y[0] == 8.0 && x[1] == y[1] && x[2] == y[2];
+        }
+    return same == 4;
+}
+
+/* Cells of one size give all inner nodes one mass, those at mid-span as well. */
+static void parallel_diagonals_are_mirrored_at_mid_span(void **state) {
+    (void)state;
+    gn_structured_beam spec = {.length = 8.0,
+                               .height = 3.0,
+                               .thickness = 2.0,
+                               .span = 8.0,
+                               .cell = 1.0,
+                               .growth = 1.2,
+                               .parallel = true};
+    gn_fem_spec s = spec_of(3, &rock);
+    gn_fem_solid *body = body_of(&s, beam_of(&spec));
+    const size_t count = body->mesh.tetrahedra.count;
+    assert_int_equal(count, 6 * 8 * 3 * 2);
+    for (size_t e = 0; e < count; e++) {
+        size_t found = 0;
+        for (size_t f = 0; f < count; f++) found += mirrors(&body->mesh, e, f);
+        assert_int_equal(found, 1);
+    }
+    for (size_t n = 0; n < body->nodes.soa.count; n++) {
+        const double *x = body->nodes.start + 4 * n;
+        if (x[0] > 0.0 && x[0] < 8.0 && x[1] > 0.0 && x[1] < 3.0 && x[2] == 1.0)
+            assert_near(1.0 / body->nodes.vel[4 * n + 3], rock.density, 1e-9);
+    }
+    body_end(body);
 }
 
 static void expect_nodes(const gn_fem_solid *body, const char *group, size_t count, double x,
@@ -294,6 +349,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(its_volume_is_that_of_the_beam_less_the_notch),
         cmocka_unit_test(its_facets_close_it),
+        cmocka_unit_test(parallel_diagonals_are_mirrored_at_mid_span),
         cmocka_unit_test(supports_load_and_mouth_are_where_they_belong),
         cmocka_unit_test(cells_grow_slowly_from_the_notch_up_to_the_wanted_size),
         cmocka_unit_test(impossible_beams_are_refused),

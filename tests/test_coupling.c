@@ -344,23 +344,38 @@ static void consistent_masses_are_damped(void **state) {
     }
 }
 
-/* Of three or six triangles each, a third of each. */
+/* Of six triangles, a third of each, and of 24 tetrahedra, a quarter of each; on sides half. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 2\nelements: {rectangle: {size: [4, 3], cells: [4, 3], "
-                           "diagonals: parallel}, materials: [{young: 1e9, poisson: 0.2, density: "
-                           "1000}]}\ntime: {end: 1}\n");
-    const gn_particles *q = &w->elements[0]->solid.nodes;
-    for (size_t n = 0; n < q->soa.count; n++) {
-        const double *x = q->start + 4 * n;
-        bool side = x[0] == 0.0 || x[0] == 4.0, end = x[1] == 0.0 || x[1] == 3.0;
-        if (!side && !end) assert_near(1.0 / q->vel[4 * n + 3], 1000.0, 1e-9);
-        if (side != end) assert_near(1.0 / q->vel[4 * n + 3], 500.0, 1e-9);
+    static const char *const body[] = {"dimension: 2\nelements: {rectangle: {size: [4, 3]",
+                                       "dimension: 3\nelements: {box: {size: [4, 3, 2]"};
+    for (int d = 2; d <= 3; d++) {
+        char scene[512];
+        snprintf(scene, sizeof scene,
+                 "%s, cells: [4, 3%s], diagonals: parallel}, materials: [{young: 1e9, poisson: "
+                 "0.2, density: 1000}]}\ntime: {end: 1}\n",
+                 body[d - 2], d == 3 ? ", 2" : "");
+        gn_world *w = world_of(scene);
+        const gn_particles *q = &w->elements[0]->solid.nodes;
+        size_t inside = 0;
+        for (size_t n = 0; n < q->soa.count; n++) {
+            const double *x = q->start + 4 * n, size[3] = {4.0, 3.0, 2.0};
+            int on = 0;
+            for (int k = 0; k < d; k++) on += x[k] == 0.0 || x[k] == size[k];
+            inside += on == 0;
+            if (on < 2) assert_near(1.0 / q->vel[4 * n + 3], on ? 500.0 : 1000.0, 1e-9);
+        }
+        assert_int_equal(inside, 3 * 2 * 1);
+        world_end(w);
     }
-    world_end(w);
+}
+
+static void diagonals_that_there_are_not_are_refused(void **state) {
+    (void)state;
     strip s = small_strip(true);
-    assert_refused(&s, "elements: {box: {", "elements: {box: {diagonals: parallel, ",
-                   "expected alternating in 3D, found parallel");
+    assert_refused(
+        &s, "elements: {box: {", "elements: {box: {diagonals: crossed, ",
+        "elements.box.diagonals: expected one of alternating, parallel, found 'crossed'");
 }
 
 /* --- figures --- */
@@ -458,6 +473,7 @@ int main(void) {
         cmocka_unit_test(consistent_masses_are_damped),
         cmocka_unit_test(a_pulse_beside_a_zone_takes_its_particles_along),
         cmocka_unit_test(parallel_diagonals_give_inner_nodes_one_mass),
+        cmocka_unit_test(diagonals_that_there_are_not_are_refused),
         cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(a_zone_is_weighed),
         cmocka_unit_test(what_is_no_zone_is_refused),

@@ -53,6 +53,16 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
 
 
 @fact
+def check_says_what_diagonals_that_alternate_do_to_zones(folder):
+    scene, told = write_scene(folder, BAR), "masses of {}, which scatter waves of some elements (elements.{}.diagonals: parallel)"
+    assert told.format("5 : 1", "box") in expect(gneiss("check", scene), 0, r"").stdout
+    six = expect(gneiss("check", scene, "--set", "elements.box.diagonals=parallel"), 0, r"").stdout
+    assert "864 tetrahedra" in six and "note" not in six, six
+    assert "note" not in check().stdout
+    assert told.format("2 : 1", "rectangle") in check("elements.rectangle.diagonals=alternating").stdout
+
+
+@fact
 def check_says_what_unequal_moduli_return(folder):
     done = check("elements.materials.0.young=12 GPa")
     expect(done, 0, r"")

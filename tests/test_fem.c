@@ -8,8 +8,10 @@
 
 static void structured_meshes_fill_their_box(void **state) {
     (void)state;
-    for (int d = 2; d <= 3; d++) {
-        gn_fem_solid *solid = distorted_body(d, GN_FEM_DISPLACEMENT);
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
+        if (kind & MIXED) continue;
+        gn_fem_solid *solid = distorted_kind(kind);
         double volume = sizes[d - 2][0] * sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0);
         assert_close(solid->volume, volume, 1e-13);
         assert_close(solid->mass, volume * rock.density, 1e-13);
@@ -23,19 +25,68 @@ static void structured_meshes_fill_their_box(void **state) {
     }
 }
 
-/* The sides' facets are those of the elements: the mesh's own boundary has no others. */
+/* Twice the area of a facet along direction k, positive outward. */
+static double facet_along(const gn_mesh *m, const int32_t *node, int d, int k) {
+    const double *x = m->node + 3 * node[0], *y = m->node + 3 * node[1], *z = m->node + 3 * node[2];
+    if (d == 2) return k == 0 ? 2.0 * (y[1] - x[1]) : 2.0 * (x[0] - y[0]);
+    const int p = (k + 1) % 3, q = (k + 2) % 3;
+    return (y[p] - x[p]) * (z[q] - x[q]) - (y[q] - x[q]) * (z[p] - x[p]);
+}
+
+/* Facets of a side lie in it and face outward. */
+static void check_sides(const gn_mesh *mesh, int d, const double size[3]) {
+    const gn_mesh_elements *sides = d == 3 ? &mesh->triangles : &mesh->lines;
+    for (size_t f = 0; f < sides->count; f++) {
+        const int32_t *node = sides->node + (size_t)sides->nodes * f;
+        const int side = sides->group[f] - 2, k = side / 2;
+        if (sides->group[f] < 2) continue;
+        assert_in_range(side, 0, 2 * d - 1);
+        assert_true((side % 2 ? 1.0 : -1.0) * facet_along(mesh, node, d, k) > 0.0);
+        for (int n = 0; n < sides->nodes; n++)
+            assert_true(mesh->node[3 * node[n] + k] == (side % 2 ? size[k] : 0.0));
+    }
+}
+
+/* The sides' facets are those of the elements: the mesh's own boundary has no others, also where
+ * elements meet, so that these share whole faces. */
 static void sides_of_structured_meshes_are_their_boundary(void **state) {
     (void)state;
-    for (int d = 2; d <= 3; d++) {
-        gn_mesh mesh = mesh_of(sizes[d - 2], cells[d - 2], 0.1);
+    static const int many[][3] = {{9, 6, 0}, {1, 1, 0}, {5, 4, 4}, {1, 1, 1}, {1, 2, 1}, {3, 1, 1}};
+    for (size_t v = 0; v < 2 * sizeof many / sizeof *many; v++) {
+        const int *count_of = many[v / 2], d = count_of[2] ? 3 : 2;
+        gn_mesh mesh = split_mesh_of(sizes[d - 2], count_of, 0.1, v % 2);
         gneiss_error error = {0};
         const gn_mesh_elements *sides = d == 3 ? &mesh.triangles : &mesh.lines;
-        size_t count = sides->count;
+        size_t count = sides->count, cell_sides = 0;
+        for (int k = 0; k < d; k++)
+            cell_sides += 2 * (size_t)(d == 3 ? count_of[(k + 1) % 3] * count_of[(k + 2) % 3]
+                                              : count_of[1 - k]);
+        assert_int_equal(count, d == 3 ? 2 * cell_sides : cell_sides);
+        check_sides(&mesh, d, sizes[d - 2]);
         if (gn_mesh_boundary(&mesh, d, "box", &error) != GNEISS_OK) fail_msg("%s", error.message);
         assert_int_equal(sides->count, count);
         for (size_t f = 0; f < sides->count; f++) assert_in_range(sides->group[f], 2, 1 + 2 * d);
         gn_mesh_free(&mesh);
     }
+}
+
+static void a_cell_has_six_tetrahedra_round_its_diagonal(void **state) {
+    (void)state;
+    gn_mesh mesh = split_mesh_of((double[]){3.0, 2.0, 1.0}, (int[]){1, 1, 1}, 0.0, true);
+    assert_int_equal(mesh.node_count, 8);
+    assert_int_equal(mesh.tetrahedra.count, 6);
+    for (size_t e = 0; e < 6; e++) {
+        const int32_t *node = mesh.tetrahedra.node + 4 * e;
+        double edge[3][3];
+        int ends = 0;
+        for (int a = 0; a < 4; a++) ends += node[a] == 0 || node[a] == 7;
+        assert_int_equal(ends, 2);
+        for (int a = 0; a < 3; a++)
+            for (int k = 0; k < 3; k++)
+                edge[a][k] = mesh.node[3 * node[a + 1] + k] - mesh.node[3 * node[0] + k];
+        assert_close(determinant(edge), 3.0 * 2.0 * 1.0, 1e-15); /* six times a sixth */
+    }
+    gn_mesh_free(&mesh);
 }
 
 static void nodes_and_elements_lie_close_together(void **state) {
@@ -399,6 +450,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(structured_meshes_fill_their_box),
         cmocka_unit_test(sides_of_structured_meshes_are_their_boundary),
+        cmocka_unit_test(a_cell_has_six_tetrahedra_round_its_diagonal),
         cmocka_unit_test(nodes_and_elements_lie_close_together),
         cmocka_unit_test(a_traction_gives_its_area_times_itself),
         cmocka_unit_test(reactions_carry_weight_and_loads),

@@ -3,11 +3,10 @@
 
 static void linear_displacements_leave_no_force_inside_and_exact_stress(void **state) {
     (void)state;
-    for (int v = 0; v < 4; v++) {
-        const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
         double f[3][3];
-        gn_fem_solid *solid = deformed_body(d, form, f);
+        gn_fem_solid *solid = deformed_kind(kind, f);
         fem_evaluate(solid);
         assert_stress(solid, f, strain_round_off(d));
         size_t inside = 0;
@@ -25,14 +24,13 @@ static void linear_displacements_leave_no_force_inside_and_exact_stress(void **s
 
 static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements(void **state) {
     (void)state;
-    for (int v = 0; v < 4; v++) {
-        const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
         gn_fem_spec spec = spec_of(d, &rock);
-        spec.form = form;
+        spec.form = kind & MIXED ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         spec.damping = GN_FX_VISCOUS;
         spec.damping_coefficient = 2.0 * 4e3 * 3.14; /* 1/s, critical for waves of a metre or so */
-        gn_fem_solid *solid = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
+        gn_fem_solid *solid = body_of(&spec, distorted_mesh(kind));
         double f[3][3], dt = 0.9 * fem_limits(solid).sharp;
         small_deformation(d, f);
         drive_boundary(solid, f, dt, DRIVE);
@@ -49,17 +47,16 @@ static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements
 
 static void large_homogeneous_deformation_gives_the_closed_form_of_the_material(void **state) {
     (void)state;
-    for (int v = 0; v < 4; v++) {
-        const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
-        gn_fem_solid *solid = distorted_body(d, form);
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
+        gn_fem_solid *solid = distorted_kind(kind);
         double f[3][3] = {{1.3, 0.4, 0.0}, {-0.2, 0.8, 0.0}, {0.0, 0.0, 1.0}}, s[3][3];
         if (d == 3) f[0][2] = 0.3;
         if (d == 3) f[2][1] = -0.25;
         place(solid, f);
         fem_evaluate(solid);
         assert_stress(solid, f, 4.0 * strain_round_off(d));
-        double density = law(form, f, s);
+        double density = law(solid->form, f, s);
         assert_close(solid->reading.elastic, density * solid->volume, 1e-12);
         assert_close(solid->elastic.volume, determinant(f) * solid->volume, 1e-12);
         assert_close(solid->elastic.least, determinant(f), 1e-12);
@@ -69,10 +66,9 @@ static void large_homogeneous_deformation_gives_the_closed_form_of_the_material(
 
 static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
     (void)state;
-    for (int v = 0; v < 4; v++) {
-        const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
-        gn_fem_solid *solid = distorted_body(d, form);
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
+        gn_fem_solid *solid = distorted_kind(kind);
         const double axis[3] = {d == 3 ? 0.4 : 0.0, d == 3 ? -0.7 : 0.0, 1.0};
         double still[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, r[3][3];
         for (int angle = 0; angle <= 360; angle += 15) {
@@ -89,11 +85,10 @@ static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
 
 static void nodal_stress_of_a_homogeneous_state_is_that_state(void **state) {
     (void)state;
-    for (int v = 0; v < 4; v++) {
-        const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
+    for (int kind = 0; kind < BODY_KINDS; kind++) {
+        const int d = dimension_of(kind);
         double f[3][3];
-        gn_fem_solid *solid = deformed_body(d, form, f);
+        gn_fem_solid *solid = deformed_kind(kind, f);
         double(*element)[6] = calloc(solid->elements.soa.count, sizeof *element);
         double(*nodal)[6] = calloc(solid->nodes.soa.count, sizeof *nodal);
         gn_fem_element_stress(solid, element);

@@ -1,5 +1,6 @@
 """Random small bodies of particles and elements, with zones that stay or elements that convert, at the default settings: none goes
 bad. Speaks TAP. `random_zones.py PROGRAM MOMENTUM --seed N` runs one of them, `--seed N --write DIR` writes it."""
+import functools
 import os
 import sys
 
@@ -13,7 +14,7 @@ MORE = (1520,)
 
 def main():
     print(f"1..{len(random_zones.KINDS)}")
-    outcomes, failed = random_zones.run_all(PROGRAM, MOMENTUM, [*range(SCENES), *MORE]), 0
+    outcomes, failed = random_zones.run_all(functools.partial(random_zones.run, PROGRAM, MOMENTUM), [*range(SCENES), *MORE]), 0
     for number, kind in enumerate(random_zones.KINDS, 1):
         some = [o for o in outcomes if o.kind == kind]
         bad = [o for o in some if o.bad and o.seed not in random_zones.OPEN]

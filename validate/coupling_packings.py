@@ -1,7 +1,6 @@
 """Waves through zones of disordered packings and of bars in space, and what no zone can let through: sections of coupling_study.py."""
 import numpy as np
 
-import meshes
 import study
 
 LENGTH, HEIGHT, MODULUS, DENSITY, RADIUS = 0.6, 0.01, 24e9, 7800.0, 0.5e-3
@@ -47,18 +46,6 @@ def body_of(space, packed, low, high, height):
             f"origin: [{low - RADIUS}, 0{', 0' if space else ''}]}}}}\n")
 
 
-def even_mesh(name, mesh, side, height):
-    """A bar of tetrahedra whose nodes have equal masses inside, as a file beside the scene."""
-    across = np.linspace(0, height, 1 + max(1, round(height / side)))
-    grid = (np.round(np.linspace(*mesh, 1 + round((mesh[1] - mesh[0]) / side)), 9), across, across)
-    nodes = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3)
-    number = np.arange(1, len(nodes) + 1).reshape([len(places) for places in grid])
-    path = study.RUNS / "coupling" / f"{name}.msh"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    meshes.write(path, nodes, meshes.even_tetrahedra(number), {})
-    return path.name
-
-
 def read_at(length, front=None):
     """When what runs back is read, s: after 205 us; before particles' end at `front` while its echo has not yet come to the other end of the body, 10 mm
     or more away."""
@@ -67,7 +54,8 @@ def read_at(length, front=None):
 
 def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constraint="lumped", edge=None, height=HEIGHT, contact=MODULUS, end=END,
              even=False):
-    """Particles from low to high (None: none), elements over `mesh` (None: none), a zone with `edge` = (from, to)."""
+    """Particles from low to high (None: none), elements over `mesh` (None: none), `even` ones in space of nodes of equal masses, a zone with `edge` =
+    (from, to)."""
     solid = (np.pi / 6 if space else np.pi / 4) if not packed else 1.0
     stiffness = (f"contact_modulus: {contact}, kratio: 1" if packed else
                  f"normal_stiffness: {MODULUS * (2 * RADIUS if space else 1)}, kratio: 4")
@@ -76,9 +64,8 @@ def wave_run(name, space, packed, low, high, mesh, modulus, wave, side, constrai
     if mesh:
         kind, across = ("box", f", {height}") if space else ("rectangle", "")
         cells = [round((mesh[1] - mesh[0]) / side), *([max(1, round(height / side))] * (2 if space else 1))]
-        shape = (f"mesh: {even_mesh(name, mesh, side, height)}" if even else
-                 f"{kind}: {{origin: [{mesh[0]}, 0{flat}], size: [{mesh[1] - mesh[0]}, {height}{across}], cells: {cells}"
-                 f"{'' if space else ', diagonals: parallel'}}}")
+        shape = (f"{kind}: {{origin: [{mesh[0]}, 0{flat}], size: [{mesh[1] - mesh[0]}, {height}{across}], cells: {cells}"
+                 f", diagonals: {'parallel' if even or not space else 'alternating'}}}")
         elements = (f"elements:\n  {shape}\n  materials: [{{young: {modulus}, poisson: 0, density: {DENSITY}}}]\n")
     if edge:
         couple = (f"couple: {{constraint: {constraint}, zones: [{{edges: [{{from: [{edge[0]}, 0{flat}], to: [{edge[1]}, 0{flat}]}}]}}]}}\n")
@@ -183,15 +170,16 @@ def through_zone(space, packed, width, wave, side, contact, back, height, constr
 
 def packing_table():
     rows = []
-    for space, height in ((False, HEIGHT), (True, 4e-3)):
+    for space, height, even in ((False, HEIGHT, False), (True, 4e-3, False), (True, 4e-3, True)):
         contact, alone = contact_modulus(space, height)
         area = height * (height if space else 1.0)
         for back in (False, True):
             for wave, side in ((0.06, 5e-3), (0.12, 5e-3)):
-                cells = [f"{through_zone(space, True, width, wave, side, contact, back, height):.3f}" for width in (0.02, 0.04, 0.08)]
+                cells = [f"{through_zone(space, True, width, wave, side, contact, back, height, even=even):.3f}" for width in (0.02, 0.04, 0.08)]
                 floor = coherent(alone, wave, area) if back else before_zone(alone, "particles", MODULUS, 0.26, area=area)
-                rows.append(["3D" if space else "2D", "particles to elements" if back else "elements to particles", round(1e3 * wave), round(1e3 * side),
-                             *cells, f"{100 * floor / stored(alone):.3f}" if back or wave == 0.06 else ""])
+                name = f"3D, {'six' if even else 'five'} tetrahedra a cell" if space else "2D"
+                rows.append([name, "particles to elements" if back else "elements to particles", round(1e3 * wave), round(1e3 * side), *cells,
+                             f"{100 * floor / stored(alone):.3f}" if back or wave == 0.06 else ""])
     return study.table(["packing", "direction", "wave, mm", "h, mm", "L 20", "L 40", "L 80", "packing alone"], rows)
 
 

@@ -34,23 +34,13 @@ static void map_cook(gn_mesh *mesh) {
     }
 }
 
-/* Every cell with the diagonal that the first one has. */
-static void slant_cells(gn_mesh *mesh, int cells) {
-    const int32_t row = cells + 1;
-    for (int32_t cell = 0; cell < cells * cells; cell++) {
-        const int32_t a = cell / cells * row + cell % cells, b = a + 1, c = a + row;
-        const int32_t node[6] = {a, b, c + 1, a, c + 1, c};
-        memcpy(mesh->triangles.node + 6 * (size_t)cell, node, sizeof node);
-    }
-}
-
 static gneiss_status make_mesh(const definition *d, const fem_case_spec *spec, gn_mesh *mesh,
                                gneiss_error *error) {
     const int cells = spec->cells;
-    gn_structured s = {.size = {1.0, 1.0, 1.0}, .cells = {cells, cells, cells / 2}};
+    gn_structured s = {
+        .size = {1.0, 1.0, 1.0}, .cells = {cells, cells, cells / 2}, .parallel = spec->slanted};
     if (d->dimension == 2) {
         GN_TRY(gn_mesh_rectangle(&s, mesh, error));
-        if (spec->slanted) slant_cells(mesh, cells);
         map_cook(mesh);
         return GNEISS_OK;
     }

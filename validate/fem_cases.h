@@ -11,7 +11,7 @@ typedef struct fem_case_spec {
     gn_fem_form form;
     int cells;    /* per side; those of the block's height are half as many; a multiple of 6 for
                      pressures of the block */
-    bool slanted; /* the membrane's diagonals all one way, not like the colours of a chess-board */
+    bool slanted; /* diagonals all one way, not like the colours of a chess-board */
     int threads;  /* 0: one */
 } fem_case_spec;
 

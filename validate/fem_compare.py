@@ -23,7 +23,7 @@ PROGRAM = study.ROOT / "build" / "validate" / "fem_static"
 FORMS = {"displacement": "plain", "mixed": "mixed"}
 # Case: reading of the table, meshes, sizes.
 CASES = {"cook": ("mean right", {"": "alternating diagonals", "s": "parallel diagonals"}, (8, 16, 32, 64)),
-         "block": ("mean", {"": "five tetrahedra a cell"}, (6, 12, 24))}
+         "block": ("mean", {"": "five tetrahedra a cell", "s": "six, parallel diagonals"}, (6, 12, 24))}
 ALSO = {"cook": "top right", "block": "centre"}
 
 

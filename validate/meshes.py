@@ -1,6 +1,4 @@
 """Grids of triangles in the plane and of tetrahedra in space as files of gmsh, format 2.2, and prisms as STL."""
-import itertools
-
 import numpy as np
 
 
@@ -32,19 +30,6 @@ def tetrahedra(number, kept=lambda column, row, layer: True):
             right = np.linalg.det([np.subtract(corner, shape[0]) for corner in shape[1:]]) > 0
             a, b, c, d = (node(corner) for corner in shape)
             found.append((a, b, c, d) if right != bool(odd) else (a, c, b, d))
-    return found
-
-
-def even_tetrahedra(number):
-    """Six in each cell of a grid, all round the diagonal from its first corner: all nodes inside have the same volume."""
-    found = []
-    for start in np.ndindex(*(n - 1 for n in number.shape)):
-        for order in itertools.permutations(range(3)):
-            path = np.zeros((4, 3), int)
-            for k, axis in enumerate(order):
-                path[k + 1:, axis] = 1
-            a, b, c, d = (number[tuple(start + corner)] for corner in path)
-            found.append((a, b, c, d) if np.linalg.det(path[1:]) > 0 else (a, c, b, d))
     return found
 
 

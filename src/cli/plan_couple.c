@@ -98,8 +98,22 @@ static void print_step(const gn_world *w) {
                       : "particles");
 }
 
+/* Beside zones, whose waves they scatter: docs/evidence/coupling.md. */
+static void note_diagonals(const gn_world *w) {
+    const gn_element_def *e = &w->scene.elements;
+    const gn_diagonals diagonals = e->has_beam ? e->beam.diagonals : e->diagonals;
+    if (e->mesh[0] || diagonals == GN_DIAGONALS_PARALLEL) return;
+    printf("  note             diagonals alternate: nodes side by side have masses of %s, which "
+           "scatter waves of some elements (elements.%s.diagonals: parallel)\n",
+           w->scene.dimension == 3 ? "5 : 1" : "2 : 1",
+           e->has_beam  ? "beam"
+           : e->has_box ? "box"
+                        : "rectangle");
+}
+
 void gn_print_zones(const gn_world *w, int *warnings) {
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++)
-        print_zone(w, k, warnings);
+    const size_t zones = w->scene.has_couple ? w->scene.couple.zone_count : 0;
+    for (size_t k = 0; k < zones; k++) print_zone(w, k, warnings);
+    if (zones > 0) note_diagonals(w);
     if (w->scene.has_couple) print_step(w);
 }

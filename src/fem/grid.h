@@ -15,7 +15,8 @@ typedef struct gn_grid {
     int dimension;
     size_t nodes[3];                     /* per direction; 1 along z in 2D */
     size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are left out */
-    bool parallel;                       /* 2D: diagonals run one way */
+    bool parallel;                       /* diagonals run one way */
+    size_t turn; /* parallel: cells from here on along x are mirrored; 0: none */
 } gn_grid;
 
 /* Room for the nodes, elements, sides and groups of the grid. On failure *mesh is empty. */

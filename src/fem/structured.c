@@ -47,17 +47,18 @@ static void place_nodes(const gn_grid *g, const gn_structured *s, gn_mesh *mesh)
             }
 }
 
-/* Every second cell, unless all are alike. */
-static bool is_odd(const gn_grid *g, const size_t cell[3]) {
-    return !g->parallel && (cell[0] + cell[1] + cell[2]) % 2;
+/* Every second cell; where diagonals are parallel, those behind the turn. */
+static bool is_mirrored(const gn_grid *g, const size_t cell[3]) {
+    if (g->parallel) return g->turn > 0 && cell[0] >= g->turn;
+    return (cell[0] + cell[1] + cell[2]) % 2;
 }
 
-/* Corner c of a cell: bit k is the step along direction k. In odd cells the numbers of the corners
- * are mirrored along x. */
+/* Corner c of a cell: bit k is the step along direction k. In mirrored cells the numbers of the
+ * corners are mirrored along x. */
 static int32_t corner(const gn_grid *g, const size_t cell[3], int c) {
     size_t at[3];
     for (size_t k = 0; k < 3; k++) at[k] = cell[k] + ((size_t)c >> k & 1);
-    if (is_odd(g, cell)) at[0] = cell[0] + 1 - ((size_t)c & 1);
+    if (is_mirrored(g, cell)) at[0] = cell[0] + 1 - ((size_t)c & 1);
     return (int32_t)node_at(g, at);
 }
 
@@ -74,16 +75,36 @@ static void add(gn_mesh_elements *list, const gn_grid *g, const size_t cell[3], 
 }
 
 static const int triangle[2][3] = {{0, 1, 3}, {0, 3, 2}};
-static const int tetrahedron[5][4] = {
-    {0, 1, 3, 5}, {0, 3, 2, 6}, {0, 4, 5, 6}, {3, 6, 5, 7}, {0, 5, 3, 6}};
 
-/* The two triangles of side `direction`, lower or upper, of an even cell: the faces of the
- * tetrahedra above. */
-static const int side_triangle[3][2][2][3] = {
-    {{{0, 4, 6}, {0, 6, 2}}, {{1, 3, 5}, {3, 7, 5}}},
-    {{{0, 1, 5}, {0, 5, 4}}, {{2, 6, 3}, {3, 6, 7}}},
-    {{{0, 3, 1}, {0, 2, 3}}, {{4, 5, 6}, {5, 7, 6}}},
+/* How a cell of 3D is split: its tetrahedra, and the two triangles of side `direction`, lower or
+ * upper, which are their faces. */
+typedef struct split {
+    int count, tetrahedron[6][4], side[3][2][2][3];
+} split;
+
+/* One in the middle, which has four of the corners, and one at each of the others. */
+static const split five = {
+    5,
+    {{0, 1, 3, 5}, {0, 3, 2, 6}, {0, 4, 5, 6}, {3, 6, 5, 7}, {0, 5, 3, 6}},
+    {{{{0, 4, 6}, {0, 6, 2}}, {{1, 3, 5}, {3, 7, 5}}},
+     {{{0, 1, 5}, {0, 5, 4}}, {{2, 6, 3}, {3, 6, 7}}},
+     {{{0, 3, 1}, {0, 2, 3}}, {{4, 5, 6}, {5, 7, 6}}}},
 };
+/* One for each way along three edges from corner 0 to corner 7 (Kuhn 1960). These two have six of
+ * the 24 corners of tetrahedra each and the others two: together as many at the four corners of any
+ * side, so that nodes also have equal masses where cells are mirrored. */
+static const split six = {
+    6,
+    {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}},
+    {{{{0, 4, 6}, {0, 6, 2}}, {{1, 3, 7}, {1, 7, 5}}},
+     {{{0, 1, 5}, {0, 5, 4}}, {{2, 6, 7}, {2, 7, 3}}},
+     {{{0, 3, 1}, {0, 2, 3}}, {{4, 5, 7}, {4, 7, 6}}}},
+};
+
+static const split *split_of(const gn_grid *g) {
+    return g->parallel ? &six : &five;
+}
+
 static const int side_line[2][2][2] = {{{2, 0}, {1, 3}}, {{0, 1}, {3, 2}}};
 
 /* Whether a cell of the grid is left out. */
@@ -101,30 +122,31 @@ static int32_t side_tag(const gn_grid *g, const size_t cell[3], int k, int upper
     return in_hole(g, other) ? GN_GRID_HOLE : 0;
 }
 
-static void add_sides(const gn_grid *g, gn_mesh *mesh, const size_t cell[3], bool odd) {
+static void add_sides(const gn_grid *g, gn_mesh *mesh, const size_t cell[3], bool mirror) {
     for (int k = 0; k < g->dimension; k++)
         for (int upper = 0; upper < 2; upper++) {
             int32_t tag = side_tag(g, cell, k, upper);
             if (!tag) continue;
-            int side = k == 0 && odd ? 1 - upper : upper; /* of the mirrored numbers */
+            int side = k == 0 && mirror ? 1 - upper : upper; /* of the mirrored numbers */
             for (int f = 0; g->dimension == 3 && f < 2; f++)
-                add(&mesh->triangles, g, cell, side_triangle[k][side][f], odd, tag);
-            if (g->dimension == 2) add(&mesh->lines, g, cell, side_line[k][side], odd, tag);
+                add(&mesh->triangles, g, cell, split_of(g)->side[k][side][f], mirror, tag);
+            if (g->dimension == 2) add(&mesh->lines, g, cell, side_line[k][side], mirror, tag);
         }
 }
 
 void gn_grid_fill(const gn_grid *g, gn_mesh *mesh) {
+    const split *solid = split_of(g);
     size_t cell[3], layers = g->dimension == 3 ? g->nodes[2] - 1 : 1;
     for (cell[2] = 0; cell[2] < layers; cell[2]++)
         for (cell[1] = 0; cell[1] + 1 < g->nodes[1]; cell[1]++)
             for (cell[0] = 0; cell[0] + 1 < g->nodes[0]; cell[0]++) {
                 if (in_hole(g, cell)) continue;
-                bool odd = is_odd(g, cell);
-                for (int e = 0; g->dimension == 3 && e < 5; e++)
-                    add(&mesh->tetrahedra, g, cell, tetrahedron[e], odd, GN_GRID_BODY);
+                bool mirror = is_mirrored(g, cell);
+                for (int e = 0; g->dimension == 3 && e < solid->count; e++)
+                    add(&mesh->tetrahedra, g, cell, solid->tetrahedron[e], mirror, GN_GRID_BODY);
                 for (int e = 0; g->dimension == 2 && e < 2; e++)
-                    add(&mesh->triangles, g, cell, triangle[e], odd, GN_GRID_BODY);
-                add_sides(g, mesh, cell, odd);
+                    add(&mesh->triangles, g, cell, triangle[e], mirror, GN_GRID_BODY);
+                add_sides(g, mesh, cell, mirror);
             }
 }
 
@@ -160,7 +182,8 @@ gneiss_status gn_grid_allocate(const gn_grid *g, gn_mesh *mesh, gneiss_error *er
     bool held = mesh->node && mesh->groups && allocate_list(&mesh->points, 1, 0);
     held = held && allocate_list(&mesh->lines, 2, solid ? 0 : sides);
     held = held && allocate_list(&mesh->triangles, 3, solid ? 2 * sides : 2 * cells);
-    held = held && allocate_list(&mesh->tetrahedra, 4, solid ? 5 * cells : 0);
+    size_t solids = solid ? (size_t)split_of(g)->count * cells : 0;
+    held = held && allocate_list(&mesh->tetrahedra, 4, solids);
     if (held) return GNEISS_OK;
     gn_mesh_free(mesh);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu cells", cells);

@@ -14,12 +14,13 @@ typedef struct gn_structured {
                        the boundary along it; < 1/4 in 2D, < 1/6 in 3D, so that nothing inverts */
     double distortion;
     uint64_t seed; /* of the distortion */
-    bool parallel; /* 2D: the diagonals of all cells run one way, so that all inner nodes have the
-                    * same mass */
+    bool parallel; /* the diagonals of all cells run one way */
 } gn_structured;
 
 /* Cells are split in two triangles (five tetrahedra), mirrored from cell to cell like the colours
- * of a chess-board, so that no direction is preferred. Groups: "body" and, per side, "x_lower",
+ * of a chess-board, so that no direction is preferred; inner nodes have masses of 2 : 1 (5 : 1).
+ * Parallel: in two triangles (six tetrahedra) round the diagonal from the lower to the upper corner
+ * (Kuhn 1960), so that all inner nodes have the same mass. Groups: "body" and, per side, "x_lower",
  * "x_upper", "y_lower", ... of lines (triangles). On failure *mesh is empty. */
 gneiss_status gn_mesh_rectangle(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
 gneiss_status gn_mesh_box(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
@@ -34,9 +35,11 @@ typedef struct gn_structured_beam {
     double cell;                      /* m, largest side of a cell */
     int64_t notch_cells;              /* across half the width of the notch, > 0 */
     double growth;                    /* of sides of cells away from the tip of the notch, > 1 */
+    bool parallel;                    /* diagonals run one way in each half */
 } gn_structured_beam;
 
-/* Cells as above, symmetric about mid-span, graded along x and y from the tip of the notch. Groups
+/* Cells as above, symmetric about mid-span (parallel ones as well: their diagonals are mirrored
+ * there, and masses stay equal), graded along x and y from the tip of the notch. Groups
  * as above and "notch" (its faces) and, of points in 2D and lines along z in 3D, "support_left",
  * "support_right", "supports" (both), "load" and, with a notch, "mouth_left", "mouth_right". On
  * failure *mesh is empty. */

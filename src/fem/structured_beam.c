@@ -250,7 +250,9 @@ static gneiss_status make(beam *b, gn_mesh *mesh, gneiss_error *error) {
     const gn_structured_beam *s = b->spec;
     GN_TRY(make_lines(b, error));
     gn_grid g = {.dimension = s->thickness > 0.0 ? 3 : 2,
-                 .nodes = {b->x.count, b->y.count, b->z.count}};
+                 .nodes = {b->x.count, b->y.count, b->z.count},
+                 .parallel = s->parallel,
+                 .turn = b->middle};
     if (notched(s)) {
         g.hole_lower[0] = b->mouth_left;
         g.hole_upper[0] = b->mouth_right;

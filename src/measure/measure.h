@@ -139,8 +139,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
       "2D: nu = nu'/(1 + nu'), the plane-strain correction")                                       \
     Y(X, end_imbalance, ~GN_TESTS(HYDROSTATIC), "1",                                               \
       "difference of the forces of both ends over their mean, each summed up to the largest "      \
-      "stress: "                                                                                   \
-      "waves between the ends cancel in it")                                                       \
+      "stress: waves between the ends cancel in it")                                               \
     Y(X, indirect_tensile_strength, GN_TESTS(BRAZILIAN), "Pa",                                     \
       "2 P/(pi D t) at the peak of the load P (ISRM 1978)")                                        \
     Y(X, centre_tension, GN_TESTS(BRAZILIAN), "Pa",                                                \
@@ -201,8 +200,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS_SHEARED,    \
       "1",                                                                                         \
       "share of the peak that the stress lost by the end of the run (Bishop 1967); what falls "    \
-      "below 0 "                                                                                   \
-      "lost all: at most 1")                                                                       \
+      "below 0 lost all: at most 1")                                                               \
     Y(X, events, ~GN_TESTS(NONE), "1",                                                             \
       "bursts of breaking bonds: breaks near each other in place and time (output.burst_reach)")   \
     Y(X, b_value, ~GN_TESTS(NONE), "1",                                                            \

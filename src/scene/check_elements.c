@@ -15,9 +15,6 @@ static gneiss_status check_block(const check *c, const gn_scene *s, const char *
             return gn_check_fail(c, key, "expected lengths in %s m, found %g m along %c",
                                  GN_LENGTHS, e->size[k], "xyz"[k]);
     }
-    snprintf(key, sizeof key, "elements.%s.diagonals", kind);
-    if (s->dimension == 3 && e->diagonals != GN_DIAGONALS_ALTERNATING)
-        return gn_check_fail(c, key, "expected alternating in 3D, found parallel");
     snprintf(key, sizeof key, "elements.%s.distortion", kind);
     if (s->dimension == 3 && e->distortion >= 1.0 / 6.0)
         return gn_check_fail(c, key, "expected a value below 1/6 in 3D, found %g", e->distortion);

@@ -13,7 +13,7 @@ static const gn_key block_keys[] = {
     KEY("size", VECTOR, gn_scene, elements.size, .unit = "m", .required = true,
         .text = "lengths along the axes"),
     KEY("cells", CELLS, gn_scene, elements.cells, .range = "[1, 1e6]", .required = true,
-        .text = "cells along the axes, of two triangles or five tetrahedra each"),
+        .text = "cells along the axes, of two triangles or five (parallel: six) tetrahedra each"),
     KEY("origin", VECTOR, gn_scene, elements.origin, .unit = "m", .range = GN_PLACES,
         .fallback = "0", .text = "lower corner"),
     KEY("distortion", REAL, gn_scene, elements.distortion, .unit = "1", .range = "[0, 0.25)",
@@ -21,8 +21,9 @@ static const gn_key block_keys[] = {
         .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
     KEY("diagonals", CHOICE, gn_scene, elements.diagonals, .choices = diagonals,
         .fallback = "alternating",
-        .text = "of the triangles of a rectangle: alternating prefers no direction; parallel gives "
-                "all inner nodes one mass, for waves of some elements"),
+        .text =
+            "of the cells: alternating prefers no direction; parallel gives all inner nodes one "
+            "mass, for waves of some elements and zones with particles"),
 };
 TABLE_OF(block);
 
@@ -49,6 +50,9 @@ static const gn_key beam_keys[] = {
         .fallback = "1.2", .text = "how cells grow from one to the next away from the notch"),
     KEY("origin", VECTOR, gn_scene, elements.beam.origin, .unit = "m", .range = GN_PLACES,
         .fallback = "0", .text = "lower corner"),
+    KEY("diagonals", CHOICE, gn_scene, elements.beam.diagonals, .choices = diagonals,
+        .fallback = "alternating",
+        .text = "as of a rectangle or box; parallel ones are mirrored at mid-span"),
 };
 TABLE_OF(beam);
 

@@ -4,6 +4,8 @@
 
 #include <stdint.h>
 
+typedef enum gn_diagonals { GN_DIAGONALS_ALTERNATING, GN_DIAGONALS_PARALLEL } gn_diagonals;
+
 /* A beam with supports below, a load above mid-span and a notch there. */
 typedef struct gn_beam_def {
     double length, height, thickness; /* m; thickness 0 in 2D */
@@ -13,8 +15,7 @@ typedef struct gn_beam_def {
     int64_t notch_cells;              /* across half the width of the notch */
     double growth;                    /* of neighbouring cells away from the notch */
     double origin[3];                 /* m, lower corner */
+    gn_diagonals diagonals;
 } gn_beam_def;
-
-typedef enum gn_diagonals { GN_DIAGONALS_ALTERNATING, GN_DIAGONALS_PARALLEL } gn_diagonals;
 
 #endif

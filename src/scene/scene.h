@@ -379,7 +379,7 @@ typedef struct gn_element_def {
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];
     double distortion;      /* random shift of inner nodes over the sides of a cell */
-    gn_diagonals diagonals; /* of a rectangle */
+    gn_diagonals diagonals; /* of a rectangle or box */
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;

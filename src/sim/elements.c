@@ -57,7 +57,8 @@ static gneiss_status make_beam(const gn_beam_def *b, gn_mesh *mesh, gneiss_error
                             .notch_depth = b->notch_depth,
                             .cell = b->cell,
                             .notch_cells = b->notch_cells,
-                            .growth = b->growth};
+                            .growth = b->growth,
+                            .parallel = b->diagonals == GN_DIAGONALS_PARALLEL};
     return gn_mesh_beam(&s, mesh, error);
 }
 
