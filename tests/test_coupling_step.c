@@ -1,5 +1,6 @@
 /* The limit of the step of particles and elements as one system. */
 #include "coupling_helpers.h"
+#include "sim/coupling_internal.h"
 
 /* A small disordered packing (x from 4 to 14 mm) beside elements (0 to 10 mm); the outermost
  * particles of the zone have little mass and, in some directions, stiffer neighbours. */
@@ -330,6 +331,95 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
     }
 }
 
+/* --- steps that collisions ask for --- */
+
+/* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
+static double moved_by(gn_world *w, size_t k, int axis) {
+    gn_coupled *q = w->exchange[0].context;
+    gn_fem_solid *b = &w->elements[0]->solid;
+    double sum = 0.0;
+    memset(q->load, 0, q->ties.count * sizeof *q->load);
+    if (q->turn) memset(q->turn, 0, q->ties.count * sizeof *q->turn);
+    q->load[k][axis] = 1.0;
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        memset(gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]), 0, 3 * sizeof(double));
+    gn_coupled_hand_to_nodes(w, q);
+    if (q->before) gn_masses_correct(w, q);
+    for (int a = 0; a < q->ties.corners; a++) {
+        const size_t node = (size_t)q->ties.tie[k].node[a];
+        sum += q->ties.tie[k].shape[a] * gn_hold_load(&b->hold, 4, node)[axis] *
+               b->nodes.vel[4 * node + 3];
+    }
+    return sum;
+}
+
+/* What resists is the nodes' mass, exactly that of a lump, and never less than what is taken of
+ * masses that tie nodes to each other. */
+static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
+    (void)state;
+    for (int k = 0; k < MODELS; k++) {
+        gn_world *w = made(&models[k], NULL, NULL);
+        const gn_coupled *q = w->exchange[0].context;
+        const size_t n = w->dem.particles.soa.count;
+        double *inverse = calloc(n, sizeof *inverse), least = INFINITY, most = 0.0;
+        run_steps(w, 1);
+        for (size_t p = 0; p < n; p++) inverse[p] = w->dem.particles.vel[4 * p + 3];
+        gn_coupled_give(w, inverse);
+        for (size_t t = 0; !q->stiffness && t < q->ties.count; t++) {
+            const size_t p = (size_t)q->place[t];
+            const double part = moved_by(w, t, (int)(t % 2)) / inverse[p];
+            least = fmin(least, part);
+            most = fmax(most, part);
+        }
+        print_message("# %s: %.6g to %.6g of what is taken\n", models[k].name, least, most);
+        assert_true(most <= 1.0 + 1e-9 && (!isfinite(least) || least > 0.1));
+        if (!q->stiffness && !q->before) assert_near(least, 1.0, 1e-12);
+        for (size_t p = 0; p < n; p++)
+            if (!tied_by_zone(w, p) || q->stiffness)
+                assert_true(inverse[p] == w->dem.particles.vel[4 * p + 3]);
+        free(inverse);
+        world_end(w);
+    }
+}
+
+/* s: what collisions of a lattice whose bonds soften ask for. */
+static double asked_by_softening(const char *couple) {
+    gn_world *w = world_of(
+        "dimension: 2\n"
+        "specimen: {group: 1, lattice: {kind: square, radius: 0.25 mm, cells: [20, 12], "
+        "origin: [4 mm, 0]}}\n"
+        "materials: [{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0.5, "
+        "tensile_strength: 4e6, shear_strength: 12e6, fracture_energy: 20}]\n"
+        "law: {stiffness: harmonic, softening: energy}\n"
+        "bonds: {interaction_range: 0.1}\n%s"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        couple);
+    const double step = w->dem.resolution.step;
+    world_end(w);
+    return step;
+}
+
+/* Where bonds soften all of them last five steps: by the masses that particles have at a zone's
+ * edge, where they meet others with parts of contacts, they would not, but these move as nodes do.
+ */
+static void bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others(void **state) {
+    (void)state;
+    static const char *const with[] = {"", ", constraint: consistent", ", spins: slaved"};
+    const double alone = asked_by_softening("");
+    assert_true(isfinite(alone));
+    for (int k = 0; k < 3; k++) {
+        char couple[400];
+        snprintf(couple, sizeof couple,
+                 "elements: {rectangle: {size: [10 mm, 6 mm], cells: [10, 6]}, materials: "
+                 "[{young: 25e9, poisson: 0.2, density: 7800}]}\n"
+                 "couple: {zones: [{edges: [{from: [10 mm, 0], to: [4.25 mm, 0]}]}]%s}\n",
+                 with[k]);
+        const double step = asked_by_softening(couple);
+        print_message("# softening%s: %.3f of the step without a zone\n", with[k], step / alone);
+        assert_true(step >= alone);
+    }
+}
+
 /* --- elements that are small beside the particles that they turn --- */
 
 #define CONSISTENT "constraint: consistent, spins: slaved"
@@ -393,6 +483,8 @@ int main(void) {
         cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
         cmocka_unit_test(small_elements_that_turn_particles_are_in_bound_and_step),
         cmocka_unit_test(dashpots_are_in_the_limit_of_both_as_one),
+        cmocka_unit_test(particles_of_zones_give_way_as_their_nodes_do),
+        cmocka_unit_test(bonds_of_a_zone_that_soften_ask_for_no_shorter_step_than_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

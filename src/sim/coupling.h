@@ -74,6 +74,10 @@ bool gn_coupled_has(const gn_coupled *q, int32_t id);
 /* Where it is in the elements; NULL: it is none. */
 const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 
+/* [particles] 1/kg: for those of zones, under a constraint, how much the nodes give way to a force
+ * at their place, instead of their own (coupling_masses.c). */
+void gn_coupled_give(const gn_world *world, double *inverse);
+
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
 void gn_coupled_leave(gn_world *world, const int32_t *gone);

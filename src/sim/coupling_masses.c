@@ -1,7 +1,9 @@
 /* A step of the masses that tie the nodes of zones to each other (couple/consistent.h): what the
- * lump's motion needs on top of loads, and what it misses of the energy. */
+ * lump's motion needs on top of loads, and what it misses of the energy; what nodes are to a force
+ * at a particle's place. */
 #include "sim/coupling_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 void gn_masses_remember(const gn_world *w, gn_coupled *q) {
@@ -92,4 +94,26 @@ static void find_kinetic(gn_world *w, gn_coupled *q) {
 void gn_masses_book(gn_world *w, gn_coupled *q) {
     book_damping(w, q);
     find_kinetic(w, q);
+}
+
+/* v_i = N_a v_a, so that a force at the place of i moves it by N_a N_a/m_a. Of consistent masses
+ * at least those of the nodes alone and the particle's own are in the way: with y = N_a N_a/m_a of
+ * these (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
+void gn_coupled_give(const gn_world *w, double *inverse) {
+    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    if (!q || q->stiffness) return;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    for (size_t k = 0; k < q->ties.count; k++) {
+        const gn_tie *t = &q->ties.tie[k];
+        const int32_t p = w->dem.index_of_id[t->id];
+        double give = 0.0;
+        if (p < 0 || !(inverse[p] > 0.0)) continue;
+        for (int a = 0; a < q->ties.corners; a++) {
+            const size_t node = (size_t)t->node[a];
+            const double whole = 1.0 / b->nodes.vel[4 * node + 3];
+            const double mass = q->before && b->carried ? whole - b->carried[node] : whole;
+            give += t->shape[a] * t->shape[a] / fmax(mass, 1e-9 * whole);
+        }
+        inverse[p] = q->before ? give / (1.0 + give / inverse[p]) : give;
+    }
 }

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "kernels/dashpot.h"
 #include "sim/body_walls.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
@@ -84,6 +85,7 @@ static double inverse_mass(const gn_world *w, size_t p) {
 /* What the bonds tell. */
 typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
+    double *inverse;  /* 1/kg [particles]: how each gives way */
     bool apart;       /* most particles that had bonds have lost them all */
     double share;     /* of the steps that what is bonded has to last; 0: needs only be stable */
 } ties;
@@ -109,10 +111,25 @@ static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied)
     return 2 * have <= had;
 }
 
+/* What is part of a zone gives way as its nodes do: by its own mass, of which it has little at the
+ * zone's edge, contacts there would take steps that nothing moves in. */
+static void find_inverse(const gn_world *w, double *inverse) {
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) inverse[p] = inverse_mass(w, p);
+    gn_coupled_give(w, inverse);
+}
+
+static void ties_free(ties *t) {
+    gn_free(t->stiffest);
+    gn_free(t->inverse);
+}
+
 static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) {
     const gn_contacts *b = &w->dem.bonds;
     size_t n = w->dem.particles.soa.count;
     *t = (ties){.share = share_of_bonds(w)};
+    t->inverse = gn_alloc_array(n + 1, sizeof *t->inverse);
+    if (!t->inverse) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    find_inverse(w, t->inverse);
     if (!b->soa.count) return GNEISS_OK;
     uint8_t *tied = gn_alloc(n + 1);
     t->stiffest = gn_alloc_array(n, sizeof *t->stiffest);
@@ -125,7 +142,7 @@ static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) 
     if (held) t->apart = come_apart(w, t->stiffest, tied);
     gn_free(tied);
     if (held) return GNEISS_OK;
-    gn_free(t->stiffest);
+    ties_free(t);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds of %zu particles", n);
 }
 
@@ -193,7 +210,8 @@ static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
 /* Of each particle the sum of k/m over the contacts that rattle: d times the mean square of the
  * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
  */
-static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *error) {
+static gneiss_status find_crowds(const gn_world *w, const ties *t, double **sum,
+                                 gneiss_error *error) {
     const gn_contacts *k = &w->dem.pairs;
     *sum = NULL;
     if (!gn_world_rings(w) || !k->soa.count) return GNEISS_OK;
@@ -202,7 +220,7 @@ static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         double kn = gn_contact_spring(w, k, c).kn;
-        double mine = kn * inverse_mass(w, i), other = kn * inverse_mass(w, j);
+        double mine = kn * t->inverse[i], other = kn * t->inverse[j];
         if (!rattles(w, i, j, mine + other)) continue;
         (*sum)[i] += mine;
         (*sum)[j] += other;
@@ -226,7 +244,7 @@ static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, c
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         bool free = !gn_contact_bonded(k, c) && (at_large(w, t, i) || at_large(w, t, j));
         if (!free && t->share == 0.0) continue;
-        double square = gn_contact_spring(w, k, c).kn * (inverse_mass(w, i) + inverse_mass(w, j));
+        double square = gn_contact_spring(w, k, c).kn * (t->inverse[i] + t->inverse[j]);
         double share = free ? share_in(w, crowd, i, j, square) : t->share;
         meet(f, square, share, w, i, w->dem.particles.id[j]);
     }
@@ -284,7 +302,7 @@ static gn_law_spring surface_spring(const gn_world *w, size_t p, const gn_surfac
 static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)w->boundary.contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(w, c);
-    double inverse = inverse_mass(w, p), kn = surface_spring(w, p, s).kn;
+    double inverse = t->inverse[p], kn = surface_spring(w, p, s).kn;
     double share = share_with(w, t, p, kn, false);
     if (share == 0.0) return c + 1;
     if (!gn_surface_yields(w, s)) {
@@ -311,7 +329,7 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
                share = share_with(w, t, p, kn, def->passive);
-        meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
+        meet(f, kn * t->inverse[p], share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
@@ -355,7 +373,7 @@ static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *er
     double *crowd = NULL;
     ties t;
     GN_TRY(find_ties(w, &t, error));
-    gneiss_status status = find_crowds(w, &crowd, error);
+    gneiss_status status = find_crowds(w, &t, &crowd, error);
     if (status == GNEISS_OK) {
         meet_pairs(w, &t, &w->dem.pairs, crowd, f);
         if (t.apart || t.share > 0.0) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
@@ -363,7 +381,7 @@ static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *er
         meet_bodies(w, f);
     }
     gn_free(crowd);
-    gn_free(t.stiffest);
+    ties_free(&t);
     return status;
 }
 
