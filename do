@@ -17,7 +17,7 @@ packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy 
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
 packages_effects=(valgrind) # only for bench --effects
-packages_validate=(yade)
+packages_validate=(yade python3-scipy) # the second for some of validate/*_study.py
 packages_peers=(yade lammps liggghts esys-particle calculix-ccx) # large; only for bench --peers
 
 usage() {
