@@ -217,6 +217,80 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
     world_end(w);
 }
 
+/* --- elements that may not go --- */
+
+/* Least, over the nodes of elements with nodes of a motion or a load, of what they weigh over what
+ * the elements at them do as whole ones. */
+static double least_held(const gn_world *w) {
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;
+    uint8_t *kind = calloc(b->elements.soa.count + 1, 1);
+    assert_int_equal(gn_conversion_kinds(w, kind, NULL), GNEISS_OK);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double part = 0.0;
+        for (int a = 0; a <= b->dimension; a++)
+            part += b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]];
+        for (int a = 0; a <= b->dimension; a++)
+            mass[gn_elements_node(&b->elements, a)[e]] += density * b->elements.volume[e] / part;
+    }
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        for (int a = 0; a <= b->dimension && kind[e] == GN_FRONT_HELD; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            least = fmin(least, 1.0 / (b->nodes.vel[4 * n + 3] * mass[n]));
+        }
+    free(mass);
+    free(kind);
+    return least;
+}
+
+/* Beside a node at (5, 8) mm that is driven, or that bears a load: elements that are small beside
+ * particles, of which none is left at the node next to it, which would hang on one or two of them;
+ * elements that are as large as particles, which have theirs. A node keeps r/width at least. */
+static void assert_held(bool fine, const char *elements, const char *couple, bool space) {
+    gneiss_error error = {0};
+    const block s = {.cells = {space ? 5 : 6, 4, space ? 2 : 0},
+                     .space = space,
+                     .finer = !fine   ? 0
+                              : space ? 4
+                                      : 8,
+                     .thin = 3e-3,
+                     .elements = elements,
+                     .couple = couple};
+    const double side = !fine ? 2e-3 : space ? 0.5e-3 : 0.25e-3, flat = 0.0;
+    const double low[3] = {2e-3, 4e-3, 0.0}, high[3] = {6e-3 - side, 8e-3, 1.0};
+    gn_world *w = block_of(&s);
+    set_elements(w, stretch, &flat);
+    measured_step(w);
+    const size_t elements_before = gn_conversion_elements(w);
+    const uint64_t hash = gn_world_hash(w);
+    assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
+    print_message("# %s: least %.3g %s\n", fine ? "fine" : "coarse", least_held(w), w->halt);
+    assert_true(fine == (w->halt[0] != '\0'));
+    assert_true(least_held(w) >= 0.5e-3 / s.thin);
+    assert_true(fine == (gn_conversion_elements(w) == elements_before));
+    if (fine) {
+        assert_non_null(strstr(w->halt, "conversion would leave 0.0"));
+        assert_non_null(strstr(w->halt, "which has nodes of a motion or a load"));
+        assert_true(gn_world_hash(w) == hash);
+    }
+    world_end(w);
+}
+
+static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
+    (void)state;
+    static const char box[] = "box: {min: [5.9 mm, 7.9 mm, 0], max: [6.1 mm, 8.1 mm, %s]}, ";
+    char at[96], driven[256], loaded[256];
+    for (int space = 0; space < 2; space++)
+        for (int fine = 0; fine < 2; fine++) {
+            snprintf(at, sizeof at, box, space ? "4.1 mm" : "0");
+            snprintf(driven, sizeof driven, ", motions: [{name: top, %smotion: {vx: 0, vy: -1}}]",
+                     at);
+            snprintf(loaded, sizeof loaded, ", loads: [{%sforce: {fy: -1}}]", at);
+            assert_held(fine, driven, NULL, space);
+            assert_held(fine, loaded, ", spins: slaved", space);
+        }
+}
+
 static void places_that_are_looked_at_stay_as_they_were(void **state) {
     (void)state;
     const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
@@ -242,6 +316,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(those_around_go_along_and_what_the_body_has_is_kept),
         cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
+        cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),

@@ -288,6 +288,49 @@ def check_warns_of_a_zone_wider_than_the_body(folder):
     assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
 
 
+# A notched beam that bears until the crack, and what converts around it, comes to the load.
+BENT = """dimension: 2
+specimen:
+  group: 1
+  polygon: [[0 mm, 0 mm], [59 mm, 0 mm], [59 mm, 12 mm], [61 mm, 12 mm], [61 mm, 0 mm], [120 mm, 0 mm], [120 mm, 40 mm], [0 mm, 40 mm]]
+  mean_radius: 1 mm
+  density_basis: bulk
+  packing: {overlap: passive}
+materials: [{name: concrete, density: 2400, contact_modulus: 22.4 GPa, kratio: 3, friction: 0.5, tensile_strength: 4 MPa, shear_strength: 12 MPa}]
+law: {stiffness: harmonic}
+bonds: {interaction_range: 0.1, passive_gaps: true}
+elements:
+  beam: {length: 120 mm, height: 40 mm, span: 110 mm, notch_depth: 12 mm, notch_width: 2 mm, cell: 4 mm, notch_cells: 1}
+  materials: [{young: 30 GPa, poisson: 0.16, density: 2400}]
+  motions:
+    - {name: left, group: support_left, motion: {vx: 0, vy: 0}}
+    - {name: right, group: support_right, motion: {vy: 0}}
+    - {name: load, group: load, motion: {vy: [[0 ms, 0 m/s], [0.5 ms, -8 mm/s]]}}
+couple: {convert: {box: {min: [20 mm, -1 mm], max: [100 mm, 41 mm]}, width: 9 mm, stress: 1.3 MPa}}
+damping: {background: {model: viscous, coefficient: 1000 1/s}}
+test: {kind: bending, axis: y, lower: [left, right], upper: load, span: 110 mm, height: 40 mm, notch: 12 mm}
+time: {end: 4 ms}
+run: {threads: 1}
+"""
+
+
+@fact
+def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(folder):
+    """A beam ends where its load is 95 % below its peak, or as time.stop.peak_drop says."""
+    for drop, over in ((None, False), (0.95, False), (0.15, True)):
+        out = os.path.join(folder, f"drop{drop}")
+        run(write_scene(folder, BENT), out, *([] if drop is None else ["--set", f"time.stop.peak_drop={drop}"]))
+        end = summary(out)
+        said = {warning["name"]: warning["text"] for warning in end["warnings"]}
+        with h5py.File(os.path.join(out, "results.h5")) as file:
+            stress = file["history/stress"][()]
+        fallen = 100 * (1 - stress[-1] / stress.max())
+        assert end["readings"]["flexural_strength"] == stress.max(), end["readings"]
+        assert over == ("conversion_halted" not in said) == ("peak_halted" not in said), said
+        words = f"with the stress {fallen:.0f} % below the {stress.max():.4g} Pa that strengths were read off, not the 95 % with which"
+        assert over or fallen < 90 and words in said["peak_halted"], said
+
+
 @fact
 def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     out = os.path.join(folder, "out")

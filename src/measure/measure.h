@@ -231,6 +231,7 @@ typedef struct gn_readings {
     /* By how much of itself the largest stress is above that of the row before, at most 1; the
      * strains of the rows before and after it. */
     double peak_rise, peak_strain_least, peak_strain_most;
+    double peak_fall;      /* share of the largest stress by which the last row is below it */
     double initial_stress; /* Pa, that the ends bore before they moved; 0: they never did */
     double initial_fall;   /* Pa, of which so much went before the test began (beginning.h) */
 } gn_readings;

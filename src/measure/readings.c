@@ -263,9 +263,10 @@ static void read_plane(const gn_curves *c, gn_readings *r) {
         gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
 }
 
-/* How far apart the rows around the largest stress are. */
+/* How far apart the rows around the largest stress are, and what became of it. */
 static void note_rows(const gn_curves *c, gn_readings *r) {
     const size_t k = c->largest, last = c->history->row_count - 1;
+    r->peak_fall = 1.0 - c->stress[last] / c->stress[k];
     r->peak_rise = k > 0 ? fmin(1.0, 1.0 - c->stress[k - 1] / c->stress[k]) : 1.0;
     if (!c->strain) return;
     r->peak_strain_least = c->strain[k > 0 ? k - 1 : k] + 0.0; /* no -0 */

@@ -206,7 +206,8 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "what is driven or loaded has to be farther from what converts, or "
-                 "couple.convert.stress or .mohr_coulomb higher there");
+                 "couple.convert.stress or .mohr_coulomb higher there%s",
+                 gn_conversion_left_bare(w) ? ", or elements there no smaller than particles" : "");
 }
 
 /* A condition that was not met in time. */

@@ -1,6 +1,7 @@
 /* What a run has to say against what was read off its history. */
 #include "run/stages.h"
 #include "run/verdict.h"
+#include "scene/stops.h"
 
 #include <math.h>
 
@@ -84,11 +85,26 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
             : " (do the ends move, in the sense of the test, and reach the specimen in time?)");
 }
 
+/* What the model ended (sim/conversion.c) did not come to the end of the test. */
+static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+    const double drop = gn_scene_peak_drop(&run->world.scene);
+    if (!run->finished || !run->world.halt[0] || isnan(r->peak_stress)) return;
+    if (!(r->peak_fall < drop)) return;
+    gn_warning *to = gn_warnings_add(list, "peak_halted");
+    snprintf(
+        to->text, sizeof to->text,
+        "conversion ended the run (conversion_halted) with the stress %.0f %% below the %.4g Pa "
+        "that strengths were read off, not the %.0f %% with which a test is over: it might "
+        "have risen above that again",
+        100.0 * r->peak_fall, r->peak_stress, 100.0 * drop);
+}
+
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_readings *r;
     GN_TRY(gn_run_readings(run, &r, error));
     warn_of_balance(r, list);
     warn_of_rows(r, list);
+    warn_of_halted_peak(run, r, list);
     warn_of_beginning(r, list);
     warn_of_nothing(run, r, list);
     return GNEISS_OK;

@@ -44,6 +44,11 @@ gn_stops gn_scene_stops(const gn_scene *s) {
     return stops;
 }
 
+double gn_scene_peak_drop(const gn_scene *s) {
+    const double asked = gn_scene_stops(s).peak_drop, by_kind = stops_of(s->test.kind).peak_drop;
+    return asked > 0.0 ? asked : by_kind > 0.0 ? by_kind : 0.5;
+}
+
 static const char *name_of(const gn_scene *s) {
     return gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)s->test.kind);
 }

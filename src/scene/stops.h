@@ -17,6 +17,10 @@ typedef struct gn_stops {
  * and tests under control go on behind their peak. */
 gn_stops gn_scene_stops(const gn_scene *scene);
 
+/* By what share of its peak the stress has to fall for a test to be over: as gn_scene_stops says;
+ * where it never ends by that, as tests of this kind do, or 0.5. */
+double gn_scene_peak_drop(const gn_scene *scene);
+
 /* "stress 0.5 below its peak or strain 0.2 (as shear tests end)"; "": none. */
 const char *gn_stops_text(const gn_scene *scene, char *text, size_t size);
 

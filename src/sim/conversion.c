@@ -363,8 +363,11 @@ static gneiss_status advance(gn_conversion *c, bool *stuck, gneiss_error *error)
         GN_TRY(advance_front(c, stuck, error));
         if (*stuck) return GNEISS_OK;
         find_parts(c);
-        if (gn_conversion_fits(c, missing)) return GNEISS_OK;
+        const bool fits = gn_conversion_fits(c, missing);
+        if (fits) GN_TRY(gn_conversion_look_for_bare(c, stuck, error));
+        if (fits && !*stuck) return GNEISS_OK;
         put_back(c);
+        if (*stuck) return GNEISS_OK;
         if (c->rings < RINGS && gn_conversion_take_along(c)) continue;
         *stuck = true;
         gn_conversion_halt_thin(c, missing);

@@ -60,6 +60,8 @@ gneiss_status gn_conversion_rehearse(gn_world *world, uint8_t *kind, int *rings,
 bool gn_conversion_left_box(const gn_world *world);
 /* That particles are too few for the mass of what would go. */
 bool gn_conversion_was_thin(const gn_world *world);
+/* Whether nodes of what is driven or loaded would have had too little of the body. */
+bool gn_conversion_left_bare(const gn_world *world);
 
 /* Places of an unconverted body that may convert, looked at by themselves: how many there are; how
  * many of them take elements around along, and at how many particles are too few all the same;

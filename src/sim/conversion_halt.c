@@ -1,4 +1,5 @@
 /* Where conversion ends a run, and whether particles can have the mass of what goes. */
+#include "base/memory.h"
 #include "base/point.h"
 #include "couple/front.h"
 #include "sim/conversion_internal.h"
@@ -7,7 +8,9 @@
 #include <string.h>
 
 static const char outside[] = "is not in couple.convert.box";
+static const char driven[] = "has nodes of a motion or a load";
 static const char too_light[] = "too much to be made up for by the";
+static const char bare[] = "conversion would leave ";
 
 bool gn_conversion_left_box(const gn_world *w) {
     return strstr(w->halt, outside);
@@ -15,6 +18,10 @@ bool gn_conversion_left_box(const gn_world *w) {
 
 bool gn_conversion_was_thin(const gn_world *w) {
     return strstr(w->halt, too_light);
+}
+
+bool gn_conversion_left_bare(const gn_world *w) {
+    return strstr(w->halt, bare);
 }
 
 /* Which side of the box an element is beyond, the first of them. */
@@ -53,7 +60,7 @@ void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
                               b->elements.id[e], gn_point_text(b->origin, centre, at));
     const size_t left = sizeof w->halt - (size_t)told;
     if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->halt + told, left, "has nodes of a motion or a load");
+        snprintf(w->halt + told, left, "%s", driven);
     else
         snprintf(w->halt + told, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
@@ -77,6 +84,13 @@ static double element_change(const gn_conversion *c, size_t e, double *whole) {
     return c->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
 }
 
+/* kg, of a particle that has a part now. */
+static double particle_mass(const gn_conversion *c, size_t p) {
+    const double before = c->part[2 * p + 1];
+    return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
+                        : 1.0 / gn_sleeper_of(c->world, p)->mass;
+}
+
 /* The same of a particle, and what of it can make up for more: kg of who has another weight, and of
  * who is in a zone (conversion_masses.c). */
 static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
@@ -84,8 +98,7 @@ static double particle_change(const gn_conversion *c, size_t p, double takes[2])
     const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
     const int32_t e = gn_home_of(c, p);
     if (!(part > 0.0)) return 0.0;
-    const double whole =
-        before > 0.0 ? 1.0 / (q->vel[4 * p + 3] * before) : 1.0 / gn_sleeper_of(c->world, p)->mass;
+    const double whole = particle_mass(c, p);
     if (part != before) takes[0] += part * whole;
     if (e >= 0 && c->kind[e] != GN_FRONT_LEAVING) takes[1] += part * whole;
     return (part - before) * whole;
@@ -132,4 +145,86 @@ void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
              "%s %.2g kg of particles there",
              b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
              missing[1]);
+}
+
+/* --- what may not go --- */
+
+/* [nodes][2] kg: what elements that stay have at their nodes as whole ones; what is there of it
+ * with the parts found, of them and of the particles in them. */
+static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
+    const gn_particles *q = &c->world->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const int corners = b->dimension + 1;
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double before = 0.0, now = 0.0;
+        for (int a = 0; a < corners; a++) {
+            const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
+            before += c->node_part[n] / corners;
+            now += b->nodes.blend[n] / corners;
+        }
+        const double whole =
+            b->density[b->elements.material[e]] * b->elements.volume[e] / before / corners;
+        for (int a = 0; a < corners && c->kind[e] != GN_FRONT_LEAVING; a++) {
+            double *at = mass[gn_elements_node(&b->elements, a)[e]];
+            at[0] += whole;
+            at[1] += now * whole;
+        }
+    }
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const int32_t e = gn_home_of(c, p);
+        if (!(q->blend[2 * p + 1] > 0.0) || e < 0 || c->kind[e] == GN_FRONT_LEAVING) continue;
+        const gn_tie tie = gn_tie_at(b, e, q->start + 4 * p);
+        for (int a = 0; a < corners; a++)
+            mass[tie.node[a]][1] += tie.shape[a] * q->blend[2 * p + 1] * particle_mass(c, p);
+    }
+}
+
+/* r/width of the mean radius: what masses in zones have at least (find_parts). */
+static double least_part(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return fmin(1.0, sum / (double)q->soa.count / w->scene.couple.convert.width);
+}
+
+/* Mostly the front is far from what may not go. */
+static bool holds_shared(const gn_conversion *c) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++)
+            if (b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]] < 1.0) return true;
+    return false;
+}
+
+static void halt_bare(const gn_conversion *c, size_t e, double share) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    double centre[3];
+    char at[GN_POINT_SIZE];
+    gn_conversion_centre(b, e, centre);
+    snprintf(c->world->halt, sizeof c->world->halt,
+             "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
+             b->elements.id[e], gn_point_text(b->origin, centre, at), driven);
+}
+
+gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
+                                          gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    *found = false;
+    if (!holds_shared(c)) return GNEISS_OK;
+    const double least = least_part(c->world);
+    double(*mass)[2] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *mass), share = least;
+    size_t at = 0;
+    if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+    weigh_nodes(c, mass);
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++) {
+            const double *of = mass[gn_elements_node(&b->elements, a)[e]];
+            if (!(of[1] < share * of[0])) continue;
+            share = of[1] / of[0];
+            at = e;
+        }
+    gn_free(mass);
+    *found = share < least;
+    if (*found) halt_bare(c, at, share);
+    return GNEISS_OK;
 }

@@ -66,6 +66,10 @@ double gn_conversion_held_beside(const gn_conversion *c);
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */
 void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
 void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]);
+/* With parts found: whether a node of elements that may not go would weigh less than r/width of
+ * what these do as whole ones, as where they are smaller than particles and hold none: hardly
+ * anything would hold it any more. Halts at the one that would weigh least. */
+gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found, gneiss_error *error);
 /* m, of an element at the start. */
 void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
 
