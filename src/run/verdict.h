@@ -12,5 +12,7 @@ gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_e
 
 /* Of a membrane (verdict_membrane.c). */
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
+/* Of zones, walls that elements pass and conversion (verdict_couple.c). */
+gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
 #endif
