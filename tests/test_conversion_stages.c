@@ -101,6 +101,14 @@ static void finish_alike(const char *couple) {
         /* Elements that are left hold the step by their bound, those of zones beside particles. */
         assert_near(all[k]->world.stable, stable, 0.1 * stable);
     }
+    /* Bent down into the floor, which stops particles alone. */
+    gn_warnings told;
+    if (gn_run_warnings(one, &told, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    bool passed = false;
+    for (size_t k = 0; k < told.count; k++)
+        passed = passed || (!strcmp(told.warning[k].name, "elements_pass_walls") &&
+                            strstr(told.warning[k].text, "behind wall 'floor'"));
+    assert_true(passed);
     for (int k = 0; k < 3; k++) run_end(all[k]);
 }
 

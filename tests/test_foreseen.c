@@ -247,7 +247,7 @@ static void assert_foreseen(const block *s) {
     assert_near(f.time, run->time, 0.2 * f.time);
     assert_near(f.first.dt, run->dt, 0.2 * f.first.dt);
     run_steps(run, 300);
-    assert_near(f.grown.dt, run->dt, 0.2 * f.grown.dt);
+    assert_near(f.grown.dt, run->dt, 0.1 * f.grown.dt);
     gn_foreseen_free(&f);
     world_end(w);
     world_end(run);

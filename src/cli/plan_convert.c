@@ -41,18 +41,24 @@ static double look_of(const gn_world *w, const gn_foreseen *f) {
     return (double)w->scene.couple.convert.every * f->course.part[f->stage].dt;
 }
 
-/* A body lags behind a load that grows evenly, and swings about it, by 1/omega of its slowest
- * motion; of faster ones waves bring what is elsewhere up to half a period sooner or later. */
+/* s: how far a limit may be off by waves. A body lags behind a load that grows evenly, and swings
+ * about it, by 1/omega of its slowest motion; one that is pulled at once has stress in steps, as
+ * waves come by, of what the first of them brings. */
+static double lag_of(const gn_foreseen *f) {
+    const double pi = 3.14159265358979323846, most = 0.5 * f->period;
+    if (f->rise < f->period) return most;
+    return fmax(f->period / (2.0 * pi), fmin(f->burst * f->rise, most));
+}
+
 static void print_waves(const gn_foreseen *f) {
-    const double pi = 3.14159265358979323846, seen = 0.2;
-    const double lag = f->rise < f->period ? 0.5 * f->period : f->period / (2.0 * pi);
+    const double fast = 0.2, lag = lag_of(f);
     const double share = f->rise > 0.0 ? lag / f->rise : (double)INFINITY;
-    printf("  waves            the slowest takes %.3g s, the load %.3g s\n", f->period, f->rise);
-    if (f->time < INFINITY && share > seen)
-        printf(
-            "  warning: the load is fast beside waves: a limit may be reached up to %.2g s sooner "
-            "or later than at rest, and elsewhere\n",
-            lag);
+    printf("  waves            shift that by up to %.2g s (slowest period %.3g s; the load comes "
+           "within %.3g s)\n",
+           lag, f->period, f->rise);
+    if (f->time < INFINITY && share > fast)
+        printf("  warning: the load is fast beside waves: they may bring a limit first, at another "
+               "time and place than at rest\n");
     if (f->time == INFINITY && (f->most * (1.0 + fmin(1.0, share)) >= 1.0 || f->burst >= 1.0))
         printf("  warning: the load is fast beside waves, which may bring a limit that it does not "
                "come to at rest\n");
@@ -96,8 +102,8 @@ static void print_first(const gn_world *w, const gn_foreseen *f) {
     print_dt(f);
     if (w->scene.couple.spins == GN_COUPLE_SLAVED)
         printf(
-            "                   about: what slaved spins take goes by single elements of fronts; "
-            "in runs it was 0.4 to 2 times that\n");
+            "                   roughly: what slaved spins take goes by single elements of fronts; "
+            "runs had 0.4 to 2 times that\n");
     if (*f->stop && f->time < INFINITY && f->part * f->reach >= 1.0)
         printf("  warning: at %.3g times that load conversion would end the run: %s\n",
                1.0 / f->part, f->stop);
