@@ -105,8 +105,8 @@ static void apply(const gn_rest *r, const double *x, double *out) {
 }
 
 /* Conjugate gradients from the multiple of the last solution that is nearest, which is the solution
- * where loads only grow. A thousandth is enough to see where stresses are largest. */
-static void solve(gn_rest *r) {
+ * where loads only grow, until what is left is a part of the load. */
+static void solve(gn_rest *r, double left) {
     enum { MOST = 3000 };
     double *x = r->u, *residual = r->residual, *p = r->search, *Ap = r->image;
     apply(r, x, Ap);
@@ -118,7 +118,7 @@ static void solve(gn_rest *r) {
         p[k] = r->better[k] = r->weight[k] * residual[k];
     }
     double rz = dot(r, residual, r->better);
-    for (int round = 0; round < MOST && sqrt(dot(r, residual, residual)) > 1e-3 * all; round++) {
+    for (int round = 0; round < MOST && sqrt(dot(r, residual, residual)) > left * all; round++) {
         apply(r, p, Ap);
         const double step = rz / dot(r, p, Ap), before = rz;
         for (size_t k = 0; k < r->count; k++) {
@@ -153,7 +153,7 @@ void gn_rest_find(gn_rest *r, size_t part, double time) {
     r->at = part;
     r->time = time;
     set_load(r, part, time);
-    solve(r);
+    solve(r, 1e-3); /* enough to see where stresses are largest */
 }
 
 /* --- waves --- */
@@ -179,7 +179,7 @@ double gn_rest_period(gn_rest *r) {
         const double size = sqrt(dot(r, r->u, r->u));
         if (!(size > 0.0)) return 0.0;
         for (size_t k = 0; k < r->count; k++) r->load[k] = r->u[k] / size;
-        solve(r);
+        solve(r, 1e-3);
         rate2 = dot(r, r->u, r->load) / dot(r, r->u, r->u) - r->inertia;
     }
     return rate2 > 3.0 * r->inertia ? 2.0 * pi / sqrt(rate2) : 2.0 * gn_wave_travel(r->w);
