@@ -7,6 +7,7 @@
 #include "sim/coupling_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Of the longest side of the body: nearer is on the wall. */
 static const double on_wall = 1e-6;
@@ -152,9 +153,22 @@ static gneiss_status foresee(foresight *q, gneiss_error *error) {
             const gn_course_part *p = &c->part[part];
             look_at_walls(q, part, p->begin + (p->end - p->begin) * k / LOOKS);
         }
-    gn_rest_put(q->rest, 0.0);
     gn_free(q->least);
     return GNEISS_OK;
+}
+
+/* With the nodes put back where they were, which may be off their start. */
+static gneiss_status foresee_and_return(foresight *q, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(q->rest->w);
+    const size_t size = 4 * b->nodes.soa.count;
+    double *place = gn_alloc_array_raw(size + 1, sizeof *place);
+    if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for places of nodes");
+    memcpy(place, b->nodes.pos, size * sizeof *place);
+    gneiss_status status = foresee(q, error);
+    memcpy(b->nodes.pos, place, size * sizeof *place);
+    gn_fem_moved(b);
+    gn_free(place);
+    return status;
 }
 
 gneiss_status gn_wall_foresee_passed(gn_world *w, gn_wall_passed *passed, gneiss_error *error) {
@@ -173,7 +187,7 @@ gneiss_status gn_wall_foresee_passed(gn_world *w, gn_wall_passed *passed, gneiss
     q.used = used;
     if (status == GNEISS_OK) status = gn_rest_make(w, &course, &rest, error);
     rest.unloaded = !gn_converts(w);
-    if (status == GNEISS_OK) status = foresee(&q, error);
+    if (status == GNEISS_OK) status = foresee_and_return(&q, error);
     gn_rest_free(&rest);
     gn_course_free(&course);
     gn_free(used);
