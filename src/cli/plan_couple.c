@@ -1,6 +1,8 @@
 #include "cli/plan_couple.h"
 
+#include "base/memory.h"
 #include "sim/coupling.h"
+#include "sim/element_walls.h"
 
 #include <stdio.h>
 
@@ -116,4 +118,39 @@ void gn_print_zones(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < zones; k++) print_zone(w, k, warnings);
     if (zones > 0) note_diagonals(w);
     if (w->scene.has_couple) print_step(w);
+}
+
+/* What is said of all of them in one sentence is said once. */
+static const char no_contact[] =
+    "elements and walls have no contact with each other and pass through; what is to hold or press "
+    "elements has to be a motion or a load of theirs";
+
+static void print_passed(const char *wall, const gn_wall_passed *p, int *warnings) {
+    char text[512];
+    if (p->behind && p->time > 0.0)
+        snprintf(text, sizeof text,
+                 "wall '%.60s' goes through elements from t = %.3g s on (%zu nodes, at most %.3g m "
+                 "deep): %s",
+                 wall, p->time, p->behind, p->deepest, no_contact);
+    else if (p->behind)
+        snprintf(text, sizeof text,
+                 "wall '%.60s' goes through elements from the start on (%zu nodes, at most %.3g m "
+                 "deep): %s",
+                 wall, p->behind, p->deepest, no_contact);
+    else
+        snprintf(text, sizeof text, "wall '%.60s' touches %zu nodes of elements: %s", wall,
+                 p->touching, no_contact);
+    if (p->behind || p->touching) warn(warnings, text);
+}
+
+gneiss_status gn_print_walls_passed(gn_world *w, int *warnings, gneiss_error *error) {
+    if (!w->scene.has_couple || !w->scene.wall_count) return GNEISS_OK;
+    gn_wall_passed *passed = gn_alloc_array(w->scene.wall_count, sizeof *passed);
+    gneiss_status status = passed
+                               ? gn_wall_foresee_passed(w, passed, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
+    for (size_t k = 0; status == GNEISS_OK && k < w->scene.wall_count; k++)
+        print_passed(w->scene.walls[k].name, &passed[k], warnings);
+    gn_free(passed);
+    return status;
 }

@@ -15,5 +15,7 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list);
 
 /* Of a membrane (verdict_membrane.c). */
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list);
+/* Of zones, walls that elements pass and conversion (verdict_couple.c). */
+gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
 #endif

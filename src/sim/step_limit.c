@@ -16,10 +16,14 @@
  * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
  * a). (Seen in practice: at 0.9 of the undamped limit and a =
  * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
+    bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
+    return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
+}
+
 double gn_world_nonviscous_share(const gn_world *w) {
-    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    double spin = w->effects & GN_FX_ROTATION ? gn_scene_spin_damping(&w->scene) : 0.0;
-    return active ? 1.0 / sqrt(1.0 + fmax(w->scene.background_coefficient, spin)) : 1.0;
+    return gn_scene_nonviscous_share(&w->scene, w->effects);
 }
 
 /* Of two parts with limits p and s (s), of which each is found with the other held fast, and

@@ -230,6 +230,8 @@ const char *gn_resolution_text(const gn_world *world, char *text, size_t size);
 
 /* What non-viscous damping leaves of the limit, 1 without it. */
 double gn_world_nonviscous_share(const gn_world *world);
+/* Of a scene that calls for these effects. */
+double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 /* The lists with the forces of the present positions in their rows (velocities and tangential
  * forces of the last step): for output. The world is not changed; the copies are the caller's. */
