@@ -54,6 +54,10 @@ void gn_coupled_begin(gn_world *world);
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);
+/* N/m, of the spring that holds a particle of a zone; 0: none does. */
+double gn_penalty_stiffness(const gn_world *world, size_t particle);
+/* m/s2, with which that spring and its dashpot move it against n, at the present places. */
+double gn_penalty_opens(const gn_world *world, size_t particle, const double n[3]);
 /* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
  * is more than before (coupling_spins.c). */
 gneiss_status gn_coupled_turn_faster(gn_world *world, bool *more, gneiss_error *error);

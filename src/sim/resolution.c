@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "kernels/dashpot.h"
 #include "sim/body_walls.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
@@ -311,6 +312,7 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
                share = share_with(w, t, p, kn, def->passive);
+        kn += gn_penalty_stiffness(w, p); /* both hold it at once */
         meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
