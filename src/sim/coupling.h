@@ -108,11 +108,12 @@ typedef struct gn_zone_material {
     int32_t material; /* of the elements */
     size_t particles;
     double modulus[2], density[2], returned;
+    double tension[4]; /* Pa, along each axis of particles with free sides, of the elements; 0: not
+                          known. Of what converts alone */
 } gn_zone_material;
-/* Whether they differ: by 12 % of the modulus or more. */
-static inline bool gn_zone_differs(const gn_zone_material *m) {
-    return m->modulus[0] > 0.0 && m->returned > 1e-3;
-}
+/* Whether they differ: by 12 % or more of the modulus, of the mean of those in tension, or of one
+ * in which the particles are stiffer. */
+bool gn_zone_differs(const gn_zone_material *material);
 enum { GN_ZONE_MATERIALS = 8 }; /* that are told apart; the last one stands for all further ones */
 
 /* What a zone is, as it was at the start (coupling_check.c). */
