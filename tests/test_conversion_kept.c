@@ -138,6 +138,10 @@ static gn_world *packed(void) {
         "time: {end: 1}\nrun: {threads: 1}\n");
 }
 
+static double sum_of(const gn_conversion_parts *p) {
+    return p->sampled + p->stiffness + p->uneven + p->balance + p->motion + p->step;
+}
+
 /* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
  * whole body that converts the mean stress is that of the elements times the quotient of both
  * moduli, and so is the energy, whose difference is booked. Both are
@@ -146,7 +150,7 @@ static gn_world *packed(void) {
 static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
     (void)state;
     const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
-    double quotient = 0.0, stress = 0.0, energy = 0.0;
+    double quotient = 0.0, stress = 0.0, energy = 0.0, alike = 0.0;
     for (int axis = 0; axis < 2; axis++) {
         double gradient[9] = {0.0};
         gn_conversion_figures f;
@@ -163,6 +167,10 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
         measured_step(w);
         stress += 0.5 * w->stress[4 * axis] / (m * size);
         energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
+        const gn_conversion_parts *p = &w->couple.parts;
+        alike += 0.5 * p->alike[1] / p->alike[0];
+        assert_near(p->stiffness, booked, 1e-5 * fabs(booked));
+        assert_near(sum_of(p), booked, 1e-12 * p->alike[0]);
         assert_near(w->reading.conversion, booked, 1e-12 * fabs(booked));
         world_end(w);
     }
@@ -172,6 +180,93 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
     assert_near(stress, quotient, 0.01 * quotient);
     assert_near(energy, quotient, 0.01 * quotient);
     assert_near(energy, stress, 1e-5 * stress); /* square of strains */
+    assert_near(alike, quotient, 1e-5 * quotient);
+}
+
+/* --- what made what is booked --- */
+
+static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
+    return world_of(
+        "dimension: 2\n"
+        "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [30, 16]}}\n"
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: %g, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n"
+        "elements: {rectangle: {size: [30 mm, 16 mm], cells: [15, 8]}, materials: [{young: %g, "
+        "poisson: 0, density: %g}]}\n"
+        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 3 mm, stress: 1e30}%s}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        density / (pi / 4.0), stiffer * modulus, kratio, modulus, density, more);
+}
+
+/* Inside of a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
+ * across them, elements E and E/2. In an even strain nothing else is booked but a zone's volume,
+ * which particles have in steps. */
+static void springs_of_another_stiffness_are_told_by_how_much(void **state) {
+    (void)state;
+    const struct {
+        double stiffer, kratio, gradient[9], alike;
+    } cases[] = {{1.0, 1.0, {1e-6}, 1.0},
+                 {1.5, 1.0, {1e-6}, 1.5},
+                 {0.7, 3.0, {1e-6, 0.0, 0.0, 0.0, 2e-6}, 0.7},
+                 {1.0, 4.0, {0.0, 1e-6, 0.0, 1e-6}, 0.25},
+                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* a turn besides */
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
+        set_elements(w, strain, cases[k].gradient);
+        convert(w, 12e-3, 18e-3, 6e-3, 10e-3);
+        const gn_conversion_parts *p = &w->couple.parts;
+        print_message("# held %.6g times as much; stiffness %.3g, volume %.2g, uneven %.2g, "
+                      "balance %.2g of %.3g J\n",
+                      p->alike[1] / p->alike[0], p->stiffness, p->sampled, p->uneven, p->balance,
+                      p->alike[0]);
+        /* Volumes are parts of the hull of the discs, which is round at corners. */
+        const double hull = w->volume / (30e-3 * 16e-3);
+        assert_near(p->alike[1] * hull, cases[k].alike * p->alike[0], 1e-5 * p->alike[0]);
+        assert_near(p->stiffness, p->alike[0] - p->alike[1], 1e-12 * p->alike[0]);
+        assert_near(p->uneven, 0.0, 1e-5 * p->alike[0]);
+        assert_near(p->sampled, 0.0, 0.05 * p->alike[0]);
+        assert_true(p->balance >= 0.0);
+        assert_near(sum_of(p), w->energy.conversion, 1e-12 * p->alike[0]);
+        world_end(w);
+    }
+}
+
+/* A strain that grows along the body is another one at both ends of a bond. */
+static void bend(const double *x, const void *of, double u[3], double v[3]) {
+    const double *k = of;
+    u[0] = k[0] * x[0] * (x[1] - 8e-3);
+    u[1] = -0.5 * k[0] * x[0] * x[0];
+    v[0] = k[1] * x[1];
+    v[1] = -2.0 * k[1] * x[0];
+}
+
+/* With all that there is beside it: what is booked is all told, of one conversion and of several.
+ */
+static void parts_of_what_is_booked_add_up(void **state) {
+    (void)state;
+    const double still[] = {1e-4, 0.0}, moving[] = {1e-4, 5.0};
+    const char *more[] = {", spins: slaved", ""};
+    for (int k = 0; k < 4; k++) {
+        gn_world *w = k < 2 ? lattice_of(1.3, 2.0, more[k]) : packed();
+        set_elements(w, bend, k % 2 ? moving : still);
+        run_steps(w, 1);
+        convert(w, 12e-3, 16e-3, 6e-3, 16e-3);
+        const double first = w->energy.conversion;
+        assert_near(sum_of(&w->couple.parts), first, 1e-10 * fabs(first));
+        run_steps(w, 20);
+        convert(w, 10e-3, 20e-3, 4e-3, 16e-3);
+        const gn_conversion_parts *p = &w->couple.parts;
+        print_message("# stiffness %.3g, volume %.2g, uneven %.2g, balance %.2g, motion %.2g, step "
+                      "%.2g: %.3g J\n",
+                      p->stiffness, p->sampled, p->uneven, p->balance, p->motion, p->step,
+                      w->energy.conversion);
+        assert_true(fabs(w->energy.conversion - first) > 0.1 * fabs(first));
+        assert_near(sum_of(p), w->energy.conversion, 1e-10 * fabs(w->energy.conversion));
+        assert_near(p->motion, w->couple.corrected.energy, 1e-12 * fabs(p->motion));
+        assert_true(p->uneven != 0.0 && (k < 2) == (p->balance != 0.0));
+        world_end(w);
+    }
 }
 
 /* --- elements without particles --- */
@@ -321,6 +416,8 @@ int main(void) {
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
         cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
+        cmocka_unit_test(springs_of_another_stiffness_are_told_by_how_much),
+        cmocka_unit_test(parts_of_what_is_booked_add_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -600,6 +600,19 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
         made = -file["history/energy_conversion"][-1]
     part, scale = (float(v) for v in re.search(r"made (\S+) of the (\S+) J", stiff["energy_conversion"]).groups())
     assert abs(part * scale / made - 1) < 0.01 and part > 0.03, (part, scale, made)
+    found = summary(os.path.join(folder, "stiff"))["conversions"]
+    assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
+    times = float(re.search(r"by stiffness: the particles held (\S+) times as much", stiff["energy_conversion"]).group(1))
+    assert abs(times / found["held"] - 1) < 0.01, (times, found)
+    # As stiff along the axes when its sides are held, and 1.8 times as stiff when they are free.
+    free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")
+    done = gneiss("check", scene, *free)
+    tension = re.search(r"tension +(\S+), (\S+) Pa of these particles along the axes with free sides, (\S+) Pa of the elements", done.stdout)
+    x, y, e = (float(v) for v in tension.groups())
+    assert abs(x / 24e9 - 1) < 0.01 and abs(y / 21e9 - 1) < 0.01 and abs(e / (11.2e9 / 0.84) - 1) < 1e-3, tension.groups()
+    confined = re.search(r"modulus +(\S+) Pa of particles that follow elements, (\S+) Pa of these", done.stdout)
+    assert 0.88 < float(confined.group(1)) / float(confined.group(2)) < 1, confined.groups()
+    assert "particles and elements differ" in done.stdout and "particles and elements differ" not in gneiss("check", scene).stdout
     assert "has a modulus of 2." in stiff["packing_differs"] and "e+11 Pa" in stiff["packing_differs"], stiff
     run(scene, os.path.join(folder, "soft"), "--set", "materials[0].normal_stiffness=2.4e9")
     soft = warnings_of(os.path.join(folder, "soft"))

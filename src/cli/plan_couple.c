@@ -14,6 +14,14 @@ static void warn(int *warnings, const char *text) {
 /* Zones this wide return what docs/coupling.md says. */
 static const double elements_least = 3.0, diameters_least = 6.0;
 
+static void print_tension(const gn_zone_material *m) {
+    if (!(m->tension[3] > 0.0)) return;
+    printf("  tension          %.4g", m->tension[0]);
+    for (int a = 1; a < 3 && m->tension[a] > 0.0; a++) printf(", %.4g", m->tension[a]);
+    printf(" Pa of these particles along the axes with free sides, %.4g Pa of the elements\n",
+           m->tension[3]);
+}
+
 void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnings) {
     if (several)
         printf("  material         %d of the elements, with %zu particles\n", (int)m->material,
@@ -22,6 +30,7 @@ void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnin
     printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
            "(confined)\n",
            m->modulus[0], m->modulus[1]);
+    print_tension(m);
     printf("  density          %.4g kg/m3, %.4g kg/m3 of the elements\n", m->density[0],
            m->density[1]);
     printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",

@@ -85,28 +85,43 @@ static void warn_of_packing(const gn_run *run, gn_warnings *list) {
     const gn_packing_differs *d = &run->world.couple.differs;
     if (!(d->modulus[0] > 0.0)) return;
     gn_warning *to = gn_warnings_add(list, "packing_differs");
+    const bool space = run->world.scene.dimension == 3;
+    char last[32] = "";
+    if (space) snprintf(last, sizeof last, ", %.4g", d->tension[2]);
     snprintf(to->text, sizeof to->text,
-             "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
-             "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
-             "converts is not the body that it was; calibrate the particles to the elements",
-             d->modulus[0], d->density[0], d->modulus[1], d->density[1]);
+             "the packing has a modulus of %.4g Pa (confined; along the axes with free sides %.4g, "
+             "%.4g%s Pa) and a density of %.4g kg/m3, of an affine strain; elements that convert "
+             "to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: what converts is not the body that it "
+             "was; calibrate the particles to the elements' E and nu",
+             d->modulus[0], d->tension[0], d->tension[1], last, d->density[0], d->modulus[1],
+             d->tension[3], d->density[1]);
 }
 
 /* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
  * the ledger has it, and closes. */
 static const double made_most = 0.03;
 
-/* What of it was made, by what is known of it. */
-static const char *made_by(const gn_world *w, double made) {
-    const gn_packing_differs *d = &w->couple.differs;
-    if (-w->couple.corrected.energy > 0.5 * made)
-        return "mostly as motion, by masses and velocities that are others than before";
-    if (d->modulus[0] > d->modulus[1])
-        return "the particles held more energy in the same strain (calibrate their modulus to that "
-               "of the elements), or the zone is thin";
-    return "mostly in contacts, which held more than the elements where they took their place: the "
-           "strain there is not even, the packing is not what it is on the mean, or the zone is "
-           "thin";
+/* What made most of it. */
+static void say_what_made(const gn_conversion_parts *p, char *text, size_t size) {
+    const double parts[] = {p->stiffness, p->sampled, p->uneven, p->motion, p->step};
+    const char *const why[] = {
+        "",
+        "volume: the particles stand for more of it than the elements whose place they took (the "
+        "zone is thin, or elements are no larger than particles)",
+        "strains that are not even over a bond, or contacts that had slid or broken",
+        "motion, by masses and velocities that are others than before",
+        "the step: half a one of the powers of springs (a smaller time.safety)"};
+    size_t worst = 0;
+    for (size_t k = 1; k < sizeof parts / sizeof *parts; k++)
+        if (parts[k] < parts[worst]) worst = k;
+    if (worst > 0)
+        snprintf(text, size, "%.3g J of it by %s", -parts[worst], why[worst]);
+    else
+        snprintf(text, size,
+                 "%.3g J of it by stiffness: the particles held %.3g times as much in the same "
+                 "strain as the elements (calibrate their E and nu to those; small packings differ "
+                 "from place to place and axis to axis)",
+                 -parts[0], p->alike[1] / p->alike[0]);
 }
 
 static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
@@ -114,10 +129,12 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     const double made = -e->conversion;
     if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
     gn_warning *to = gn_warnings_add(list, "energy_conversion");
+    char what[320];
+    say_what_made(&run->world.couple.parts, what, sizeof what);
     snprintf(to->text, sizeof to->text,
              "elements that turned into particles made %.3g of the %.4g J that have gone through: "
              "%s",
-             made / gn_energy_scale(e), gn_energy_scale(e), made_by(&run->world, made));
+             made / gn_energy_scale(e), gn_energy_scale(e), what);
 }
 
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {

@@ -71,6 +71,9 @@ double gn_inverse_mass_along(const gn_world *world, size_t particle, const doubl
  * unit vector into the wall or surface (crossing.c). Of the forces of the instant, so when those of
  * all pairs are found. Of a body only its weight, and background damping is left out. */
 double gn_other_acceleration(const gn_world *world, size_t row, const double n[3]);
+/* The same of the spring of a zone that holds its particle, beside a contact of the stiffness kn,
+ * N/m; 0 where the step does not resolve both together. */
+double gn_held_acceleration(const gn_world *world, double kn, size_t row, const double n[3]);
 
 /* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);

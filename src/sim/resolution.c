@@ -329,6 +329,7 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
                share = share_with(w, t, p, kn, def->passive);
+        kn += gn_penalty_stiffness(w, p); /* both hold it at once */
         meet(f, kn * t->inverse[p], share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }

@@ -63,7 +63,7 @@ typedef struct gn_most_loaded {
 /* Of the first packed material that differs from the elements (gn_zone_differs), at the start: Pa
  * and kg/m3 of its particles and of theirs; 0: none differs. Doubles, as checkpoints have it. */
 typedef struct gn_packing_differs {
-    double modulus[2], density[2];
+    double modulus[2], density[2], tension[4]; /* tension: as gn_zone_material has it */
 } gn_packing_differs;
 
 /* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
@@ -86,6 +86,20 @@ typedef struct gn_corrections {
                              in these */
     double energy;        /* J: kinetic, that all of this took, masses included */
 } gn_corrections;
+
+/* J: what conversions booked, by what made it (conversion_parts.c), since the start, with the sign
+ * of gn_energy.conversion, which their sum is; doubles, as checkpoints have it. */
+typedef struct gn_conversion_parts {
+    double sampled;   /* particles stand for another volume than elements lose */
+    double stiffness; /* their springs hold another energy in the same strain */
+    double uneven;    /* and another where the strain is another at both ends, or they broke or
+                         slid before */
+    double balance;   /* taken by bringing them into balance */
+    double motion;    /* kinetic */
+    double step;      /* half a step of the powers of springs, walls left out */
+    double alike[2];  /* what elements and springs would hold of the part that changed hands in the
+                         same strain: their difference is `stiffness` */
+} gn_conversion_parts;
 
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
@@ -111,6 +125,7 @@ struct gn_world {
                            * the last measured instant */
         gn_relaxations relaxed;
         gn_corrections corrected;
+        gn_conversion_parts parts;
         gn_packing_differs differs;
     } couple;
 
