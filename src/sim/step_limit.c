@@ -342,6 +342,21 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     return status;
 }
 
+static gneiss_status look_again(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = resolve_listed(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
+gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
+    if (!gn_debris_told(w)) return GNEISS_OK;
+    w->dem.debris_told = true;
+    gneiss_status status = look_again(w, error);
+    w->dem.debris_told = false;
+    return status;
+}
+
 /* What has come apart is loose, which lists that stand for long would say late. Where nothing damps
  * the collisions until then it is looked at whenever another sixteenth of the bonds has broken,
  * from the half of them on. */
@@ -349,10 +364,7 @@ gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_er
     const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
     if (now == broken_before || 2 * now < all || !gn_world_rings(w)) return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
-    double start = gn_now();
-    gneiss_status status = resolve_listed(w, error);
-    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
-    return status;
+    return look_again(w, error);
 }
 
 gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {

@@ -221,6 +221,9 @@ gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
  * come apart by it. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
 
+/* The same after a step that was measured because of debris: what of it makes energy counts. */
+gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
+
 /* The same for what the lists, just made, let happen before they are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
 /* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
