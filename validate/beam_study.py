@@ -96,20 +96,21 @@ def crack_energy(run, contact):
     return lost / (contact[3] * STRIP[0]), np.sum((area * damage)[apart]) / STRIP[0]
 
 
-def calibrate(*curve):
+def calibrate(*curve, radius=RADII[0], start=None, rounds=3):
     """Contacts with which strips have the measured modulus, strength and, across their cracks, fracture energy; elements that have the strips' modulus
-    and contraction. Strips of the larger particles alone. Found in two rounds, the second of which says how far they are met."""
-    contact, rows = (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38, *curve), []
-    for number in range(3):
-        found = np.array([elastic(strip(RADII[0], seed, contact)) for seed in SEEDS])
+    and contraction. Found in all rounds but the last, which says how far they are met; `start`: contacts of the first."""
+    contact, rows = start or (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38, *curve), []
+    seeds = SEEDS[:COUNT[radius]]
+    for number in range(rounds):
+        found = np.array([elastic(strip(radius, seed, contact)) for seed in seeds])
         opened = (7.2 if curve else 4) * 2 * contact[3] / contact[2]  # twice where nothing is left
-        lost = np.array([crack_energy(strip(RADII[0], seed, contact, opened), contact) for seed in SEEDS])
+        lost = np.array([crack_energy(strip(radius, seed, contact, opened), contact) for seed in seeds])
         modulus, contraction, strength = found.mean(axis=0)
         factor = lost[:, 1].mean()
         rows.append([number + 1, f"{contact[0] / 1e9:.2f}", f"{contact[2] / 1e6:.3f}", f"{contact[3]:.1f}", text(found[:, 0] / 1e9), text(found[:, 1]),
                      text(found[:, 2] / 1e6), text(lost[:, 1]), text(lost[:, 0]), f"{factor * contact[3]:.1f}"])
         print(rows[-1], flush=True)
-        if number < 2:
+        if number < rounds - 1:
             contact = tuple(float(f"{v:.4g}") for v in (contact[0] * MODULUS / modulus, contact[1], contact[2] * TENSILE / strength, FRACTURE / factor)) + curve
     return contact, (modulus, contraction), study.table(
         ["round", "E of contacts, GPa", "their strength, MPa", "their G_f, N/m", "modulus of strips, GPa", "contraction", "strength, MPa",
@@ -306,9 +307,9 @@ def of_one_line():
     others = [(f"r {1e3 * RADII[0]:g} mm, packing 1, half as fast", beam(RADII[0], 1, contact, bulk, 0.5 * SPEED)),
               ("the same with G_f/2.5, packing 1", beam(RADII[0], 1, (*contact[:3], float(f"{contact[3] / INITIAL:.4g}")), bulk, note="-first")),
               ("elements that become particles, packing 1", adaptive(RADII[0], 1, contact, bulk))]
-    fine = np.array([elastic(strip(RADII[1], seed, contact)) for seed in SEEDS[:COUNT[RADII[1]]]])
-    study.put("beams.md", "table smaller", study.table(["strips of r, mm", "modulus, GPa", "contraction", "strength, MPa"], [
-        [f"{1e3 * RADII[1]:g}", text(fine[:, 0] / 1e9), text(fine[:, 1]), text(fine[:, 2] / 1e6)]]))
+    own, _, smaller = calibrate(radius=RADII[1], start=contact, rounds=2)
+    study.put("beams.md", "table smaller", smaller)
+    found += [(f"r {1e3 * RADII[1]:g} mm, its own contacts, packing {seed}", beam(RADII[1], seed, own, bulk, note="-own")) for seed in SEEDS[:COUNT[RADII[1]]]]
     study.put("beams.md", "table hinge", hinge_table())
     study.put("beams.md", "table beam", beam_table([*found, *others]))
     draw([*found, *others[1:]], PICTURE)

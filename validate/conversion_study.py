@@ -117,7 +117,7 @@ def panels(axes, found, unit, bends, openings, most):
             axis.plot(1e6 * at[shown], force[shown] / (1e3 if unit == "kN" else 1), label=name, linewidth=1, linestyle="--" if name == NEVER else "-")
     axes[0].set(xlabel="deflection, um", ylabel=f"load, {unit}", ylim=(-0.03 * most, most))
     axes[1].set(xlabel="opening of the notch's mouth, um")
-    axes[0].legend(fontsize=8)
+    axes[0].legend(loc="upper left", fontsize=8)
 
 
 def draw(found):
@@ -146,7 +146,8 @@ def fast(name, **more):
 
 
 FINE = {"specimen.mean_radius": "0.5 mm"}
-VARIED = {"": {}, ", steps of 0.89": {"time.safety": 0.89}, ", of 0.88": {"time.safety": 0.88}, ", packing 2": {"run.seed": 2}, ", packing 3": {"run.seed": 3}}
+VARIED = {"": {}, ", steps of 0.89": {"time.safety": 0.89}, ", of 0.88": {"time.safety": 0.88}, ", packing 2": {"run.seed": 2}, ", packing 3": {"run.seed": 3},
+          ", packing 3, steps of 0.89": {"run.seed": 3, "time.safety": 0.89}, ", packing 3, of 0.88": {"run.seed": 3, "time.safety": 0.88}}
 
 
 def fine_pairs():
