@@ -112,6 +112,11 @@ void gn_print_conversion(gn_world *w, int *warnings) {
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
            gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
+    char watched[GNEISS_MESSAGE_SIZE];
+    if (*gn_conversion_watches(w, watched, sizeof watched)) {
+        printf("  warning: %s\n", watched);
+        (*warnings)++;
+    }
     printf("  masses           %.4g times those of the elements\n", f.mass);
     const gn_convert_def *def = &w->scene.couple.convert;
     if (def->relax > 0.0)

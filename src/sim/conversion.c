@@ -392,7 +392,9 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_fem_keep(b, c->kind, error));
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(make_lists(c, &before, error));
-    const double kinetic = before.energy - gn_conversion_tally(c).energy;
+    const gn_tally now = gn_conversion_tally(c);
+    const double kinetic = before.energy - now.energy;
+    gn_conversion_note_jumps(c, &before, &now);
     w->couple.corrected.energy += kinetic;
     w->energy.conversion += kinetic + held - gn_conversion_held(c);
     return GNEISS_OK;
