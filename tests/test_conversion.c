@@ -701,7 +701,9 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
             assert_true(gn_conversion_elements(w) < then);
             assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
             assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
+            assert_memory_equal(&w->couple, &a->world.couple, sizeof w->couple);
         }
+        assert_true(a->world.couple.corrected.scale > 0.0);
         for (int r = 0; r < 3; r++) run_end(all[r]);
     }
 }

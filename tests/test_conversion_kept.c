@@ -121,6 +121,119 @@ static void conversions_keep_both_momenta(void **state) {
             }
 }
 
+/* --- what jumps --- */
+
+static void fly(const double *x, const void *of, double u[3], double v[3]) {
+    const double *way = of;
+    move_rigidly(x, turned, u, v);
+    v[0] += *way;
+}
+
+/* Angular momentum and, about the axis z, inertia about its own centre. */
+typedef struct own {
+    double centre[3], turning[3], inertia;
+} own;
+
+static own own_of(const gn_world *w) {
+    const whole s = whole_of(w);
+    own o = {.inertia = s.inertia};
+    double lever[3];
+    for (int a = 0; a < 3; a++) o.centre[a] = s.moment[a] / s.mass;
+    gn_cross3(o.centre, s.momentum, lever);
+    for (int a = 0; a < 3; a++) o.turning[a] = s.turning[a] - lever[a];
+    o.inertia -= s.mass * (o.centre[0] * o.centre[0] + o.centre[1] * o.centre[1]);
+    return o;
+}
+
+/* In the plane, m v r of what is left of the velocities without the motion as a whole. */
+static double vibration_of(const gn_world *w) {
+    const whole s = whole_of(w);
+    const own o = own_of(w);
+    const double left = s.energy - 0.5 * gn_dot3(s.momentum, s.momentum) / s.mass -
+                        0.5 * o.turning[2] * o.turning[2] / o.inertia;
+    return sqrt(2.0 * fmax(left, 0.0) * o.inertia);
+}
+
+static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
+                                        {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
+                                        {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
+
+/* Converts at corners and amid, and sums up what that does to the body as a whole; [2] N m s: the
+ * largest change of angular momentum; the largest that it had, or of its vibration. */
+static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
+                                 double size[2]) {
+    gn_world *w = block_of(s);
+    gneiss_error error = {0};
+    *sum = (own){0};
+    set_elements(w, motion, of);
+    measured_step(w);
+    for (int k = 0; k < 3; k++) {
+        const own was = own_of(w);
+        const double vibration = vibration_of(w);
+        if (convert_box(w, corners[k][0], corners[k][1], &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        const own is = own_of(w);
+        for (int a = 0; a < 3; a++) sum->centre[a] += is.centre[a] - was.centre[a];
+        for (int a = 0; a < 3; a++) sum->turning[a] += is.turning[a] - was.turning[a];
+        sum->inertia += is.inertia / was.inertia - 1.0;
+        size[0] = fmax(size[0], sqrt(gn_dot3(sum->turning, sum->turning)));
+        size[1] = fmax(size[1], sqrt(gn_dot3(was.turning, was.turning)));
+        if (!s->space) size[1] = fmax(size[1], vibration);
+    }
+    assert_string_equal(w->halt, "");
+    return w;
+}
+
+static void what_a_conversion_does_to_the_whole_body_is_summed_up(void **state) {
+    (void)state;
+    field *motions[] = {fly, turn_and_stretch, stir};
+    const block blocks[] = {{.cells = {15, 8, 0}},
+                            {.cells = {15, 8, 0}, .couple = ", spins: slaved"},
+                            {.cells = {15, 8, 0}, .finer = 2, .distortion = 0.2, .thin = 3e-3},
+                            {.cells = {15, 4, 4}, .space = true}};
+    for (int k = 0; k < 4; k++)
+        for (int m = 0; m < 3; m++) {
+            const double of = m == 0 ? 20.0 : blocks[k].space;
+            double size[2] = {0.0};
+            own sum;
+            gn_world *w = convert_and_sum(&blocks[k], motions[m], &of, &sum, size);
+            const gn_corrections *c = &w->couple.corrected;
+            const whole now = whole_of(w);
+            const double rounding = 1e-11 * sqrt(2.0 * now.mass * now.energy) * 0.03;
+            print_message("# block %d, motion %d: %.3g of %.3g N m s, %.3g m, %.3g\n", k, m,
+                          c->most, c->scale, c->centre[0], c->inertia);
+            for (int a = 0; a < 3; a++) assert_near(c->turned[a], sum.turning[a], rounding);
+            for (int a = 0; a < 3; a++) assert_near(c->centre[a], sum.centre[a], 1e-14);
+            if (!blocks[k].space) assert_near(c->inertia, sum.inertia, 1e-11);
+            assert_near(c->most, size[0], rounding);
+            if (blocks[k].space)
+                assert_true(c->scale > size[1] - rounding);
+            else
+                assert_near(c->scale, size[1], 1e-6 * size[1]);
+            world_end(w);
+        }
+}
+
+/* A body that flies and turns goes on as it does: what its angular momentum about its centre
+ * changes by is what its inertia does, however fast it flies. */
+static void who_flies_and_turns_rigidly_keeps_its_spin(void **state) {
+    (void)state;
+    const block s = {.cells = {15, 8, 0}};
+    double change[2];
+    for (int k = 0; k < 2; k++) {
+        const double way = k ? 1000.0 : 0.0;
+        double size[2] = {0.0};
+        own sum;
+        gn_world *w = convert_and_sum(&s, fly, &way, &sum, size);
+        const gn_corrections *c = &w->couple.corrected;
+        change[k] = c->turned[2];
+        assert_true(fabs(c->inertia) > 1e-6);
+        assert_near(c->turned[2] / c->scale, c->inertia, 1e-3 * fabs(c->inertia));
+        world_end(w);
+    }
+    assert_near(change[1], change[0], 1e-6 * fabs(change[0]));
+}
+
 /* --- a disordered packing --- */
 
 static gn_world *packed(void) {
@@ -138,6 +251,10 @@ static gn_world *packed(void) {
         "time: {end: 1}\nrun: {threads: 1}\n");
 }
 
+static double sum_of(const gn_conversion_parts *p) {
+    return p->sampled + p->stiffness + p->uneven + p->balance + p->motion + p->step;
+}
+
 /* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
  * whole body that converts the mean stress is that of the elements times the quotient of both
  * moduli, and so is the energy, whose difference is booked. Both are
@@ -146,7 +263,7 @@ static gn_world *packed(void) {
 static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
     (void)state;
     const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
-    double quotient = 0.0, stress = 0.0, energy = 0.0;
+    double quotient = 0.0, stress = 0.0, energy = 0.0, alike = 0.0;
     for (int axis = 0; axis < 2; axis++) {
         double gradient[9] = {0.0};
         gn_conversion_figures f;
@@ -163,6 +280,10 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
         measured_step(w);
         stress += 0.5 * w->stress[4 * axis] / (m * size);
         energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
+        const gn_conversion_parts *p = &w->couple.parts;
+        alike += 0.5 * p->alike[1] / p->alike[0];
+        assert_near(p->stiffness, booked, 1e-5 * fabs(booked));
+        assert_near(sum_of(p), booked, 1e-12 * p->alike[0]);
         assert_near(w->reading.conversion, booked, 1e-12 * fabs(booked));
         world_end(w);
     }
@@ -172,6 +293,93 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
     assert_near(stress, quotient, 0.01 * quotient);
     assert_near(energy, quotient, 0.01 * quotient);
     assert_near(energy, stress, 1e-5 * stress); /* square of strains */
+    assert_near(alike, quotient, 1e-5 * quotient);
+}
+
+/* --- what made what is booked --- */
+
+static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
+    return world_of(
+        "dimension: 2\n"
+        "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [30, 16]}}\n"
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: %g, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n"
+        "elements: {rectangle: {size: [30 mm, 16 mm], cells: [15, 8]}, materials: [{young: %g, "
+        "poisson: 0, density: %g}]}\n"
+        "couple: {convert: {box: {min: [-1, -1], max: [1, 1]}, width: 3 mm, stress: 1e30}%s}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        density / (pi / 4.0), stiffer * modulus, kratio, modulus, density, more);
+}
+
+/* Inside of a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
+ * across them, elements E and E/2. In an even strain nothing else is booked but a zone's volume,
+ * which particles have in steps. */
+static void springs_of_another_stiffness_are_told_by_how_much(void **state) {
+    (void)state;
+    const struct {
+        double stiffer, kratio, gradient[9], alike;
+    } cases[] = {{1.0, 1.0, {1e-6}, 1.0},
+                 {1.5, 1.0, {1e-6}, 1.5},
+                 {0.7, 3.0, {1e-6, 0.0, 0.0, 0.0, 2e-6}, 0.7},
+                 {1.0, 4.0, {0.0, 1e-6, 0.0, 1e-6}, 0.25},
+                 {1.2, 2.0, {0.0, 2e-6}, 0.6}}; /* a turn besides */
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
+        set_elements(w, strain, cases[k].gradient);
+        convert(w, 12e-3, 18e-3, 6e-3, 10e-3);
+        const gn_conversion_parts *p = &w->couple.parts;
+        print_message("# held %.6g times as much; stiffness %.3g, volume %.2g, uneven %.2g, "
+                      "balance %.2g of %.3g J\n",
+                      p->alike[1] / p->alike[0], p->stiffness, p->sampled, p->uneven, p->balance,
+                      p->alike[0]);
+        /* Volumes are parts of the hull of the discs, which is round at corners. */
+        const double hull = w->volume / (30e-3 * 16e-3);
+        assert_near(p->alike[1] * hull, cases[k].alike * p->alike[0], 1e-5 * p->alike[0]);
+        assert_near(p->stiffness, p->alike[0] - p->alike[1], 1e-12 * p->alike[0]);
+        assert_near(p->uneven, 0.0, 1e-5 * p->alike[0]);
+        assert_near(p->sampled, 0.0, 0.05 * p->alike[0]);
+        assert_true(p->balance >= 0.0);
+        assert_near(sum_of(p), w->energy.conversion, 1e-12 * p->alike[0]);
+        world_end(w);
+    }
+}
+
+/* A strain that grows along the body is another one at both ends of a bond. */
+static void bend(const double *x, const void *of, double u[3], double v[3]) {
+    const double *k = of;
+    u[0] = k[0] * x[0] * (x[1] - 8e-3);
+    u[1] = -0.5 * k[0] * x[0] * x[0];
+    v[0] = k[1] * x[1];
+    v[1] = -2.0 * k[1] * x[0];
+}
+
+/* With all that there is beside it: what is booked is all told, of one conversion and of several.
+ */
+static void parts_of_what_is_booked_add_up(void **state) {
+    (void)state;
+    const double still[] = {1e-4, 0.0}, moving[] = {1e-4, 5.0};
+    const char *more[] = {", spins: slaved", ""};
+    for (int k = 0; k < 4; k++) {
+        gn_world *w = k < 2 ? lattice_of(1.3, 2.0, more[k]) : packed();
+        set_elements(w, bend, k % 2 ? moving : still);
+        run_steps(w, 1);
+        convert(w, 12e-3, 16e-3, 6e-3, 16e-3);
+        const double first = w->energy.conversion;
+        assert_near(sum_of(&w->couple.parts), first, 1e-10 * fabs(first));
+        run_steps(w, 20);
+        convert(w, 10e-3, 20e-3, 4e-3, 16e-3);
+        const gn_conversion_parts *p = &w->couple.parts;
+        print_message("# stiffness %.3g, volume %.2g, uneven %.2g, balance %.2g, motion %.2g, step "
+                      "%.2g: %.3g J\n",
+                      p->stiffness, p->sampled, p->uneven, p->balance, p->motion, p->step,
+                      w->energy.conversion);
+        assert_true(fabs(w->energy.conversion - first) > 0.1 * fabs(first));
+        assert_near(sum_of(p), w->energy.conversion, 1e-10 * fabs(w->energy.conversion));
+        assert_near(p->motion, w->couple.corrected.energy, 1e-12 * fabs(p->motion));
+        assert_true(p->uneven != 0.0 && (k < 2) == (p->balance != 0.0));
+        world_end(w);
+    }
 }
 
 /* --- elements without particles --- */
@@ -320,7 +528,11 @@ int main(void) {
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
+        cmocka_unit_test(what_a_conversion_does_to_the_whole_body_is_summed_up),
+        cmocka_unit_test(who_flies_and_turns_rigidly_keeps_its_spin),
         cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
+        cmocka_unit_test(springs_of_another_stiffness_are_told_by_how_much),
+        cmocka_unit_test(parts_of_what_is_booked_add_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -52,6 +52,71 @@ def plan_says_when_elements_convert_first_and_what_the_step_is_then(folder):
     assert "the first would end the run: conversion would have to go on to element" in small.stdout, small.stdout + small.stderr
 
 
+# A bar of elements that convert, drawn at its right end: a limit of 1 MPa comes at 0.12 m 1 MPa/(24 GPa v).
+DRAWN = """dimension: 2
+specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [120, 16]}}
+materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0.2, bond_tension_limit: 1e15, bond_shear_limit: 1e15}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+couple: {convert: {box: {min: [20 mm, -1], max: [100 mm, 1]}, width: 6 mm, stress: 1e6, every: 1}}
+elements:
+  rectangle: {size: [120 mm, 16 mm], cells: [60, 8]}
+  materials: [{young: 24e9, poisson: 0, density: 7800}]
+  motions:
+    - {name: held, box: {min: [-1, -1], max: [1e-6, 1]}, motion: {vx: 0, vy: 0}}
+    - {name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, motion: {vx: 0.5 mm/s, vy: 0}}
+run: {threads: 1}
+"""
+
+
+def first_of(scene):
+    said = expect(gneiss("plan", scene), 0, r"").stdout
+    said = said[said.index("conversion, as the body would be at rest"):]
+    found = re.search(r"\n  first +at ([\d.e+-]+) s", said)
+    return float(found.group(1)) if found else None, said
+
+
+@fact
+def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
+    stages = "time: {end: 50 ms}\nstages: [{name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}, end: {%s}}, {name: pull, elements: {motions: {drawn: {motion: {vx: 0.5 mm/s}}}}, end: {time: 15 ms}}]\n"
+    first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms"))
+    assert abs(first - 15e-3) < 0.02 * 10e-3 and "in stage 'pull'" in said, said
+    assert re.search(r"stage rest +from 0 s to 0.005 s\n +stage pull +from 0.005 s to 0.02 s\n", said), said
+    assert re.search(r"steps +\d+.* to t = 0.02 s, \d+ of them of elements alone", said), said
+    first, said = first_of(write_scene(folder, DRAWN + stages % "unbalanced: 0.01"))
+    assert re.search(r"stage rest +from 0 s to \S+ s, a guess: it waits for rest", said), said
+    assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
+    first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
+    assert re.search(r"stage rest +from 0 s to 0.005 s at the latest: it may end before", said), said
+
+
+# Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
+@fact
+def plan_says_where_waves_come_first(folder):
+    for speed, fast in (("0.5 mm/s", False), ("0.2 m/s", True)):
+        first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", speed) + "time: {end: 15 ms}\n"))
+        period = float(re.search(r"slowest period (\S+) s", said).group(1))
+        assert abs(period - 2 * 0.12 / 1754.1) < 0.05 * period, said
+        assert ("they may bring a limit first, at another time and place" in said) == fast, said
+    # A pulse so short that at rest nothing would come of it.
+    pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
+    first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
+    assert first is None and "waves, which may bring a limit that it does not come to at rest" in said, said
+
+
+@fact
+def check_warns_of_walls_that_elements_go_through(folder):
+    wall = "walls: [{name: stop, point: [%s, 0], normal: [-1, 0], stiffness: 1e9}]\n"
+    for place, word in (("121 mm", r"'stop' goes through elements from t = 2 s on"), ("120 mm - 0.1 um", r"'stop' goes through elements from the start on"), ("123 mm", None)):
+        scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
+        said = expect(gneiss("check", scene), 0, r"").stdout
+        assert ("elements and walls have no contact with each other" in said) == bool(word) and (not word or re.search(word, said)), said
+    # Of a fixed zone: the end of the elements stands on the wall, particles do not.
+    zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
+    said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout
+    assert "wall 'base' touches 20 nodes of elements: elements and walls have no contact" in said, said
+
+
 @fact
 def check_says_what_diagonals_that_alternate_do_to_zones(folder):
     scene, told = write_scene(folder, BAR), "masses of {}, which scatter waves of some elements (elements.{}.diagonals: parallel)"
@@ -535,6 +600,19 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
         made = -file["history/energy_conversion"][-1]
     part, scale = (float(v) for v in re.search(r"made (\S+) of the (\S+) J", stiff["energy_conversion"]).groups())
     assert abs(part * scale / made - 1) < 0.01 and part > 0.03, (part, scale, made)
+    found = summary(os.path.join(folder, "stiff"))["conversions"]
+    assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
+    times = float(re.search(r"by stiffness: the particles held (\S+) times as much", stiff["energy_conversion"]).group(1))
+    assert abs(times / found["held"] - 1) < 0.01, (times, found)
+    # As stiff along the axes when its sides are held, and 1.8 times as stiff when they are free.
+    free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")
+    done = gneiss("check", scene, *free)
+    tension = re.search(r"tension +(\S+), (\S+) Pa of these particles along the axes with free sides, (\S+) Pa of the elements", done.stdout)
+    x, y, e = (float(v) for v in tension.groups())
+    assert abs(x / 24e9 - 1) < 0.01 and abs(y / 21e9 - 1) < 0.01 and abs(e / (11.2e9 / 0.84) - 1) < 1e-3, tension.groups()
+    confined = re.search(r"modulus +(\S+) Pa of particles that follow elements, (\S+) Pa of these", done.stdout)
+    assert 0.88 < float(confined.group(1)) / float(confined.group(2)) < 1, confined.groups()
+    assert "particles and elements differ" in done.stdout and "particles and elements differ" not in gneiss("check", scene).stdout
     assert "has a modulus of 2." in stiff["packing_differs"] and "e+11 Pa" in stiff["packing_differs"], stiff
     run(scene, os.path.join(folder, "soft"), "--set", "materials[0].normal_stiffness=2.4e9")
     soft = warnings_of(os.path.join(folder, "soft"))

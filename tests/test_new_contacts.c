@@ -359,6 +359,52 @@ static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state)
     }
 }
 
+/* A light sphere that tears off two heavy ones which are held, and rattles between them, beside a
+ * bonded row that is most of the specimen and has 140 times its energy. */
+static gn_world *wedged(double speed, double strength, const char *more) {
+    return world_of(
+        "dimension: 3\nspecimen: {particles: [[-3e-3, 0, 0, 3e-3], [0.3e-3, 0, 0, 0.3e-3], "
+        "[3.6e-3, 0, 0, 3e-3], [0, 0.05, 0, 1e-3], [2e-3, 0.05, 0, 1e-3], [4e-3, 0.05, 0, 1e-3], "
+        "[6e-3, 0.05, 0, 1e-3]], group: 1}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0, "
+        "bond_tension_limit: %g, bond_shear_limit: %g}]\nlaw: {stiffness: uniform}\n"
+        "sets:\n- {name: held, select: {ids: [0, 2]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
+        "- {name: light, select: {ids: [1]}, initial_velocity: [%g, 0, 0]}\n"
+        "- {name: row, select: {ids: [3, 4, 5, 6]}, initial_velocity: [0, 0.1, 0]}\n"
+        "bonds: {}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {end: 1}\n%s"
+        "run: {threads: 1}\n",
+        strength, strength, speed, more);
+}
+
+/* Without it the run misses 6e-3; 4e-4 is what ten steps per contact leave in a slot that just
+ * fits. */
+static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
+    (void)state;
+    gn_world *w = wedged(0.1, 0.005, "");
+    const double contact = pi * sqrt(mass_of(w, 1) / 1e5), start = w->dt;
+    assert_true(start > 0.25 * contact);
+    const double residual = residual_after(w, 5e-4);
+    assert_int_equal(w->dem.broken_tension, 2);
+    assert_near(w->dt, contact / 10.0, 1e-3 * contact);
+    print_message("# residual beside wedged debris: %.2g\n", residual);
+    assert_true(fabs(residual) < 1e-3);
+    world_end(w);
+}
+
+/* What hardly moves, and what a collision damps: the first has 1e-4 of the energy. */
+static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
+    (void)state;
+    for (int damped = 0; damped < 2; damped++) {
+        gn_world *w = damped ? wedged(0.1, 0.005, "damping: {contact: {restitution: 0.5}}\n")
+                             : wedged(1e-3, 5e-5, "");
+        const double start = w->dt;
+        residual_after(w, 1e-4);
+        assert_true(w->dem.broken_tension > 0); /* hangs on one bond at most */
+        assert_true(w->dt > 0.99 * start);
+        world_end(w);
+    }
+}
+
 /* A block without strength in a vice bursts at once, and then rattles in lists that stand for long:
  * the step is that of loose particles at the latest when the last bond has broken. */
 static void what_comes_apart_between_lists_is_resolved_at_once(void **state) {
@@ -505,6 +551,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle),
         cmocka_unit_test(a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds),
         cmocka_unit_test(what_has_come_apart_is_resolved_as_loose_particles_are),
+        cmocka_unit_test(wedged_debris_is_resolved_once_the_ledger_misses_it),
+        cmocka_unit_test(debris_that_makes_no_energy_leaves_the_step_alone),
         cmocka_unit_test(what_comes_apart_between_lists_is_resolved_at_once),
         cmocka_unit_test(a_crowd_that_rattles_undamped_gets_more_steps),
         cmocka_unit_test(a_lattice_that_rattles_keeps_its_ledger),

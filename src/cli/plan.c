@@ -10,6 +10,7 @@
 #include "cli/plan_flow.h"
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
+#include "cli/plan_time.h"
 #include "cli/progress.h"
 #include "scene/stops.h"
 #include "sim/body_walls.h"
@@ -190,58 +191,10 @@ static void print_step(const gn_world *w) {
                gn_world_nonviscous_share(w));
 }
 
-/* Seconds per step from a few steps of the real thing, none behind `until`. Where steps are short
- * threads may wait for each other more than they work, of which a run makes something after 160
- * steps (sched/pace.h): those are left out, if they come within a second. */
-static gneiss_status time_steps(gn_world *w, double until, double *seconds, gneiss_error *error) {
-    enum { WARM_UP = 20, PACED = 192 };
-    double start = gn_now();
-    int steps = 0;
-    for (bool warm = false; !warm || gn_now() - start < 0.25;) {
-        if (!warm && (steps == PACED || (steps >= WARM_UP && gn_now() - start > 1.0))) {
-            warm = true;
-            start = gn_now();
-            steps = 0;
-        }
-        if (steps > 0 && w->time >= until) break;
-        /* How long it goes well is for the run to see. */
-        gneiss_status status = gn_world_step(w, false, error);
-        if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
-        GN_TRY(status);
-        steps++;
-    }
-    *seconds = (gn_now() - start) / steps;
-    return GNEISS_OK;
-}
-
-/* Elements alone as far as they go, and what converts first; [2]: s, of a step of either. */
-static gneiss_status try_converting(gn_world *w, bool print, gn_foreseen *f, double per_step[2],
-                                    gneiss_error *error) {
-    GN_TRY(gn_conversion_foresee(w, f, error));
-    if (print) gn_print_sleepers(w, f);
-    GN_TRY(time_steps(w, fmin(w->scene.end, 0.5 * f->time), &per_step[0], error));
-    if (!f->place) return GNEISS_OK;
-    GN_TRY(gn_conversion_try(w, f, error));
-    return *f->halt ? GNEISS_OK : time_steps(w, w->scene.end, &per_step[1], error);
-}
-
-static gneiss_status plan_converting(gn_world *w, bool print, double *seconds,
-                                     gneiss_error *error) {
-    gn_foreseen f = {0};
-    double per_step[2] = {0.0}, steps[2];
-    const double dt = w->dt;
-    gneiss_status status = try_converting(w, print, &f, per_step, error);
-    gn_foreseen_steps(w, &f, dt, steps);
-    if (status == GNEISS_OK) *seconds = steps[0] * per_step[0] + steps[1] * per_step[1];
-    if (status == GNEISS_OK && print) gn_print_foreseen(w, &f, steps, per_step);
-    gn_foreseen_free(&f);
-    return status;
-}
-
 gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error) {
     gn_first_break found;
     double start = gn_now(), before = 0.0, per_step = 0.0;
-    if (gn_converts(w)) return plan_converting(w, false, seconds, error);
+    if (gn_converts(w)) return gn_plan_converting(w, false, seconds, error);
     if (w->scene.start == GN_START_FIRST_BREAK) {
         GN_TRY(gn_first_break_start(w, NULL, &found, error));
         before = gn_now() - start;
@@ -253,7 +206,7 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(w);
-    GN_TRY(time_steps(w, w->scene.end, &per_step, error));
+    GN_TRY(gn_time_steps(w, w->scene.end, &per_step, error));
     *seconds = before + steps * per_step;
     return GNEISS_OK;
 }
@@ -284,7 +237,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
-    if (gn_converts(w)) return plan_converting(w, true, &seconds, error);
+    if (gn_converts(w)) return gn_plan_converting(w, true, &seconds, error);
     GN_TRY(find_start(w, error));
     if (w->scene.source_count) {
         gn_plan_flow flow;
@@ -294,7 +247,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     }
     double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
-    GN_TRY(time_steps(w, w->scene.end, &per_step, error));
+    GN_TRY(gn_time_steps(w, w->scene.end, &per_step, error));
     char stop[160];
     const char *stops = w->scene.stage_count ? "the end of its stages"
                                              : gn_stops_text(&w->scene, stop, sizeof stop);
@@ -596,6 +549,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);
     gn_print_conversion(w, warnings);
+    GN_TRY(gn_print_walls_passed(w, warnings, error));
     print_end(w);
     return GNEISS_OK;
 }

@@ -1,8 +1,8 @@
 #include "cli/plan_convert.h"
 
 #include "cli/plan_couple.h"
+#include "cli/plan_time.h"
 #include "cli/progress.h"
-#include "sim/conversion.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,69 +10,193 @@
 /* As of fixed zones (plan_couple.c). */
 static const double elements_least = 3.0, diameters_least = 6.0;
 
-void gn_print_sleepers(const gn_world *w, const gn_foreseen *f) {
+static void print_sleepers(const gn_world *w, const gn_foreseen *f) {
     printf("particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step "
            "of the elements alone\n",
            gn_conversion_asleep(w), w->dem.prepared.soa.count);
     if (f->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them by themselves, rigorous bound %.6g s\n",
                f->all.sharp, f->all.bound);
+    char watched[GNEISS_MESSAGE_SIZE];
+    if (*gn_conversion_watches(w, watched, sizeof watched)) printf("  warning: %s\n", watched);
+}
+
+/* Where a stage has an end that may come at another time, what comes after it does as well. */
+static void print_stages(const gn_world *w, const gn_foreseen *f) {
+    const gn_course *c = &f->course;
+    for (size_t k = 0; w->scene.stage_count && k < c->count; k++) {
+        const gn_course_part *p = &c->part[k];
+        const bool last = k + 1 == w->scene.stage_count;
+        printf("  stage %-10s from %.4g s to %.4g s%s\n", w->scene.stages[k].name, p->begin, p->end,
+               p->guessed         ? ", a guess: it waits for rest, here for twenty times what "
+                                    "waves take along the body"
+               : p->open && !last ? " at the latest: it may end before, by what is not foretold"
+               : p->open          ? " at the latest"
+                                  : "");
+    }
+    if (c->count < w->scene.stage_count)
+        printf("  stage %-10s not reached before time.end\n", w->scene.stages[c->count].name);
+}
+
+/* Looks come every so many steps: a limit may be reached so much before it is seen. */
+static double look_of(const gn_world *w, const gn_foreseen *f) {
+    return (double)w->scene.couple.convert.every * f->course.part[f->stage].dt;
+}
+
+/* s: how far a limit may be off by waves. A body lags behind a load that grows evenly, and swings
+ * about it, by 1/omega of its slowest motion; one that is pulled at once has stress in steps, as
+ * waves come by, of what the first of them brings. */
+static double lag_of(const gn_foreseen *f) {
+    const double pi = 3.14159265358979323846, most = 0.5 * f->period;
+    if (f->rise < f->period) return most;
+    return fmax(f->period / (2.0 * pi), fmin(f->burst * f->rise, most));
+}
+
+static void print_waves(const gn_foreseen *f) {
+    const double fast = 0.2, lag = lag_of(f);
+    const double share = f->rise > 0.0 ? lag / f->rise : (double)INFINITY;
+    printf("  waves            shift that by up to %.2g s (slowest period %.3g s; the load comes "
+           "within %.3g s)\n",
+           lag, f->period, f->rise);
+    if (f->time < INFINITY && share > fast)
+        printf("  warning: the load is fast beside waves: they may bring a limit first, at another "
+               "time and place than at rest\n");
+    if (f->time == INFINITY && (f->most * (1.0 + fmin(1.0, share)) >= 1.0 || f->burst >= 1.0))
+        printf("  warning: the load is fast beside waves, which may bring a limit that it does not "
+               "come to at rest\n");
+}
+
+static void print_when(const gn_world *w, const gn_foreseen *f) {
+    if (f->time < INFINITY)
+        printf("  first            at %.3g s", f->time);
+    else
+        printf("  first            none before the end: %.3g of a limit at most", f->most);
+    if (w->scene.stage_count) printf(", in stage '%s'", w->scene.stages[f->stage].name);
+    if (f->time < INFINITY && look_of(w, f) > 0.02 * f->time)
+        printf(", seen up to %.2g s later (couple.convert.every)", look_of(w, f));
+    printf("%s\n", f->time < INFINITY ? "" : "; below is what one would make of the step");
+}
+
+/* Less than so much apart they are one number. */
+static const double one_number = 0.95;
+
+static void print_dt(const gn_foreseen *f) {
+    printf("  dt               %.6g s then, set by the %s\n", f->first.dt, f->first.side);
+    printf("                   %.6g", f->least.dt);
+    if (f->least.dt < one_number * f->grown.dt) printf(" to %.6g", f->grown.dt);
+    printf(" s when more has gone, set by the %s\n", f->least.side);
 }
 
 /* What comes when the body follows its motions and loads slowly. */
 static void print_first(const gn_world *w, const gn_foreseen *f) {
-    const char *stage = w->scene.stage_count ? " of the first stage" : "";
     printf("conversion, as the body would be at rest under its motions and loads\n");
+    print_stages(w, f);
     if (!f->place) {
-        printf("  first            none: nothing loads it%s\n",
-               *stage ? " in the first stage" : "");
+        printf("  first            none: nothing loads it\n");
         return;
     }
-    if (f->time < INFINITY)
-        printf("  first            at %.3g s\n", f->time);
-    else
-        printf(
-            "  first            none before the end%s; below is what one would make of the step\n",
-            stage);
+    print_when(w, f);
+    print_waves(f);
     if (*f->halt) {
         printf("  warning: the first would end the run: %s\n", f->halt);
         return;
     }
-    printf("  dt               %.6g s then, set by the %s\n", f->first.dt, f->first.side);
-    printf("                   %.6g s when more has gone, set by the %s\n", f->grown.dt,
-           f->grown.side);
+    print_dt(f);
+    if (w->scene.couple.spins == GN_COUPLE_SLAVED)
+        printf(
+            "                   roughly: what slaved spins take goes by single elements of fronts; "
+            "runs had 0.4 to 2 times that\n");
+    if (*f->stop && f->time < INFINITY && f->part * f->reach >= 1.0)
+        printf("  warning: at %.3g times that load conversion would end the run: %s\n",
+               1.0 / f->part, f->stop);
 }
 
 /* s: the run ends with a first conversion that comes to the end of the box. */
-static double end_of(const gn_world *w, const gn_foreseen *f) {
-    return *f->halt ? fmin(f->time, w->scene.end) : w->scene.end;
+static double end_of(const gn_foreseen *f) {
+    const double end = gn_course_end(&f->course);
+    return *f->halt ? fmin(f->time, end) : end;
 }
 
-void gn_foreseen_steps(const gn_world *w, const gn_foreseen *f, double dt, double steps[2]) {
-    const double end = end_of(w, f), until = f->place ? fmin(f->time, end) : end;
-    steps[0] = ceil(until / dt);
-    steps[1] = until < end ? ceil((end - until) / f->grown.dt) : 0.0;
+/* Steps of elements alone and, from the time on that was foreseen, with what has converted: with
+ * the longest step that is foretold, and with the shortest. */
+typedef struct foreseen_steps {
+    double alone, least, most;
+} foreseen_steps;
+
+/* Of a part of the course that lies between two times. */
+static double steps_between(const gn_course_part *p, double from, double to, double dt) {
+    const double length = fmin(p->end, to) - fmax(p->begin, from);
+    return length > 0.0 ? ceil(length / dt) : 0.0;
 }
 
-void gn_print_foreseen(const gn_world *w, const gn_foreseen *f, const double steps[2],
-                       const double per_step[2]) {
-    char text[32];
+static void find_steps(const gn_foreseen *f, foreseen_steps *steps) {
+    const double end = end_of(f), until = f->place ? fmin(f->time, end) : end;
+    const gn_course *c = &f->course;
+    *steps = (foreseen_steps){0};
+    for (size_t k = 0; k < c->count; k++) {
+        const gn_course_part *p = &c->part[k];
+        steps->alone += steps_between(p, 0.0, until, p->dt);
+        if (!(until < end)) continue;
+        /* A stage may have a step of its own. */
+        const double dt = p->later > 0.0 ? p->later : p->dt;
+        steps->least += steps_between(p, until, end, dt);
+        steps->most += steps_between(p, until, end, dt * f->least.dt / f->grown.dt);
+    }
+}
+
+static void print_steps(const gn_world *w, const gn_foreseen *f, const foreseen_steps *s) {
+    printf("cost\n  steps            %.0f", s->alone + s->least);
+    if (s->least < one_number * s->most) printf(" to %.0f", s->alone + s->most);
+    printf(" to t = %g s", end_of(f));
+    if (s->most > 0.0) printf(", %.0f of them of elements alone", s->alone);
+    bool open = w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0;
+    for (size_t k = 0; k < f->course.count; k++) open = open || f->course.part[k].open;
+    printf("%s\n", open ? " (a stop condition may come first)" : "");
+}
+
+static void print_foreseen(const gn_world *w, const gn_foreseen *f, const double per_step[2]) {
+    char text[32], most[32];
+    foreseen_steps s;
+    find_steps(f, &s);
     print_first(w, f);
-    if (w->scene.couple.spins == GN_COUPLE_SLAVED && f->place && !*f->halt)
-        printf("                   or less: slaved spins may take more of it with every front\n");
-    printf("cost\n  steps            %.0f to t = %g s", steps[0] + steps[1], end_of(w, f));
-    if (steps[1] > 0.0) printf(", %.0f of them of elements alone", steps[0]);
-    printf("%s\n",
-           w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
-               ? " (a stop condition may come first)"
-               : "");
+    print_steps(w, f, &s);
     printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, w->threads,
            w->threads > 1 ? "s" : "");
     if (per_step[1] > 0.0)
-        printf(" of elements alone, %.1f us with what converts first", per_step[1] * 1e6);
-    printf("\n  time             %s%s\n",
-           gn_format_seconds(steps[0] * per_step[0] + steps[1] * per_step[1], text, sizeof text),
-           steps[1] > 0.0 ? ", and what more converts costs" : "");
+        printf(" of elements alone, %.1f us once %zu of them are left", per_step[1] * 1e6, f->some);
+    const double alone = s.alone * per_step[0];
+    printf("\n  time             %s",
+           gn_format_seconds(alone + s.least * per_step[1], text, sizeof text));
+    if (s.least < one_number * s.most)
+        printf(" to %s", gn_format_seconds(alone + s.most * per_step[1], most, sizeof most));
+    printf("%s\n", s.most > 0.0 ? ", and what more converts costs" : "");
+}
+
+/* Elements alone as far as they go, and what converts first; [2]: s, of a step of either. */
+static gneiss_status try_converting(gn_world *w, bool print, gn_foreseen *f, double per_step[2],
+                                    gneiss_error *error) {
+    GN_TRY(gn_conversion_foresee(w, f, error));
+    if (print) print_sleepers(w, f);
+    GN_TRY(gn_time_steps(w, fmin(w->scene.end, 0.5 * f->time), &per_step[0], error));
+    if (!f->place) return GNEISS_OK;
+    GN_TRY(gn_conversion_try(w, f, error));
+    if (*f->halt) return GNEISS_OK;
+    GN_TRY(gn_time_some(w, &per_step[1], error));
+    return gn_conversion_try_more(w, f, error);
+}
+
+gneiss_status gn_plan_converting(gn_world *w, bool print, double *seconds, gneiss_error *error) {
+    gn_foreseen f = {0};
+    foreseen_steps steps;
+    double per_step[2] = {0.0};
+    gneiss_status status = try_converting(w, print, &f, per_step, error);
+    if (status == GNEISS_OK) {
+        find_steps(&f, &steps);
+        *seconds = steps.alone * per_step[0] + 0.5 * (steps.least + steps.most) * per_step[1];
+    }
+    if (status == GNEISS_OK && print) print_foreseen(w, &f, per_step);
+    gn_foreseen_free(&f);
+    return status;
 }
 
 /* Steps become shorter with the first conversion, not before. */

@@ -5,14 +5,8 @@
 #include "sim/conversion.h"
 
 void gn_print_conversion(gn_world *world, int *warnings);
-/* `plan`: who sleeps, before anything is tried. */
-void gn_print_sleepers(const gn_world *world, const gn_foreseen *foreseen);
-/* [2] of elements alone and, from the time on that was foreseen, with what has converted; dt: s, at
- * the start. */
-void gn_foreseen_steps(const gn_world *world, const gn_foreseen *foreseen, double dt,
-                       double steps[2]);
-/* The step, steps and time; per_step: s, of either. */
-void gn_print_foreseen(const gn_world *world, const gn_foreseen *foreseen, const double steps[2],
-                       const double per_step[2]);
+/* Of a whole run, with `print` said with all that it is made of; s. The world is of no use after
+ * it. */
+gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds, gneiss_error *error);
 
 #endif

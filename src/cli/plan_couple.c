@@ -1,6 +1,8 @@
 #include "cli/plan_couple.h"
 
+#include "base/memory.h"
 #include "sim/coupling.h"
+#include "sim/element_walls.h"
 
 #include <stdio.h>
 
@@ -12,6 +14,14 @@ static void warn(int *warnings, const char *text) {
 /* Zones this wide return what docs/coupling.md says. */
 static const double elements_least = 3.0, diameters_least = 6.0;
 
+static void print_tension(const gn_zone_material *m) {
+    if (!(m->tension[3] > 0.0)) return;
+    printf("  tension          %.4g", m->tension[0]);
+    for (int a = 1; a < 3 && m->tension[a] > 0.0; a++) printf(", %.4g", m->tension[a]);
+    printf(" Pa of these particles along the axes with free sides, %.4g Pa of the elements\n",
+           m->tension[3]);
+}
+
 void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnings) {
     if (several)
         printf("  material         %d of the elements, with %zu particles\n", (int)m->material,
@@ -20,6 +30,7 @@ void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnin
     printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
            "(confined)\n",
            m->modulus[0], m->modulus[1]);
+    print_tension(m);
     printf("  density          %.4g kg/m3, %.4g kg/m3 of the elements\n", m->density[0],
            m->density[1]);
     printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",
@@ -116,4 +127,39 @@ void gn_print_zones(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < zones; k++) print_zone(w, k, warnings);
     if (zones > 0) note_diagonals(w);
     if (w->scene.has_couple) print_step(w);
+}
+
+/* What is said of all of them in one sentence is said once. */
+static const char no_contact[] =
+    "elements and walls have no contact with each other and pass through; what is to hold or press "
+    "elements has to be a motion or a load of theirs";
+
+static void print_passed(const char *wall, const gn_wall_passed *p, int *warnings) {
+    char text[512];
+    if (p->behind && p->time > 0.0)
+        snprintf(text, sizeof text,
+                 "wall '%.60s' goes through elements from t = %.3g s on (%zu nodes, at most %.3g m "
+                 "deep): %s",
+                 wall, p->time, p->behind, p->deepest, no_contact);
+    else if (p->behind)
+        snprintf(text, sizeof text,
+                 "wall '%.60s' goes through elements from the start on (%zu nodes, at most %.3g m "
+                 "deep): %s",
+                 wall, p->behind, p->deepest, no_contact);
+    else
+        snprintf(text, sizeof text, "wall '%.60s' touches %zu nodes of elements: %s", wall,
+                 p->touching, no_contact);
+    if (p->behind || p->touching) warn(warnings, text);
+}
+
+gneiss_status gn_print_walls_passed(gn_world *w, int *warnings, gneiss_error *error) {
+    if (!w->scene.has_couple || !w->scene.wall_count) return GNEISS_OK;
+    gn_wall_passed *passed = gn_alloc_array(w->scene.wall_count, sizeof *passed);
+    gneiss_status status = passed
+                               ? gn_wall_foresee_passed(w, passed, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
+    for (size_t k = 0; status == GNEISS_OK && k < w->scene.wall_count; k++)
+        print_passed(w->scene.walls[k].name, &passed[k], warnings);
+    gn_free(passed);
+    return status;
 }

@@ -9,5 +9,7 @@ void gn_print_whole_limit(const gn_world *world);
 /* Moduli and densities of particles beside those of elements; `several`: said of which material. */
 void gn_print_zone_material(const gn_zone_material *material, bool several, int *warnings);
 void gn_print_zones(const gn_world *world, int *warnings);
+/* Warns of walls that elements go through. */
+gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error *error);
 
 #endif

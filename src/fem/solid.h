@@ -143,6 +143,9 @@ double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t c
 /* N, [corners]: what an element does to its nodes at the present positions, of the part of the body
  * that it has; displacement form. */
 void gn_fem_force_of(const gn_fem_solid *solid, size_t element, double force[4][3]);
+/* J/m3 that an element holds at the present positions, displacement form; its F. */
+double gn_fem_held_density(const gn_fem_solid *solid, size_t element);
+void gn_fem_gradient_of(const gn_fem_solid *solid, size_t element, double f[3][3]);
 /* The turn of an element, R of F = R U, at the present positions; the number of the element by
  * place. */
 void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]);

@@ -115,14 +115,28 @@ void gn_fem_force_of(const gn_fem_solid *solid, size_t e, double force[4][3]) {
 }
 
 /* St Venant-Kirchhoff: half of S : E. */
-static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]) {
+static double energy_density(const gn_fem_solid *solid, size_t e, double f[3][3]) {
     double s[3][3], energy = 0.0;
     second_piola(&solid->elements, e, false, f, s);
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++)
             energy += 0.25 * s[k][l] *
                       (f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l));
-    return solid->elements.volume[e] * energy;
+    return energy;
+}
+
+static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]) {
+    return solid->elements.volume[e] * energy_density(solid, e, f);
+}
+
+double gn_fem_held_density(const gn_fem_solid *solid, size_t e) {
+    double f[3][3];
+    gn_fem_deformation(solid, e, f);
+    return energy_density(solid, e, f);
+}
+
+void gn_fem_gradient_of(const gn_fem_solid *solid, size_t e, double f[3][3]) {
+    gn_fem_deformation(solid, e, f);
 }
 
 /* With the displacements that velocities make in `ahead` s. */

@@ -157,6 +157,7 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
 /* Who made up for the momentum that masses of particles would have changed. */
 static void summary_corrections(const gn_world *w, gn_json *j) {
     const gn_corrections *c = &w->couple.corrected;
+    const gn_conversion_parts *p = &w->couple.parts;
     if (!gn_converts(w)) return;
     gn_json_object(j, "conversions");
     gn_json_integer(j, "count", (int64_t)c->count);
@@ -168,6 +169,15 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
     gn_json_number(j, "turned_most", c->scale > 0.0 ? c->most / c->scale : 0.0);
     gn_json_number(j, "centre", sqrt(gn_dot3(c->centre, c->centre)));
     gn_json_number(j, "inertia", c->inertia);
+    gn_json_object(j, "booked");
+    gn_json_number(j, "sampled", p->sampled);
+    gn_json_number(j, "stiffness", p->stiffness);
+    gn_json_number(j, "uneven", p->uneven);
+    gn_json_number(j, "balance", p->balance);
+    gn_json_number(j, "motion", p->motion);
+    gn_json_number(j, "step", p->step);
+    gn_json_end(j);
+    gn_json_number(j, "held", p->alike[0] > 0.0 ? p->alike[1] / p->alike[0] : 1.0);
     gn_json_end(j);
 }
 

@@ -4,7 +4,6 @@
 #include "run/run.h"
 #include "run/stages.h"
 #include "sim/conversion.h"
-#include "sim/coupling.h"
 #include "sim/ends.h"
 #include "sim/geometry.h"
 
@@ -229,139 +228,6 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
              w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
 }
 
-static void warn_of_lost(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_lost(&run->world);
-    if (!count) return;
-    gn_warning *to = add(list, "zones_lost");
-    snprintf(to->text, sizeof to->text,
-             "%zu particles left zones that they share with elements, which are no more than their "
-             "part of the body there",
-             count);
-}
-
-static void warn_of_zones(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_broken(&run->world);
-    if (!count) return;
-    gn_warning *to = add(list, "zones_broken");
-    snprintf(to->text, sizeof to->text,
-             "%zu bonds broke in zones that particles and elements share, where elements hold on: "
-             "the zone has to be farther away from where it cracks",
-             count);
-}
-
-static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
-    const gn_world *w = &run->world;
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
-        gn_zone_figures f;
-        gn_zone_measure(w, k, &f);
-        if (!gn_zone_is_off(&f)) continue;
-        gn_warning *to = add(list, "zones_masses");
-        snprintf(
-            to->text, sizeof to->text,
-            "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
-            "they have to fill the zone from side to side, with the elements' density "
-            "(density_basis bulk)",
-            k, f.mass);
-        return;
-    }
-}
-
-static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
-    const gn_world *w = &run->world;
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
-        gn_zone_figures f;
-        gn_zone_measure(w, k, &f);
-        if (!f.beyond) continue;
-        gn_warning *to = add(list, "zones_beyond");
-        snprintf(to->text, sizeof to->text,
-                 "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
-                 "`to`, where elements carry all: `to` has to go through their outermost centres",
-                 f.beyond, f.particles, k);
-        return;
-    }
-}
-
-static void warn_of_packing(const gn_run *run, gn_warnings *list) {
-    const gn_packing_differs *d = &run->world.couple.differs;
-    if (!(d->modulus[0] > 0.0)) return;
-    gn_warning *to = add(list, "packing_differs");
-    snprintf(to->text, sizeof to->text,
-             "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
-             "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
-             "converts is not the body that it was; calibrate the particles to the elements",
-             d->modulus[0], d->density[0], d->modulus[1], d->density[1]);
-}
-
-/* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
- * the ledger has it, and closes. */
-static const double made_most = 0.03;
-
-/* What of it was made, by what is known of it. */
-static const char *made_by(const gn_world *w, double made) {
-    const gn_packing_differs *d = &w->couple.differs;
-    if (-w->couple.corrected.energy > 0.5 * made)
-        return "mostly as motion, by masses and velocities that are others than before";
-    if (d->modulus[0] > d->modulus[1])
-        return "the particles held more energy in the same strain (calibrate their modulus to that "
-               "of the elements), or the zone is thin";
-    return "mostly in contacts, which held more than the elements where they took their place: the "
-           "strain there is not even, the packing is not what it is on the mean, or the zone is "
-           "thin";
-}
-
-static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
-    const gn_energy *e = &run->world.reading;
-    const double made = -e->conversion;
-    if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
-    gn_warning *to = add(list, "energy_conversion");
-    snprintf(to->text, sizeof to->text,
-             "elements that turned into particles made %.3g of the %.4g J that have gone through: "
-             "%s",
-             made / gn_energy_scale(e), gn_energy_scale(e), made_by(&run->world, made));
-}
-
-static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
-    const gn_world *w = &run->world;
-    const gn_relaxations *r = &w->couple.relaxed;
-    const char *const why[] = {
-        "bonds would have broken, whose ends stay where they are (lower limits convert sooner)",
-        "nothing held some particles, which stay where they are",
-        "couple.convert.relax_iterations were used up",
-        "contacts close and open on the way, and nothing brings the energy farther down"};
-    const double times[] = {r->broke, r->loose, r->tired,
-                            r->missed - r->broke - r->loose - r->tired};
-    if (!(r->missed > 0.0)) return;
-    gn_warning *to = add(list, "relaxation");
-    int used = snprintf(to->text, sizeof to->text,
-                        "%.0f of %.0f relaxations of converted particles left more than %g of the "
-                        "mean contact force out of balance, at most %.2g (t = %.4g s)",
-                        r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time);
-    for (int k = 0; k < 4; k++)
-        if (times[k] > 0.0 && used < (int)sizeof to->text)
-            used += snprintf(to->text + used, sizeof to->text - (size_t)used, "; in %.0f %s",
-                             times[k], why[k]);
-}
-
-/* Where the model ended the run it has said why. */
-static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_error *error) {
-    const gn_world *w = &run->world;
-    char at[GN_POINT_SIZE];
-    gn_most_loaded n;
-    if (!gn_converts(w) || !run->finished || w->halt[0] || gn_conversion_begun(w)) return GNEISS_OK;
-    GN_TRY(gn_conversion_most_loaded(w, &n, error));
-    gn_warning *to = add(list, "nothing_converted");
-    char where[GN_POINT_SIZE + 96] = "";
-    if (n.share > 0.0)
-        snprintf(where, sizeof where, " in element %d at %.90s m at t = %.4g s", n.element,
-                 gn_point_text(w->scene.origin, n.place, at), n.time);
-    snprintf(to->text, sizeof to->text,
-             "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
-             100.0 * n.share, where,
-             n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
-                           : "no look came after that (couple.convert.every)");
-    return GNEISS_OK;
-}
-
 /* Inertia of added mass is small where little is added, whatever the reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
@@ -537,15 +403,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_geometry(run, list);
     warn_of_ends(run, list);
     warn_of_normal(run, list);
-    warn_of_zones(run, list);
     warn_of_sources(run, list);
-    warn_of_lost(run, list);
-    warn_of_zone_masses(run, list);
-    warn_of_zone_ends(run, list);
-    warn_of_packing(run, list);
-    warn_of_conversion(run, list);
-    gn_warn_of_jumps(run, list);
-    warn_of_relaxation(run, list);
-    GN_TRY(warn_of_rest(run, list, error));
-    return GNEISS_OK;
+    return gn_warn_of_coupling(run, list, error);
 }

@@ -409,14 +409,19 @@ static gneiss_status check_kept(const check *c, const gn_scene *before, const gn
 }
 
 /* Who sleeps has its bonds put by, and no contacts. */
-static gneiss_status check_asleep(const check *c, const gn_scene *now) {
+gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root, size_t stage) {
     static const char *const keys[] = {"bonds", "materials", "contacts", "damping.contact"};
-    for (size_t k = 0; now->couple.has_convert && k < sizeof keys / sizeof *keys; k++)
-        if (gn_check_given(c, keys[k]))
-            return gn_check_fail(c, keys[k],
-                                 "expected what holds before this stage too beside couple.convert, "
-                                 "as particles sleep with bonds that are put by (gravity, "
-                                 "damping.background, elements, time and output may change)");
+    const check c = gn_check_element(reader, root, "stages", stage);
+    const gn_scene *base = reader->scene;
+    if (!base->has_couple || !base->couple.has_convert) return GNEISS_OK;
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (gn_check_given(&c, keys[k]))
+            GN_TRY(gn_check_keep(
+                &c,
+                gn_check_fail(&c, keys[k],
+                              "expected what holds before this stage too beside couple.convert, "
+                              "as particles sleep with bonds that are put by (gravity, "
+                              "damping.background, elements, time and output may change)")));
     return GNEISS_OK;
 }
 
@@ -430,7 +435,6 @@ gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const
             &c, gn_check_fail(&c, "name",
                               "expected bonds in the first stage beside specimen.from_bonds: keep, "
                               "found none"));
-    GN_TRY(gn_check_keep(&c, check_asleep(&c, now)));
     if (!before) return GNEISS_OK;
     GN_TRY(gn_check_keep(&c, check_damage(&c, before, now)));
     return gn_check_keep(&c, check_kept(&c, before, now));

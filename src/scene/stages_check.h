@@ -7,6 +7,10 @@
 /* What the list says by itself: names, ends. */
 gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root);
 
+/* What it says of particles that sleep: before it is read with the scene, so that what is wrong is
+ * told of its own keys. */
+gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root, size_t stage);
+
 /* A stage as a whole, after the one before it (NULL: none): that it can end, and that it changes
  * nothing that the world cannot. */
 gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const gn_scene *before,

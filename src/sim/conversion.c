@@ -132,6 +132,7 @@ static gneiss_status keep_difference(gn_world *w, gneiss_error *error) {
         if (!gn_zone_differs(m)) continue;
         memcpy(w->couple.differs.modulus, m->modulus, sizeof m->modulus);
         memcpy(w->couple.differs.density, m->density, sizeof m->density);
+        memcpy(w->couple.differs.tension, m->tension, sizeof m->tension);
     }
     return GNEISS_OK;
 }
@@ -330,15 +331,16 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
 /* Lists anew, which must not take the conversion for particles that move fast. Who is free is
  * balanced with the mass of the packing and where it is then keeps what the body has as a whole, so
  * that no place and no mass changes after that. */
-static gneiss_status make_lists(const gn_conversion *c, const gn_tally *before,
-                                gneiss_error *error) {
+static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss_error *error) {
     enum { NEITHER_SHORT_NOR_LONG = 1000 };
     gn_world *w = c->world;
     gn_free(w->dem.bond_sums);
     w->dem.bond_sums = NULL;
     w->dem.verlet.last_step = w->step - NEITHER_SHORT_NOR_LONG;
     GN_TRY(gn_world_rebuild(w, error));
+    c->woken[0] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_relax(c, error));
+    c->woken[1] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_keep(c, before, error));
     gn_dem_masses_changed(w);
     GN_TRY(gn_elements_converted(w->elements[0], error));
@@ -384,7 +386,8 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     if (c->rehearsed) put_back(c);
     if (c->rehearsed) return GNEISS_OK;
     const gn_tally before = gn_conversion_tally(c);
-    const double held = gn_conversion_held(c);
+    gn_held_stages held = {.before = gn_conversion_held(c)};
+    gn_conversion_find_alike(c, held.alike);
     GN_TRY(gn_conversion_find_rates(c, error));
     wake_all(c);
     GN_TRY(gn_conversion_take_bonds(c, error));
@@ -393,10 +396,10 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(make_lists(c, &before, error));
     const gn_tally now = gn_conversion_tally(c);
-    const double kinetic = before.energy - now.energy;
     gn_conversion_note_jumps(c, &before, &now);
-    w->couple.corrected.energy += kinetic;
-    w->energy.conversion += kinetic + held - gn_conversion_held(c);
+    memcpy(held.woken, c->woken, sizeof held.woken);
+    held.after = gn_conversion_held(c);
+    gn_conversion_book(w, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 

@@ -38,6 +38,8 @@ static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
     return mass;
 }
 
+enum { STRAINS = 6 };
+
 /* Sums by material of the elements: stiffnesses, kg, m3 of spheres. */
 typedef struct boxed {
     const gn_world *world;
@@ -45,6 +47,7 @@ typedef struct boxed {
     const int32_t *place;
     gn_conversion_figures *figures;
     double stiffness[GN_ZONE_MATERIALS], mass[GN_ZONE_MATERIALS], volume[GN_ZONE_MATERIALS];
+    double tensor[GN_ZONE_MATERIALS][STRAINS][STRAINS]; /* N m, by xx yy zz 2xy 2yz 2zx */
 } boxed;
 
 /* Who has woken has bonds that are no longer put by. At the start, before any sleeps, all count. */
@@ -83,6 +86,23 @@ static void add_particles(boxed *q) {
     }
 }
 
+/* Adds a spring: with the strain e it holds 1/2 l^2 (k_n (n.e n)^2 + k_t |e n - (n.e n) n|^2). */
+static void add_spring(double sum[STRAINS][STRAINS], const double l[3], double length2, double kn,
+                       double kt) {
+    const double n[3] = {l[0] / sqrt(length2), l[1] / sqrt(length2), l[2] / sqrt(length2)};
+    const double along[STRAINS] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                                   n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+    const double of[3][STRAINS] = {{n[0], 0.0, 0.0, 0.5 * n[1], 0.0, 0.5 * n[2]},
+                                   {0.0, n[1], 0.0, 0.5 * n[0], 0.5 * n[2], 0.0},
+                                   {0.0, 0.0, n[2], 0.0, 0.5 * n[1], 0.5 * n[0]}};
+    for (int a = 0; a < STRAINS; a++)
+        for (int b = 0; b < STRAINS; b++) {
+            double pull = 0.0;
+            for (int k = 0; k < 3; k++) pull += of[k][a] * of[k][b];
+            sum[a][b] += length2 * ((kn - kt) * along[a] * along[b] + kt * pull);
+        }
+}
+
 /* Of a strain along one axis, the mean over the axes; springs count half for each end. */
 static void add_bonds(boxed *q) {
     const gn_world *w = q->world;
@@ -101,9 +121,35 @@ static void add_bonds(boxed *q) {
         }
         for (int k = 0; k < 2; k++) {
             const int32_t e = element_of(q, end[k]);
-            if (e >= 0) q->stiffness[material_of(q, e)] += 0.5 * sum;
+            if (e < 0) continue;
+            q->stiffness[material_of(q, e)] += 0.5 * sum;
+            add_spring(q->tensor[material_of(q, e)], l, length2, 0.5 * list->kn[c], 0.5 * kt);
         }
     }
+}
+
+/* Pa: what it takes to stretch the packing along each axis whose sides are free; 0: nothing holds
+ * it. In the plane that of plane strain. */
+static void find_tension(const boxed *q, size_t k, double volume, double tension[3]) {
+    const size_t d = (size_t)q->world->scene.dimension, n = d == 3 ? STRAINS : 3;
+    const size_t of[2][STRAINS] = {{0, 1, 3}, {0, 1, 2, 3, 4, 5}};
+    for (size_t axis = 0; axis < d; axis++) {
+        double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, f[GN_BASIS_MOST] = {0.0};
+        for (size_t a = 0; a < n; a++)
+            for (size_t b = 0; b < n; b++) m[a][b] = q->tensor[k][of[d == 3][a]][of[d == 3][b]];
+        f[axis] = volume;
+        tension[axis] = gn_solve_positive(n, m, f) && f[axis] > 0.0 ? 1.0 / f[axis] : 0.0;
+    }
+}
+
+/* Pa, of the elements: the same. */
+static double young_of(const boxed *q, int32_t material) {
+    const gn_elements *of = &gn_coupled_solid(q->world)->elements;
+    size_t e = 0;
+    while (e + 1 < of->soa.count && of->material[e] != material) e++;
+    const double lambda = of->lambda[e], mu = of->mu[e];
+    if (q->world->scene.dimension == 2) return 4.0 * mu * (lambda + mu) / (lambda + 2.0 * mu);
+    return mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
 }
 
 /* kg of the particles in these elements. */
@@ -117,6 +163,9 @@ static double measure_particles(boxed *q) {
     for (size_t k = 0; k < f->materials; k++) {
         mass += q->mass[k];
         gn_zone_compare(&f->material[k], q->stiffness[k], q->mass[k], q->volume[k] / solid);
+        find_tension(q, k, q->volume[k] / solid, f->material[k].tension);
+        f->material[k].tension[3] =
+            f->material[k].particles ? young_of(q, f->material[k].material) : 0.0;
     }
     return mass;
 }

@@ -40,7 +40,7 @@ double gn_contact_held(const gn_world *w, const gn_contacts *list, size_t c, dou
     return h.normal;
 }
 
-static double contact_energy(const gn_world *w, const gn_contacts *list, size_t c) {
+static void add_contact(const gn_world *w, const gn_contacts *list, size_t c, gn_held *sum) {
     const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
                  *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
     double n[3], shear[3], rate[3], length = sqrt(gn_branch(w, a, b, n));
@@ -51,7 +51,8 @@ static double contact_energy(const gn_world *w, const gn_contacts *list, size_t 
     double stored = h.stored, power = h.normal * gn_dot3(rate, n) + gn_dot3(shear, rate);
     if (list->kt && list->kt[c] > 0.0)
         stored += (gn_dot3(shear, shear) - gn_dot3(h.shear, h.shear)) / (2.0 * list->kt[c]);
-    return stored - 0.5 * w->dt_past * power;
+    sum->contacts += stored;
+    sum->step -= 0.5 * w->dt_past * power;
 }
 
 /* Whether it has, weighs or does something else than before. */
@@ -61,52 +62,63 @@ static bool is_other(const gn_conversion *c, int32_t p) {
     return c->freed[p] || part[k] != c->part[k] || part[k + 1] != c->part[k + 1];
 }
 
-static double contacts_energy(const gn_conversion *c, const gn_contacts *list, bool other) {
+static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool other,
+                         gn_held *sum) {
     const gn_world *w = c->world;
     const gn_contacts *bonds = &w->dem.bonds;
-    double sum = 0.0;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
         if ((is_other(c, i) || is_other(c, j)) != other) continue;
         const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
         const bool known =
             list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
-        if (!known) sum += contact_energy(w, list, k);
+        if (!known) add_contact(w, list, k, sum);
     }
-    return sum;
 }
 
 /* Of who changes place as it is brought into balance. */
-static double walls_energy(const gn_conversion *c, bool other) {
+static void add_walls(const gn_conversion *c, bool other, gn_held *sum) {
     const gn_wall_contacts *q = &c->world->boundary.contacts;
-    double sum = 0.0;
     for (size_t k = 0; c->world->scene.wall_count && k < q->soa.count; k++)
-        if (is_other(c, q->i[k]) == other) sum += gn_wall_held(c->world, k);
-    return sum;
+        if (is_other(c, q->i[k]) == other) sum->contacts += gn_wall_held(c->world, k);
 }
 
 /* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
  */
-static double elements_energy(const gn_conversion *c, bool touched) {
+static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
     const double half = 0.5 * c->world->dt_past;
     size_t count = 0;
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;
     /* Half a step of the power is what the difference of two energies gives. */
-    return gn_fem_stored(b, c->some, count, 0.0) +
-           0.5 * (gn_fem_stored(b, c->some, count, -half) - gn_fem_stored(b, c->some, count, half));
+    sum->elements += gn_fem_stored(b, c->some, count, 0.0);
+    sum->step +=
+        0.5 * (gn_fem_stored(b, c->some, count, -half) - gn_fem_stored(b, c->some, count, half));
 }
 
-static double held(const gn_conversion *c, bool changes) {
-    return elements_energy(c, changes) + contacts_energy(c, &c->world->dem.bonds, changes) +
-           contacts_energy(c, &c->world->dem.pairs, changes) + walls_energy(c, changes);
+static gn_held held(const gn_conversion *c, bool changes) {
+    gn_held sum = {0};
+    add_elements(c, changes, &sum);
+    add_contacts(c, &c->world->dem.bonds, changes, &sum);
+    add_contacts(c, &c->world->dem.pairs, changes, &sum);
+    add_walls(c, changes, &sum);
+    return sum;
 }
 
-double gn_conversion_held(const gn_conversion *c) {
+gn_held gn_conversion_held(const gn_conversion *c) {
     return held(c, true);
 }
 
 double gn_conversion_held_beside(const gn_conversion *c) {
-    return held(c, false);
+    const gn_held beside = held(c, false);
+    return gn_held_sum(&beside);
+}
+
+double gn_conversion_held_in_contacts(const gn_conversion *c) {
+    gn_held sum = {0};
+    add_contacts(c, &c->world->dem.bonds, true, &sum);
+    add_contacts(c, &c->world->dem.pairs, true, &sum);
+    add_walls(c, true, &sum);
+    return sum.contacts;
 }

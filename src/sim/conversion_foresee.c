@@ -1,158 +1,14 @@
 /* What the first conversion will make of the step, before a step is made: where and when the body
  * comes to a limit first if it follows its motions and loads at rest, K u = f(t), and what the step
  * is once the elements have gone that are loaded most there, by the conversion that a run makes. */
-#include "base/eigen.h"
 #include "base/memory.h"
 #include "couple/front.h"
-#include "fem/linear.h"
-#include "scene/stages.h"
-#include "scene/table.h"
 #include "sim/conversion_internal.h"
+#include "sim/conversion_rest.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* --- at rest --- */
-
-typedef struct rest {
-    gn_world *w;
-    gn_fem_linear linear;
-    size_t count;   /* [nodes][dimension] */
-    double inertia; /* 1/s2, which holds what nothing else holds */
-    double *u;      /* m, over scale where it is free */
-    double *load;   /* N, times scale */
-    double *weight; /* preconditioner */
-    double *residual, *search, *image, *better;
-} rest;
-
-static void rest_free(rest *r) {
-    void *blocks[] = {r->u, r->load, r->weight, r->residual, r->search, r->image, r->better};
-    gn_fem_linear_free(&r->linear);
-    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-}
-
-/* The time of a run is long beside its waves; where it is not, inertia is what holds. */
-static gneiss_status rest_make(gn_world *w, rest *r, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(w);
-    const size_t d = (size_t)b->dimension, nodes = b->nodes.soa.count;
-    *r = (rest){.w = w, .count = d * nodes, .inertia = 1.0 / (w->scene.end * w->scene.end)};
-    GN_TRY(gn_fem_linear_make(b, true, &r->linear, error));
-    double **blocks[] = {&r->u,      &r->load,  &r->weight, &r->residual,
-                         &r->search, &r->image, &r->better};
-    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) {
-        *blocks[k] = gn_alloc_array(r->count + 1, sizeof **blocks[k]);
-        if (!*blocks[k])
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes at rest", nodes);
-    }
-    for (size_t k = 0; k < r->count; k++) {
-        const double s = r->linear.scale[k];
-        r->weight[k] =
-            s > 0.0 ? 1.0 / (s * s * r->linear.stiffness[k / d] / (double)d + r->inertia) : 0.0;
-    }
-    return GNEISS_OK;
-}
-
-/* m: of a component that a motion drives, up to a time. */
-static double path_of(const gn_element_model *q, int32_t motion, size_t a, double time) {
-    for (size_t k = 0; k < q->def->motion_count; k++)
-        if (q->motion[k] == motion)
-            return gn_table_between(&q->def->motions[k].motion.velocity[a], 0.0, time);
-    return 0.0;
-}
-
-/* [count] m of what is driven, 0 of what is free. */
-static void set_paths(const rest *r, double time, double *path) {
-    const gn_element_model *q = r->w->elements[0];
-    const gn_fem_solid *b = &q->solid;
-    const size_t d = (size_t)b->dimension;
-    memset(path, 0, r->count * sizeof *path);
-    for (size_t n = 0; b->prescribed.count && n < b->nodes.soa.count; n++) {
-        const int32_t slot = b->nodes.slot[n];
-        for (size_t a = 0; slot >= 0 && a < d; a++)
-            if (b->channel[slot][a] >= 0)
-                path[d * n + a] = path_of(q, b->channel[slot][a], a, time);
-    }
-}
-
-/* What loads, gravity and driven nodes do to those that are free. */
-static void set_load(rest *r, double time) {
-    gn_fem_solid *b = gn_coupled_solid(r->w);
-    double *scale = r->linear.scale;
-    const size_t d = (size_t)b->dimension;
-    gn_elements_set_loads(r->w->elements[0], time);
-    set_paths(r, time, r->search);
-    /* Those that cannot move have no unknowns: for once they have. */
-    for (size_t k = 0; k < r->count; k++) r->better[k] = scale[k];
-    for (size_t k = 0; k < r->count; k++) {
-        if (scale[k] > 0.0) continue;
-        scale[k] = r->search[k] != 0.0 ? 1.0 : 0.0;
-    }
-    gn_fem_linear_apply(&r->linear, r->search, r->image);
-    memcpy(scale, r->better, r->count * sizeof *scale);
-    for (size_t n = 0; n < b->nodes.soa.count; n++)
-        for (size_t a = 0; a < d; a++) {
-            const size_t k = d * n + a;
-            const double force =
-                b->nodes.applied[4 * n + a] + b->gravity[a] / b->nodes.vel[4 * n + 3];
-            r->load[k] = scale[k] > 0.0 ? scale[k] * force - r->image[k] : 0.0;
-        }
-    gn_elements_set_loads(r->w->elements[0], r->w->time);
-}
-
-static double dot(const rest *r, const double *x, const double *y) {
-    return gn_eigen_dot(r->count, x, y, r->w->threads);
-}
-
-static void apply(const rest *r, const double *x, double *out) {
-    gn_fem_linear_apply(&r->linear, x, out);
-    for (size_t k = 0; k < r->count; k++) out[k] += r->inertia * x[k];
-}
-
-/* Conjugate gradients from the multiple of the last solution that is nearest, which is the solution
- * where loads only grow. A thousandth is enough to see where stresses are largest. */
-static void solve(rest *r) {
-    enum { MOST = 3000 };
-    double *x = r->u, *residual = r->residual, *p = r->search, *Ap = r->image;
-    apply(r, x, Ap);
-    const double own = dot(r, x, Ap), all = sqrt(dot(r, r->load, r->load));
-    const double share = own > 0.0 ? dot(r, x, r->load) / own : 0.0;
-    for (size_t k = 0; k < r->count; k++) {
-        x[k] *= share;
-        residual[k] = r->load[k] - share * Ap[k];
-        p[k] = r->better[k] = r->weight[k] * residual[k];
-    }
-    double rz = dot(r, residual, r->better);
-    for (int round = 0; round < MOST && sqrt(dot(r, residual, residual)) > 1e-3 * all; round++) {
-        apply(r, p, Ap);
-        const double step = rz / dot(r, p, Ap), before = rz;
-        for (size_t k = 0; k < r->count; k++) {
-            x[k] += step * p[k];
-            residual[k] -= step * Ap[k];
-            r->better[k] = r->weight[k] * residual[k];
-        }
-        rz = dot(r, residual, r->better);
-        for (size_t k = 0; k < r->count; k++) p[k] = r->better[k] + rz / before * p[k];
-    }
-}
-
-/* Puts nodes where the solution has them, so many times as far; whether any moves. */
-static bool put(const rest *r, double time, double times) {
-    gn_fem_solid *b = gn_coupled_solid(r->w);
-    const size_t d = (size_t)b->dimension;
-    bool any = false;
-    set_paths(r, time, r->search);
-    for (size_t n = 0; n < b->nodes.soa.count; n++)
-        for (size_t a = 0; a < d; a++) {
-            const size_t k = d * n + a;
-            const double s = r->linear.scale[k];
-            const double u = s > 0.0 ? s * r->u[k] : r->search[k];
-            any = any || u != 0.0;
-            b->nodes.pos[4 * n + a] = b->nodes.start[4 * n + a] + times * u;
-        }
-    gn_fem_moved(b);
-    return any;
-}
 
 static double largest(const gn_world *w, const double *excess, size_t *at) {
     *at = 0;
@@ -164,59 +20,141 @@ static double largest(const gn_world *w, const double *excess, size_t *at) {
 /* Of displacements, so that turns are small as well. */
 static const double small_part = 1e-6;
 
+/* --- when --- */
+
+enum { LOOKS = 8, LOOKS_ALL = 32 };
+
 /* How many times the limit the body is loaded at a time. */
-static gneiss_status find_load(rest *r, double time, double *times, gneiss_error *error) {
+typedef struct look {
+    size_t part;
+    double time, share;
+} look;
+
+typedef struct looks {
+    gn_rest *rest;
+    size_t count;
+    look *look; /* in their order */
+} looks;
+
+static gneiss_status look_at(const looks *q, size_t part, double time, look *out,
+                             gneiss_error *error) {
     uint8_t *kind;
     double *excess;
     size_t at;
-    set_load(r, time);
-    solve(r);
-    const bool any = put(r, time, small_part);
-    gneiss_status status = gn_conversion_look_around(r->w, &kind, &excess, error);
-    *times = 0.0;
-    if (status == GNEISS_OK && any) *times = largest(r->w, excess, &at) / small_part;
+    gn_rest_find(q->rest, part, time);
+    const bool any = gn_rest_put(q->rest, small_part);
+    gneiss_status status = gn_conversion_look_around(q->rest->w, &kind, &excess, error);
+    *out = (look){.part = part, .time = time};
+    if (status == GNEISS_OK && any) out->share = largest(q->rest->w, excess, &at) / small_part;
     gn_free(kind);
     gn_free(excess);
     return status;
 }
 
-/* s: up to when the motions and loads are those of the scene of now. */
-static double end_of(const gn_world *w) {
-    const gn_stage *e = w->scene.stage_count ? &w->scene.stages[w->stage] : NULL;
-    return e && e->time >= 0.0 ? fmin(e->time, w->scene.end) : w->scene.end;
+/* Through all parts, up to the first look beyond a limit; each part from its start on, when other
+ * loads may act at once. */
+static gneiss_status look_through(looks *q, gneiss_error *error) {
+    const gn_course *c = &q->rest->course;
+    const size_t each = c->count * LOOKS <= LOOKS_ALL ? LOOKS
+                        : c->count * 2 < LOOKS_ALL    ? LOOKS_ALL / c->count
+                                                      : 2;
+    q->look = gn_alloc_array(c->count * (each + 1) + 1, sizeof *q->look);
+    if (!q->look) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for looks at a body");
+    for (size_t part = 0; part < c->count; part++)
+        for (size_t k = 0; k <= each; k++) {
+            const gn_course_part *p = &c->part[part];
+            const double time = p->begin + (p->end - p->begin) * (double)k / (double)each;
+            GN_TRY(look_at(q, part, time, &q->look[q->count], error));
+            if (q->look[q->count++].share >= 1.0) return GNEISS_OK;
+        }
+    return GNEISS_OK;
 }
 
-/* *time: when a limit is reached first, to a hundredth; INFINITY: not before the end. *at, *times:
- * a time that nodes are solved for, and how many times the limit they are loaded then. */
-static gneiss_status find_time(rest *r, double *time, double *at, double *times,
-                               gneiss_error *error) {
-    enum { LOOKS = 8, HALVINGS = 20 };
-    const double end = end_of(r->w);
-    double low = 0.0, high = INFINITY;
-    for (int k = 0; k <= LOOKS && high == INFINITY; k++) {
-        GN_TRY(find_load(r, *at = end * k / LOOKS, times, error));
-        *(*times >= 1.0 ? &high : &low) = *at;
+/* Halves what lies between two looks, of which only the later one has a share, until that is known
+ * to a part of the time since `from`. *high: the later one. */
+static gneiss_status close_in(const looks *q, double share, double low, double from, double part,
+                              look *high, gneiss_error *error) {
+    enum { HALVINGS = 20 };
+    for (int k = 0; k < HALVINGS && high->time - low > part * (high->time - from); k++) {
+        const gn_course *c = &q->rest->course;
+        const double time = 0.5 * (low + high->time);
+        size_t at = 0;
+        look middle;
+        while (at + 1 < c->count && time >= c->part[at].end) at++;
+        GN_TRY(look_at(q, at, time, &middle, error));
+        if (middle.share >= share)
+            *high = middle;
+        else
+            low = time;
     }
-    for (int k = 0; k < HALVINGS && high < INFINITY && high - low > 0.01 * high; k++) {
-        GN_TRY(find_load(r, *at = 0.5 * (low + high), times, error));
-        *(*times >= 1.0 ? &high : &low) = *at;
+    return GNEISS_OK;
+}
+
+/* s: twice what it takes from half of a share to it, which is all of it for a load that grows
+ * evenly; 0: it is there at once. */
+static gneiss_status find_rise(const looks *q, const look *to, double *rise, gneiss_error *error) {
+    size_t k = q->count;
+    look half = *to;
+    while (k > 0 && (q->look[k - 1].time >= to->time || q->look[k - 1].share >= 0.5 * to->share))
+        k--;
+    if (k < q->count && q->look[k].time < to->time) half = q->look[k];
+    *rise = 0.0;
+    if (k == 0) return GNEISS_OK;
+    GN_TRY(
+        close_in(q, 0.5 * to->share, q->look[k - 1].time, q->look[k - 1].time, 0.05, &half, error));
+    *rise = 2.0 * (to->time - half.time);
+    return GNEISS_OK;
+}
+
+/* The first look beyond a limit, to a hundredth of its time; or that with the most. */
+static gneiss_status find_limit(const looks *q, look *found, gneiss_error *error) {
+    *found = q->look[0];
+    for (size_t k = 1; k < q->count; k++)
+        if (q->look[k].share > (1.0 + 1e-6) * found->share) *found = q->look[k];
+    if (found->share < 1.0) return GNEISS_OK;
+    const double begin = q->rest->course.part[found->part].begin;
+    double low = q->count > 1 ? q->look[q->count - 2].time : found->time;
+    return close_in(q, 1.0, fmax(low, begin), begin, 0.01, found, error);
+}
+
+/* How far the load goes on growing behind the first limit, over it. */
+static gneiss_status find_reach(const looks *q, const look *found, double *reach,
+                                gneiss_error *error) {
+    const gn_course *c = &q->rest->course;
+    look end;
+    *reach = 1.0;
+    for (size_t part = found->part; part < c->count && found->share >= 1.0; part++) {
+        GN_TRY(look_at(q, part, c->part[part].end, &end, error));
+        *reach = fmax(*reach, end.share);
     }
-    *time = high;
     return GNEISS_OK;
 }
 
 /* --- what a conversion makes of the step --- */
 
-/* Elements that are loaded to `share` of the most or more go. */
-static gneiss_status convert(gn_world *w, double share, gneiss_error *error) {
+/* Elements that are loaded to `least` of a limit or more go. */
+static gneiss_status convert(gn_world *w, double least, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    bool any = false;
+    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(w); e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= least) {
+            kind[e] = GN_FRONT_LEAVING;
+            any = true;
+        }
+    if (any) status = gn_conversion_convert(w, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+static gneiss_status find_most(const gn_world *w, double *most, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
     size_t at;
     gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
-    const double most = status == GNEISS_OK ? largest(w, excess, &at) : 0.0;
-    for (size_t e = 0; most > 0.0 && e < gn_conversion_elements(w); e++)
-        if (kind[e] == GN_FRONT_READY && excess[e] >= share * most) kind[e] = GN_FRONT_LEAVING;
-    if (most > 0.0) status = gn_conversion_convert(w, kind, error);
+    *most = status == GNEISS_OK ? largest(w, excess, &at) : 0.0;
     gn_free(kind);
     gn_free(excess);
     return status;
@@ -259,18 +197,40 @@ static gneiss_status find_all(gn_world *w, gn_foreseen *f, gneiss_error *error) 
     return status;
 }
 
+static gneiss_status keep_found(gn_rest *r, const look *found, gn_foreseen *f,
+                                gneiss_error *error) {
+    if (!(found->share > 0.0)) return GNEISS_OK;
+    gn_rest_find(r, found->part, found->time);
+    gn_rest_put(r, found->share >= 1.0 ? 1.001 / found->share : small_part);
+    GN_TRY(keep_places(r->w, f, error));
+    f->period = gn_rest_period(r);
+    return gn_rest_burst(r, &f->burst, error);
+}
+
+static gneiss_status foresee(gn_rest *r, gn_foreseen *f, gneiss_error *error) {
+    looks q = {.rest = r};
+    look found = {0};
+    gneiss_status status = look_through(&q, error);
+    if (status == GNEISS_OK) status = find_limit(&q, &found, error);
+    if (status == GNEISS_OK) status = find_rise(&q, &found, &f->rise, error);
+    if (status == GNEISS_OK) status = find_reach(&q, &found, &f->reach, error);
+    if (status == GNEISS_OK) status = keep_found(r, &found, f, error);
+    gn_free(q.look);
+    f->time = found.share >= 1.0 ? found.time : (double)INFINITY;
+    f->stage = found.part;
+    f->most = found.share;
+    return status;
+}
+
 gneiss_status gn_conversion_foresee(gn_world *w, gn_foreseen *f, gneiss_error *error) {
-    rest r;
-    double at = 0.0, times = 0.0;
+    gn_rest r = {0};
     *f = (gn_foreseen){.time = INFINITY};
     GN_TRY(find_all(w, f, error));
-    gneiss_status status = rest_make(w, &r, error);
-    if (status == GNEISS_OK) status = find_time(&r, &f->time, &at, &times, error);
-    if (status == GNEISS_OK && times > 0.0)
-        put(&r, at, f->time < INFINITY ? 1.001 / times : small_part);
-    if (status == GNEISS_OK && times > 0.0) status = keep_places(w, f, error);
-    if (status == GNEISS_OK) put(&r, 0.0, 0.0);
-    rest_free(&r);
+    GN_TRY(gn_course_make(w, GN_SETTLING * gn_wave_travel(w), &f->course, error));
+    gneiss_status status = gn_rest_make(w, &f->course, &r, error);
+    if (status == GNEISS_OK) status = foresee(&r, f, error);
+    if (status == GNEISS_OK) gn_rest_put(&r, 0.0);
+    gn_rest_free(&r);
     return status;
 }
 
@@ -278,43 +238,89 @@ static void note(const gn_world *w, gn_foreseen_step *s) {
     *s = (gn_foreseen_step){.dt = w->dt, .elements = gn_conversion_elements(w), .side = side_of(w)};
 }
 
-/* What a crack wakes on its way are more particles, of which any may be the fastest. */
-static void note_grown(const gn_world *w, gn_foreseen *f) {
+/* What a crack wakes on its way are more particles, of which any may be the fastest: of all of them
+ * none makes the step shorter than this. */
+static void note_least(const gn_world *w, gn_foreseen *f) {
     const double all = gn_world_nonviscous_share(w) * w->scene.safety * f->all.sharp;
-    note(w, &f->grown);
     if (f->grown.dt > f->first.dt) f->grown = f->first; /* it never rises while a run goes on */
-    if (w->scene.step > 0.0 || fmin(all, f->collision) >= f->grown.dt) return;
-    f->grown.dt = fmin(all, f->collision);
-    f->grown.side = all <= f->collision ? "particles" : by_collisions;
+    f->least = f->grown;
+    if (w->scene.step > 0.0 || fmin(all, f->collision) >= f->least.dt) return;
+    f->least.dt = fmin(all, f->collision);
+    f->least.side = all <= f->collision ? "particles" : by_collisions;
 }
 
-/* *halt: why the run would end there. A given step that particles do not bear is such a reason. */
-static gneiss_status try_first(gn_world *w, const gn_foreseen *f, char *halt, size_t size,
-                               gneiss_error *error) {
+/* Nodes where they were solved for. */
+static void put_nodes(gn_world *w, const gn_foreseen *f) {
     gn_fem_solid *b = gn_coupled_solid(w);
-    /* Waves may have been faster. */
-    if (gn_conversion_begun(w)) return GNEISS_OK;
     memcpy(b->nodes.pos, f->place, 4 * b->nodes.soa.count * sizeof *f->place);
     gn_fem_moved(b);
     gn_fem_to_single(b);
     w->most_loaded.share = 0.0; /* all is to be looked at, however little it is loaded */
-    const gneiss_status status = convert(w, 1.0, error);
-    snprintf(halt, size, "%.400s", status == GNEISS_ERROR_UNSTABLE ? error->message : w->halt);
+    *w->halt = '\0';
+}
+
+/* *halt: why the run would end there. A given step that particles do not bear is such a reason. */
+static gneiss_status try_first(gn_world *w, gn_foreseen *f, gneiss_error *error) {
+    put_nodes(w, f);
+    GN_TRY(find_most(w, &f->most_then, error));
+    /* Waves may have been faster. */
+    if (gn_conversion_begun(w)) return GNEISS_OK;
+    const gneiss_status status = convert(w, f->most_then, error);
+    snprintf(f->halt, sizeof f->halt, "%.400s",
+             status == GNEISS_ERROR_UNSTABLE ? error->message : w->halt);
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
 }
 
-gneiss_status gn_conversion_try(gn_world *w, gn_foreseen *f, gneiss_error *error) {
-    const double more = 0.7;
-    GN_TRY(try_first(w, f, f->halt, sizeof f->halt, error));
-    if (*f->halt) return GNEISS_OK;
-    note(w, &f->first);
-    GN_TRY(convert(w, more, error));
-    note_grown(w, f);
+enum { FRONTS = 40 };
+static const double next_front = 0.94, some_part = 0.7;
+
+/* Front by front, as the load grows: from what is loaded to a part of the most to the least. Where
+ * one would end the run no more is known. */
+static gneiss_status follow_fronts(gn_world *w, gn_foreseen *f, double least, gneiss_error *error) {
+    while (f->fronts < FRONTS && f->part * next_front >= least && !*f->stop) {
+        f->part *= next_front;
+        f->fronts++;
+        const gneiss_status status = convert(w, f->part * f->most_then, error);
+        if (status != GNEISS_OK && status != GNEISS_ERROR_UNSTABLE) return status;
+        snprintf(f->stop, sizeof f->stop, "%.400s", status == GNEISS_OK ? w->halt : error->message);
+        if (!*f->stop) note(w, &f->grown);
+    }
     *w->halt = '\0';
     return GNEISS_OK;
 }
 
+/* What later stages make of the step: one that they give or choose otherwise. Where one does not
+ * hold, the run says so. */
+static gneiss_status follow_stages(gn_world *w, gn_foreseen *f, gneiss_error *error) {
+    for (size_t k = f->stage; k < f->course.count; k++) {
+        const gneiss_status status = k > w->stage ? gn_world_enter(w, k, error) : GNEISS_OK;
+        if (status == GNEISS_ERROR_MEMORY) return status;
+        f->course.part[k].later = status == GNEISS_OK ? w->dt : f->course.part[k].dt;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_conversion_try(gn_world *w, gn_foreseen *f, gneiss_error *error) {
+    if (f->stage > w->stage) GN_TRY(gn_world_enter(w, f->stage, error));
+    GN_TRY(try_first(w, f, error));
+    if (*f->halt) return GNEISS_OK;
+    note(w, &f->first);
+    f->grown = f->first;
+    f->part = 1.0;
+    return follow_fronts(w, f, some_part, error);
+}
+
+gneiss_status gn_conversion_try_more(gn_world *w, gn_foreseen *f, gneiss_error *error) {
+    const size_t some = f->grown.elements;
+    put_nodes(w, f);
+    GN_TRY(follow_fronts(w, f, 1.0 / f->reach, error));
+    note_least(w, f);
+    f->some = some;
+    return follow_stages(w, f, error);
+}
+
 void gn_foreseen_free(gn_foreseen *f) {
     gn_free(f->place);
+    gn_course_free(&f->course);
     f->place = NULL;
 }

@@ -22,6 +22,7 @@ typedef struct gn_conversion {
     bool rehearsed;    /* only whether it could be: all is put back */
     int rings;         /* of elements that those that go take along */
     double *rate;      /* [particles][3] m/s2, of `freed`: with which their elements took them */
+    double woken[2];   /* J: of contacts that are other, before and after who is free is balanced */
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
@@ -56,11 +57,31 @@ gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *err
 /* Brings them into balance, with lists made anew (conversion_relax.c). */
 gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
 
-/* J (conversion_energy.c): what springs and elements hold of what is other after the conversion
- * than before; of the instant, in the sense of leap-frog. With parts and `freed` found. */
-double gn_conversion_held(const gn_conversion *c);
+/* J: what elements and springs hold at the instant, walls with the latter; and what has to be added
+ * for what leap-frog conserves, half a step of their powers. */
+typedef struct gn_held {
+    double elements, contacts, step;
+} gn_held;
+static inline double gn_held_sum(const gn_held *h) {
+    return h->elements + h->contacts + h->step;
+}
+/* J (conversion_energy.c): of what is other after the conversion than before. With parts and
+ * `freed` found. */
+gn_held gn_conversion_held(const gn_conversion *c);
+double gn_conversion_held_in_contacts(const gn_conversion *c);
 /* J: the same of all else. */
 double gn_conversion_held_beside(const gn_conversion *c);
+
+/* J: what elements, and springs instead of them, would hold of the part that particles take if
+ * these went with the strains of their elements (conversion_parts.c). With parts found, before
+ * elements go. */
+void gn_conversion_find_alike(const gn_conversion *c, double alike[2]);
+/* Books a conversion, by what made it. */
+typedef struct gn_held_stages {
+    double alike[2], woken[2];
+    gn_held before, after;
+} gn_held_stages;
+void gn_conversion_book(gn_world *world, const gn_held_stages *held, double kinetic);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */

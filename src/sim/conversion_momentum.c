@@ -309,7 +309,11 @@ void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before,
     change(&r);
     gn_fem_to_single(gn_coupled_solid(w));
     gn_coupled_follow(w); /* particles of zones go where nodes take them */
-    if (wider) w->energy.conversion += beside - gn_conversion_held_beside(c);
+    if (wider) {
+        const double more = beside - gn_conversion_held_beside(c);
+        w->energy.conversion += more;
+        w->couple.parts.step += more;
+    }
     if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
     all->count += 1.0;
     all->wider += wider;

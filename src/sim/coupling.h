@@ -54,6 +54,10 @@ void gn_coupled_begin(gn_world *world);
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);
+/* N/m, of the spring that holds a particle of a zone; 0: none does. */
+double gn_penalty_stiffness(const gn_world *world, size_t particle);
+/* m/s2, with which that spring and its dashpot move it against n, at the present places. */
+double gn_penalty_opens(const gn_world *world, size_t particle, const double n[3]);
 /* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
  * is more than before (coupling_spins.c). */
 gneiss_status gn_coupled_turn_faster(gn_world *world, bool *more, gneiss_error *error);
@@ -108,11 +112,12 @@ typedef struct gn_zone_material {
     int32_t material; /* of the elements */
     size_t particles;
     double modulus[2], density[2], returned;
+    double tension[4]; /* Pa, along each axis of particles with free sides, of the elements; 0: not
+                          known. Of what converts alone */
 } gn_zone_material;
-/* Whether they differ: by 12 % of the modulus or more. */
-static inline bool gn_zone_differs(const gn_zone_material *m) {
-    return m->modulus[0] > 0.0 && m->returned > 1e-3;
-}
+/* Whether they differ: by 12 % or more of the modulus, of the mean of those in tension, or of one
+ * in which the particles are stiffer. */
+bool gn_zone_differs(const gn_zone_material *material);
 enum { GN_ZONE_MATERIALS = 8 }; /* that are told apart; the last one stands for all further ones */
 
 /* What a zone is, as it was at the start (coupling_check.c). */

@@ -185,6 +185,9 @@ gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_erro
 
 /* --- figures --- */
 
+/* Of the energy of a wave, what two that differ return: 12 % of a modulus. */
+static const double returned_most = 1e-3;
+
 /* The mean side of the boxes about a zone's elements; the least weight of a node. */
 static void measure_elements(const gn_world *w, size_t zone, gn_zone_figures *f) {
     const gn_fem_solid *b = gn_coupled_solid(w);
@@ -291,6 +294,28 @@ void gn_zone_compare(gn_zone_material *m, double stiffness, double mass, double 
     m->density[1] /= (double)m->particles;
     double z = sqrt(m->modulus[0] * m->density[0] / (m->modulus[1] * m->density[1]));
     m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
+}
+
+/* Whether a modulus that is so many times another returns as much of a wave. */
+static bool is_off(double quotient) {
+    const double z = sqrt(quotient);
+    return (1.0 - z) * (1.0 - z) > returned_most * (1.0 + z) * (1.0 + z);
+}
+
+/* Sides without bonds soften what is thin along its axis alone: that counts in the mean. */
+bool gn_zone_differs(const gn_zone_material *m) {
+    double mean = 0.0, most = 0.0;
+    int axes = 0;
+    if (!(m->modulus[0] > 0.0)) return false;
+    for (int a = 0; a < 3; a++) {
+        mean += m->tension[a];
+        most = fmax(most, m->tension[a]);
+        axes += m->tension[a] > 0.0;
+    }
+    if (m->returned > returned_most) return true;
+    if (!axes || !(m->tension[3] > 0.0)) return false;
+    most /= m->tension[3];
+    return is_off(mean / axes / m->tension[3]) || (most > 1.0 && is_off(most));
 }
 
 /* Weights of forces and masses cancel in these means. */

@@ -140,6 +140,35 @@ static void pull(gn_world *w, gn_coupled *q, size_t k, int width) {
     if (q->viscosity[k] > 0.0) turn(w, q, k, width, gap, q->drag[k]);
 }
 
+/* The tie of a particle that a spring holds; q->ties.count: none does. */
+static size_t spring_of(const gn_world *w, size_t particle) {
+    const gn_coupled *q = w->exchange[0].context;
+    const gn_tie *tie = q->stiffness ? gn_coupled_tie(q, w->dem.particles.id[particle]) : NULL;
+    return tie ? (size_t)(tie - q->ties.tie) : q->ties.count;
+}
+
+double gn_penalty_stiffness(const gn_world *w, size_t particle) {
+    if (!w->scene.has_couple) return 0.0;
+    const gn_coupled *q = w->exchange[0].context;
+    const size_t k = spring_of(w, particle);
+    return k < q->ties.count ? q->stiffness[k] : 0.0;
+}
+
+double gn_penalty_opens(const gn_world *w, size_t particle, const double n[3]) {
+    double gap[3], slip[3], spin[3], with[3], sum = 0.0;
+    if (!w->scene.has_couple) return 0.0;
+    const gn_coupled *q = w->exchange[0].context;
+    const size_t k = spring_of(w, particle);
+    if (k == q->ties.count) return 0.0;
+    gap_of(w, q, k, gap);
+    slip_of(w, q, k, slip);
+    spin_of(w, q, k, spin);
+    gn_cross3(spin, gap, with);
+    for (size_t a = 0; a < 3; a++)
+        sum -= n[a] * (q->stiffness[k] * gap[a] + q->viscosity[k] * (slip[a] - with[a]));
+    return sum * w->dem.particles.vel[4 * particle + 3];
+}
+
 static double total(const double *of, size_t count) {
     double sum = 0.0;
     for (size_t k = 0; k < count; k++) sum += of[k];

@@ -1,5 +1,6 @@
 /* What else acts on the two that touch where their contact closes or opens within a step: the force
  * with which the works of such a contact close depends on the path of the next step. */
+#include "sim/coupling.h"
 #include "sim/internal.h"
 
 /* Adds what the blocks of a list exert on a particle. */
@@ -58,4 +59,13 @@ double gn_other_acceleration(const gn_world *w, size_t row, const double n[3]) {
         if (body && body->inverse_mass[a] > 0.0) sum += gravity[a] * n[a];
     }
     return sum;
+}
+
+/* Three steps to the half wave of both, as of a contact alone (law_linear.c): with fewer, what is
+ * foretold of the next step grew until particles flew off. */
+double gn_held_acceleration(const gn_world *w, double kn, size_t row, const double n[3]) {
+    const size_t p = (size_t)w->boundary.contacts.i[row];
+    const double held = gn_penalty_stiffness(w, p), inverse = w->dem.particles.vel[4 * p + 3];
+    if (!(held > 0.0) || (kn + held) * inverse * w->dt_past * w->dt_past > 1.0) return 0.0;
+    return gn_penalty_opens(w, p, n);
 }

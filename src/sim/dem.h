@@ -154,9 +154,11 @@ typedef struct gn_dem {
     double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
                           * within a hundredth of the step or below it; else INFINITY */
     double listed_holds; /* s: step of the particles alone at which all that is listed holds */
-    gn_resolution resolution; /* the shortest so far */
-    gn_depth depth;           /* the furthest so far */
-    uint8_t *loose;           /* [ids]: not bonded at the start, see resolution.c */
+    gn_resolution resolution;      /* the shortest so far */
+    bool debris_told;              /* while it is looked at because the ledger misses something */
+    int64_t broken_without_debris; /* bonds that had broken when there was none (adrift.c) */
+    gn_depth depth;                /* the furthest so far */
+    uint8_t *loose;                /* [ids]: not bonded at the start, see resolution.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
     gn_events events;

@@ -71,6 +71,9 @@ double gn_inverse_mass_along(const gn_world *world, size_t particle, const doubl
  * unit vector into the wall or surface (crossing.c). Of the forces of the instant, so when those of
  * all pairs are found. Of a body only its weight, and background damping is left out. */
 double gn_other_acceleration(const gn_world *world, size_t row, const double n[3]);
+/* The same of the spring of a zone that holds its particle, beside a contact of the stiffness kn,
+ * N/m; 0 where the step does not resolve both together. */
+double gn_held_acceleration(const gn_world *world, double kn, size_t row, const double n[3]);
 
 /* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
@@ -237,6 +240,17 @@ gneiss_status gn_resolution_listed(const gn_world *world, gn_resolution *resolut
                                    gneiss_error *error);
 /* Whether hardly anything damps a collision. */
 bool gn_world_rings(const gn_world *world);
+/* Whether, where that is so and the step is automatic, any particle has lost all bonds that it had,
+ * or all but one. Whether the ledger of a step that was measured misses more than that may. */
+gneiss_status gn_debris_find(gn_world *world, bool *some, gneiss_error *error);
+bool gn_debris_told(const gn_world *world);
+/* Bonds that hold, of each particle [particles], which are 0: 0, 1, 2 for more. */
+void gn_bonds_left(const gn_world *world, uint8_t *left);
+/* Of particles that hang on one bond at most (`adrift` 1, [particles]) leaves those that are wedged
+ * with energy that matters, where world->dem.debris_told; *any: there are some, else `adrift` may
+ * be what it was. */
+gneiss_status gn_wedged_find(const gn_world *world, uint8_t *adrift, bool *any,
+                             gneiss_error *error);
 /* By what factor own masses [particles] have to be multiplied for `step` to resolve these contacts:
  * the larger of that and `factor`. */
 gneiss_status gn_resolution_masses(const gn_world *world, double step, double *factor,

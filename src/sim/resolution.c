@@ -87,6 +87,7 @@ typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
     double *inverse;  /* 1/kg [particles]: how each gives way */
     bool apart;       /* most particles that had bonds have lost them all */
+    uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
     double share;     /* of the steps that what is bonded has to last; 0: needs only be stable */
 } ties;
 
@@ -99,16 +100,22 @@ static double share_of_bonds(const gn_world *w) {
     return w->effects & GN_FX_SOFTENING && gn_world_rings(w) ? 0.5 : 0.0;
 }
 
-static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied) {
-    const gn_contacts *b = &w->dem.bonds;
-    size_t had = 0, have = 0;
-    for (size_t c = 0; c < b->soa.count; c++)
-        if (gn_contact_bonded(b, c)) tied[b->i[c]] = tied[b->j[c]] = 1;
+/* `adrift`: who has lost all bonds that it had, or all but one, on which it hangs. */
+static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *adrift) {
+    size_t had = 0, lost = 0;
+    gn_bonds_left(w, adrift);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
         had += stiffest[p] > 0.0;
-        have += tied[p];
+        lost += stiffest[p] > 0.0 && adrift[p] == 0;
+        adrift[p] = stiffest[p] > 0.0 && adrift[p] < 2;
     }
-    return 2 * have <= had;
+    return 2 * lost >= had;
+}
+
+static void free_ties(ties *t) {
+    gn_free(t->stiffest);
+    gn_free(t->inverse);
+    gn_free(t->wedged);
 }
 
 /* What is part of a zone gives way as its nodes do: by its own mass, of which it has little at the
@@ -116,11 +123,6 @@ static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied)
 static void find_inverse(const gn_world *w, double *inverse) {
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) inverse[p] = inverse_mass(w, p);
     gn_coupled_give(w, inverse);
-}
-
-static void ties_free(ties *t) {
-    gn_free(t->stiffest);
-    gn_free(t->inverse);
 }
 
 static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) {
@@ -131,26 +133,32 @@ static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) 
     if (!t->inverse) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     find_inverse(w, t->inverse);
     if (!b->soa.count) return GNEISS_OK;
-    uint8_t *tied = gn_alloc(n + 1);
+    t->wedged = gn_alloc(n + 1);
     t->stiffest = gn_alloc_array(n, sizeof *t->stiffest);
-    bool held = tied && t->stiffest;
+    bool held = t->wedged && t->stiffest, any = false;
     for (size_t c = 0; held && c < b->soa.count; c++) {
         double kn = gn_contact_spring(w, b, c).kn;
         t->stiffest[b->i[c]] = fmax(t->stiffest[b->i[c]], kn);
         t->stiffest[b->j[c]] = fmax(t->stiffest[b->j[c]], kn);
     }
-    if (held) t->apart = come_apart(w, t->stiffest, tied);
-    gn_free(tied);
-    if (held) return GNEISS_OK;
-    ties_free(t);
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds of %zu particles", n);
+    gneiss_status status = GNEISS_OK;
+    if (!held)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds of %zu particles", n);
+    if (held) t->apart = come_apart(w, t->stiffest, t->wedged);
+    if (held && !t->apart) status = gn_wedged_find(w, t->wedged, &any, error);
+    if (!any) {
+        gn_free(t->wedged);
+        t->wedged = NULL;
+    }
+    if (status != GNEISS_OK) free_ties(t);
+    return status;
 }
 
 /* What has come apart is loose. Before that debris leave the step alone: a lower one changes the
  * energy of bonded vibrations that it hardly resolved (of a ledger that closed to 5 % it left one
  * that missed 25 %), while the collisions of few debris add little. */
 static bool at_large(const gn_world *w, const ties *t, size_t p) {
-    return t->apart || loose(w, p);
+    return t->apart || loose(w, p) || (t->wedged && t->wedged[p]);
 }
 
 /* --- the shortest contact --- */
@@ -329,6 +337,7 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
                share = share_with(w, t, p, kn, def->passive);
+        kn += gn_penalty_stiffness(w, p); /* both hold it at once */
         meet(f, kn * t->inverse[p], share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
@@ -376,12 +385,12 @@ static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *er
     gneiss_status status = find_crowds(w, &t, &crowd, error);
     if (status == GNEISS_OK) {
         meet_pairs(w, &t, &w->dem.pairs, crowd, f);
-        if (t.apart || t.share > 0.0) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
+        if (t.apart || t.share > 0.0 || t.wedged) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
         meet_walls(w, &t, f);
         meet_bodies(w, f);
     }
     gn_free(crowd);
-    ties_free(&t);
+    free_ties(&t);
     return status;
 }
 

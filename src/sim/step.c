@@ -97,13 +97,21 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
     return gn_elements_check(w, error);
 }
 
+/* Wedged debris gains some tenths of its energy in every collision of a few steps. Counted by
+ * steps, so that it does not depend on what is written, or resumed. */
+enum { DEBRIS_EVERY = 20 };
+
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
+    bool debris = false;
     watch time = {w, w->step % GN_BOOKED == 0, 0.0};
     if (gn_converts(w)) GN_TRY(gn_conversion_look(w, error));
     const int64_t broken = w->dem.broken_tension + w->dem.broken_shear;
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
     gn_world_follow_bodies(w);
+    if (w->effects & GN_FX_ENERGY && (w->step + 1) % DEBRIS_EVERY == 0)
+        GN_TRY(gn_debris_find(w, &debris, error));
+    measure |= debris;
     if (measure) GN_TRY(gn_depth_look_again(w, error));
 
     if (measure && w->scene.has_couple) read_zones(w);
@@ -126,5 +134,6 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     w->time += w->dt;
     w->dt_past = w->dt;
     w->step++;
-    return status == GNEISS_OK ? gn_world_check_apart(w, broken, error) : status;
+    if (status == GNEISS_OK) status = gn_world_check_apart(w, broken, error);
+    return status == GNEISS_OK && debris ? gn_world_check_debris(w, error) : status;
 }

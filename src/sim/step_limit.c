@@ -16,10 +16,14 @@
  * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
  * a). (Seen in practice: at 0.9 of the undamped limit and a =
  * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
+    bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
+    return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
+}
+
 double gn_world_nonviscous_share(const gn_world *w) {
-    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    double spin = w->effects & GN_FX_ROTATION ? gn_scene_spin_damping(&w->scene) : 0.0;
-    return active ? 1.0 / sqrt(1.0 + fmax(w->scene.background_coefficient, spin)) : 1.0;
+    return gn_scene_nonviscous_share(&w->scene, w->effects);
 }
 
 /* Of two parts with limits p and s (s), of which each is found with the other held fast, and
@@ -338,6 +342,21 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     return status;
 }
 
+static gneiss_status look_again(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = resolve_listed(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
+gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
+    if (!gn_debris_told(w)) return GNEISS_OK;
+    w->dem.debris_told = true;
+    gneiss_status status = look_again(w, error);
+    w->dem.debris_told = false;
+    return status;
+}
+
 /* What has come apart is loose, which lists that stand for long would say late. Where nothing damps
  * the collisions until then it is looked at whenever another sixteenth of the bonds has broken,
  * from the half of them on. */
@@ -345,10 +364,7 @@ gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_er
     const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
     if (now == broken_before || 2 * now < all || !gn_world_rings(w)) return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
-    double start = gn_now();
-    gneiss_status status = resolve_listed(w, error);
-    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
-    return status;
+    return look_again(w, error);
 }
 
 gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {

@@ -84,7 +84,8 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side
     size_t particle = (size_t)w->boundary.contacts.i[row];
     const gn_touch_step step = gn_touch_step_of(w);
     if (gn_touch_crosses(touch, touch->speed * w->dt_past) && !(w->effects & GN_FX_HERTZ))
-        touch->other = gn_other_acceleration(w, row, touch->n);
+        touch->other = gn_other_acceleration(w, row, touch->n) +
+                       gn_held_acceleration(w, side->part * side->stiffness, row, touch->n);
     if (w->effects & GN_FX_HERTZ) touch->most = gn_pressed_touch(w, particle);
     return gn_law_of(w->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }

@@ -63,7 +63,7 @@ typedef struct gn_most_loaded {
 /* Of the first packed material that differs from the elements (gn_zone_differs), at the start: Pa
  * and kg/m3 of its particles and of theirs; 0: none differs. Doubles, as checkpoints have it. */
 typedef struct gn_packing_differs {
-    double modulus[2], density[2];
+    double modulus[2], density[2], tension[4]; /* tension: as gn_zone_material has it */
 } gn_packing_differs;
 
 /* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
@@ -93,6 +93,20 @@ typedef struct gn_corrections {
     double inertia;       /* sum of changes of the polar moment about it, each of what it was */
 } gn_corrections;
 
+/* J: what conversions booked, by what made it (conversion_parts.c), since the start, with the sign
+ * of gn_energy.conversion, which their sum is; doubles, as checkpoints have it. */
+typedef struct gn_conversion_parts {
+    double sampled;   /* particles stand for another volume than elements lose */
+    double stiffness; /* their springs hold another energy in the same strain */
+    double uneven;    /* and another where the strain is another at both ends, or they broke or
+                         slid before */
+    double balance;   /* taken by bringing them into balance */
+    double motion;    /* kinetic */
+    double step;      /* half a step of the powers of springs, walls left out */
+    double alike[2];  /* what elements and springs would hold of the part that changed hands in the
+                         same strain: their difference is `stiffness` */
+} gn_conversion_parts;
+
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
                        world */
@@ -117,6 +131,7 @@ struct gn_world {
                            * the last measured instant */
         gn_relaxations relaxed;
         gn_corrections corrected;
+        gn_conversion_parts parts;
         gn_packing_differs differs;
     } couple;
 
@@ -212,6 +227,9 @@ gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
  * come apart by it. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
 
+/* The same after a step that was measured because of debris: what of it makes energy counts. */
+gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
+
 /* The same for what the lists, just made, let happen before they are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
 /* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
@@ -236,6 +254,8 @@ const char *gn_resolution_text(const gn_world *world, char *text, size_t size);
 
 /* What non-viscous damping leaves of the limit, 1 without it. */
 double gn_world_nonviscous_share(const gn_world *world);
+/* Of a scene that calls for these effects. */
+double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 /* The lists with the forces of the present positions in their rows (velocities and tangential
  * forces of the last step): for output. The world is not changed; the copies are the caller's. */

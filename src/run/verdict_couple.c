@@ -1,0 +1,211 @@
+/* What a run of particles and elements as one body has to say against its own results. */
+#include "base/point.h"
+#include "run/verdict.h"
+#include "sim/conversion.h"
+#include "sim/coupling.h"
+#include "sim/element_walls.h"
+
+#include <math.h>
+#include <string.h>
+
+static void warn_of_lost(const gn_run *run, gn_warnings *list) {
+    size_t count = gn_coupled_lost(&run->world);
+    if (!count) return;
+    gn_warning *to = gn_warnings_add(list, "zones_lost");
+    snprintf(to->text, sizeof to->text,
+             "%zu particles left zones that they share with elements, which are no more than their "
+             "part of the body there",
+             count);
+}
+
+static void warn_of_zones(const gn_run *run, gn_warnings *list) {
+    size_t count = gn_coupled_broken(&run->world);
+    if (!count) return;
+    gn_warning *to = gn_warnings_add(list, "zones_broken");
+    snprintf(to->text, sizeof to->text,
+             "%zu bonds broke in zones that particles and elements share, where elements hold on: "
+             "the zone has to be farther away from where it cracks",
+             count);
+}
+
+/* As they are at the end of what has run. */
+static void warn_of_walls(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    size_t count = 0;
+    gn_warning *to = NULL;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.wall_count; k++) {
+        const gn_wall_passed passed = gn_wall_passed_now(w, k);
+        if (!passed.behind || count++) continue;
+        to = gn_warnings_add(list, "elements_pass_walls");
+        snprintf(to->text, sizeof to->text,
+                 "%zu nodes of elements are behind wall '%.60s', at most by %.3g m: elements and "
+                 "walls have no contact with each other and pass through; what is to hold or press "
+                 "elements has to be a motion or a load of theirs",
+                 passed.behind, w->scene.walls[k].name, passed.deepest);
+    }
+    const size_t used = to ? strlen(to->text) : 0;
+    if (count > 1)
+        snprintf(to->text + used, sizeof to->text - used, " (and behind %zu more walls)",
+                 count - 1);
+}
+
+static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+        gn_zone_figures f;
+        gn_zone_measure(w, k, &f);
+        if (!gn_zone_is_off(&f)) continue;
+        gn_warning *to = gn_warnings_add(list, "zones_masses");
+        snprintf(
+            to->text, sizeof to->text,
+            "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
+            "they have to fill the zone from side to side, with the elements' density "
+            "(density_basis bulk)",
+            k, f.mass);
+        return;
+    }
+}
+
+static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+        gn_zone_figures f;
+        gn_zone_measure(w, k, &f);
+        if (!f.beyond) continue;
+        gn_warning *to = gn_warnings_add(list, "zones_beyond");
+        snprintf(to->text, sizeof to->text,
+                 "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
+                 "`to`, where elements carry all: `to` has to go through their outermost centres",
+                 f.beyond, f.particles, k);
+        return;
+    }
+}
+
+static void warn_of_packing(const gn_run *run, gn_warnings *list) {
+    const gn_packing_differs *d = &run->world.couple.differs;
+    if (!(d->modulus[0] > 0.0)) return;
+    gn_warning *to = gn_warnings_add(list, "packing_differs");
+    const bool space = run->world.scene.dimension == 3;
+    char last[32] = "";
+    if (space) snprintf(last, sizeof last, ", %.4g", d->tension[2]);
+    snprintf(to->text, sizeof to->text,
+             "the packing has a modulus of %.4g Pa (confined; along the axes with free sides %.4g, "
+             "%.4g%s Pa) and a density of %.4g kg/m3, of an affine strain; elements that convert "
+             "to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: what converts is not the body that it "
+             "was; calibrate the particles to the elements' E and nu",
+             d->modulus[0], d->tension[0], d->tension[1], last, d->density[0], d->modulus[1],
+             d->tension[3], d->density[1]);
+}
+
+/* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
+ * the ledger has it, and closes. */
+static const double made_most = 0.03;
+
+/* What made most of it. */
+static void say_what_made(const gn_conversion_parts *p, char *text, size_t size) {
+    const double parts[] = {p->stiffness, p->sampled, p->uneven, p->motion, p->step};
+    const char *const why[] = {
+        "",
+        "volume: the particles stand for more of it than the elements whose place they took (the "
+        "zone is thin, or elements are no larger than particles)",
+        "strains that are not even over a bond, or contacts that had slid or broken",
+        "motion, by masses and velocities that are others than before",
+        "the step: half a one of the powers of springs (a smaller time.safety)"};
+    size_t worst = 0;
+    for (size_t k = 1; k < sizeof parts / sizeof *parts; k++)
+        if (parts[k] < parts[worst]) worst = k;
+    if (worst > 0)
+        snprintf(text, size, "%.3g J of it by %s", -parts[worst], why[worst]);
+    else
+        snprintf(text, size,
+                 "%.3g J of it by stiffness: the particles held %.3g times as much in the same "
+                 "strain as the elements (calibrate their E and nu to those; small packings differ "
+                 "from place to place and axis to axis)",
+                 -parts[0], p->alike[1] / p->alike[0]);
+}
+
+static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
+    const gn_energy *e = &run->world.reading;
+    const double made = -e->conversion;
+    if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
+    gn_warning *to = gn_warnings_add(list, "energy_conversion");
+    char what[320];
+    say_what_made(&run->world.couple.parts, what, sizeof what);
+    snprintf(to->text, sizeof to->text,
+             "elements that turned into particles made %.3g of the %.4g J that have gone through: "
+             "%s",
+             made / gn_energy_scale(e), gn_energy_scale(e), what);
+}
+
+/* Of the most angular momentum that the body had, or m v r of its vibration (gn_tally_turns). */
+static const double turned_most = 0.01;
+
+static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
+    const gn_corrections *c = &run->world.couple.corrected;
+    if (!(c->most > turned_most * c->scale)) return;
+    gn_warning *to = gn_warnings_add(list, "conversion_missed");
+    snprintf(to->text, sizeof to->text,
+             "elements that turned into particles changed the body's angular momentum by up to "
+             "%.3g kg m2/s in all, %.2g %% of the most that it had (or of m v r of how it "
+             "vibrates), its moment of inertia by %.2g %% and the place of its centre of mass by "
+             "%.2g m: zones could not keep them; zones of more elements (couple.convert.width), "
+             "and elements of two diameters of particles and more, keep more",
+             c->most, 100.0 * c->most / c->scale, 100.0 * c->inertia,
+             sqrt(gn_dot3(c->centre, c->centre)));
+}
+
+static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const gn_relaxations *r = &w->couple.relaxed;
+    const char *const why[] = {
+        "bonds would have broken, whose ends stay where they are (lower limits convert sooner)",
+        "nothing held some particles, which stay where they are",
+        "couple.convert.relax_iterations were used up",
+        "contacts close and open on the way, and nothing brings the energy farther down"};
+    const double times[] = {r->broke, r->loose, r->tired,
+                            r->missed - r->broke - r->loose - r->tired};
+    if (!(r->missed > 0.0)) return;
+    gn_warning *to = gn_warnings_add(list, "relaxation");
+    int used = snprintf(to->text, sizeof to->text,
+                        "%.0f of %.0f relaxations of converted particles left more than %g of the "
+                        "mean contact force out of balance, at most %.2g (t = %.4g s)",
+                        r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time);
+    for (int k = 0; k < 4; k++)
+        if (times[k] > 0.0 && used < (int)sizeof to->text)
+            used += snprintf(to->text + used, sizeof to->text - (size_t)used, "; in %.0f %s",
+                             times[k], why[k]);
+}
+
+/* Where the model ended the run it has said why. */
+static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    char at[GN_POINT_SIZE];
+    gn_most_loaded n;
+    if (!gn_converts(w) || !run->finished || w->halt[0] || gn_conversion_begun(w)) return GNEISS_OK;
+    GN_TRY(gn_conversion_most_loaded(w, &n, error));
+    gn_warning *to = gn_warnings_add(list, "nothing_converted");
+    char where[GN_POINT_SIZE + 96] = "";
+    if (n.share > 0.0)
+        snprintf(where, sizeof where, " in element %d at %.90s m at t = %.4g s", n.element,
+                 gn_point_text(w->scene.origin, n.place, at), n.time);
+    snprintf(to->text, sizeof to->text,
+             "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
+             100.0 * n.share, where,
+             n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
+                           : "no look came after that (couple.convert.every)");
+    return GNEISS_OK;
+}
+
+gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    if (!run->world.scene.has_couple) return GNEISS_OK;
+    warn_of_zones(run, list);
+    warn_of_lost(run, list);
+    warn_of_walls(run, list);
+    warn_of_zone_masses(run, list);
+    warn_of_zone_ends(run, list);
+    warn_of_packing(run, list);
+    warn_of_conversion(run, list);
+    warn_of_jumps(run, list);
+    warn_of_relaxation(run, list);
+    return warn_of_rest(run, list, error);
+}
