@@ -499,6 +499,42 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
         }
 }
 
+/* Nodes at (14, 8) mm that are watched: as few as they are, all of the body cannot convert. */
+static void what_is_only_watched_is_told_by_name(void **state) {
+    (void)state;
+    static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",
+                      aside[] = "{min: [16 mm, -1, -1], max: [1, 1, 1]}";
+    for (int space = 0; space < 2; space++)
+        for (int k = 0; k < 4; k++) {
+            char motions[512], box[128], said[512];
+            gneiss_error error = {0};
+            const double low[3] = {0.0}, high[3] = {1.0, 1.0, 1.0};
+            snprintf(box, sizeof box, at, space ? "1" : "0");
+            snprintf(motions, sizeof motions, ", motions: [{name: gauge, %s%s}%s%s%s]", box,
+                     k == 1 ? ", motion: {vx: 0}" : "", k == 2 ? ", {name: arm, " : "",
+                     k == 2 ? box : "", k == 2 ? ", motion: {vx: 0}}" : "");
+            const block s = {.cells = {15, 8, space ? 2 : 0},
+                             .space = space,
+                             .elements = motions,
+                             .box = k < 3   ? NULL
+                                    : space ? aside
+                                            : "{min: [16 mm, -1], max: [1, 1]}"};
+            gn_world *w = block_of(&s);
+            assert_string_equal(gn_conversion_watches(w, said, sizeof said), said);
+            assert_true((k == 0) == (strstr(said, "'gauge', which only watches") != NULL));
+            assert_true((k == 0) == (said[0] != '\0'));
+            assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
+            print_message("# %s\n", w->halt);
+            assert_true((k == 0) == gn_conversion_met_watched(w));
+            assert_true(
+                (k == 0) ==
+                (strstr(w->halt, "nodes of motion 'gauge', which is only watched") != NULL));
+            assert_true((k == 1 || k == 2) ==
+                        (strstr(w->halt, "has nodes of a motion or a load") != NULL));
+            world_end(w);
+        }
+}
+
 static void places_that_are_looked_at_stay_as_they_were(void **state) {
     (void)state;
     const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
@@ -525,6 +561,7 @@ int main(void) {
         cmocka_unit_test(those_around_go_along_and_what_the_body_has_is_kept),
         cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
         cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
+        cmocka_unit_test(what_is_only_watched_is_told_by_name),
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),

@@ -52,7 +52,7 @@ gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
     return fail(run, " at the end", error);
 }
 
-/* There is room for all that can be said (tests/test_run.py counts): else the last is written
+/* There is room for all that can be said (tests/test_coupling.py counts): else the last is written
  * over. */
 gn_warning *gn_warnings_add(gn_warnings *list, const char *name) {
     if (list->count == GN_WARNINGS_MAX) list->count--;

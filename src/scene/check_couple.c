@@ -155,7 +155,7 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s, con
         {s->has_pulse, "initial.pulse", "no initial.pulse", "one"},
         {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity", "some"},
         {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
-         "no mixed form", "pressure"},
+         "no mixed form", "mixed"},
         {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on", "off"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
