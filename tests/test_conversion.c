@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "conversion_helpers.h"
 #include "limit/springs.h"
+#include "run/verdict.h"
 #include "run_helpers.h"
 #include "sim/flow.h"
 
@@ -701,9 +702,80 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
             assert_true(gn_conversion_elements(w) < then);
             assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
             assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
+            assert_memory_equal(&w->couple, &a->world.couple, sizeof w->couple);
         }
+        assert_true(a->world.couple.corrected.scale > 0.0);
         for (int r = 0; r < 3; r++) run_end(all[r]);
     }
+}
+
+/* --- what is told --- */
+
+/* A block that flies and turns, of which a corner converts. */
+static gn_run *turned_run(const block *s) {
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    text *t = text_of(s);
+    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    free(t);
+    set_elements(&run->world, move_rigidly, turned);
+    convert(&run->world, 0.0, 2e-3, 0.0, 2e-3);
+    assert_string_equal(run->world.halt, "");
+    return run;
+}
+
+static const char *said_of(const gn_run *run, const char *name, gn_warnings *list) {
+    gneiss_error error = {0};
+    assert_int_equal(gn_run_warnings(run, list, &error), GNEISS_OK);
+    for (size_t k = 0; k < list->count; k++)
+        if (strcmp(list->warning[k].name, name) == 0) return list->warning[k].text;
+    return NULL;
+}
+
+/* What turns rigidly has as much more angular momentum as inertia: of a small body of elements no
+ * larger than particles 1 % and more, of a larger one with larger elements far less. */
+static void a_run_tells_what_conversion_does_to_angular_momentum(void **state) {
+    (void)state;
+    const block blocks[] = {{.cells = {15, 8, 0}},
+                            {.cells = {4, 4, 0}, .finer = 2, .distortion = 0.2, .thin = 2e-3}};
+    for (int k = 0; k < 2; k++) {
+        gn_warnings list;
+        gn_run *run = turned_run(&blocks[k]);
+        const gn_corrections *c = &run->world.couple.corrected;
+        const char *said = said_of(run, "conversion_missed", &list);
+        double share = 0.0, inertia = 0.0;
+        print_message("# %g of %g N m s, inertia %g: %s\n", c->most, c->scale, c->inertia,
+                      said ? said : "");
+        assert_near(c->most, fabs(c->inertia) * c->scale, 1e-3 * c->most);
+        assert_true((k == 1) == (said != NULL));
+        assert_true((k == 1) == (c->most > 0.01 * c->scale));
+        if (said) {
+            assert_int_equal(sscanf(strstr(said, "in all, "), "in all, %lf %%", &share), 1);
+            assert_int_equal(sscanf(strstr(said, "inertia by "), "inertia by %lf %%", &inertia), 1);
+            assert_near(share, 100.0 * c->most / c->scale, 0.05 * share);
+            assert_near(fabs(inertia), share, 0.06 * share);
+        }
+        run_end(run);
+    }
+}
+
+/* More warnings than there is room for write over the last. */
+static void a_full_list_of_warnings_takes_no_more(void **state) {
+    (void)state;
+    struct {
+        gn_warnings list;
+        uint64_t guard;
+    } *q = calloc(1, sizeof *q);
+    q->guard = 0x5a5a5a5a5a5a5a5aULL;
+    for (int k = 0; k < GN_WARNINGS_MAX + 2; k++)
+        gn_warnings_add(&q->list, k == GN_WARNINGS_MAX + 1 ? "last" : "one")->text[639] = '\0';
+    assert_int_equal(q->list.count, GN_WARNINGS_MAX);
+    assert_string_equal(q->list.warning[GN_WARNINGS_MAX - 1].name, "last");
+    assert_true(q->guard == 0x5a5a5a5a5a5a5a5aULL);
+    free(q);
 }
 
 /* Largest and least time between two rows of the history; returns how many there are. */
@@ -804,7 +876,7 @@ static void what_cannot_convert_is_refused(void **state) {
                    "expected constraint: penalty beside it, found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
-                   "sets[0].motion: expected no sets that move or push");
+                   "sets[0].motion: expected no sets that move, hold or push");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\ncouple: {",
                    "sets[0].initial_velocity: expected none beside couple.convert");
@@ -866,6 +938,8 @@ int main(void) {
         cmocka_unit_test(what_is_driven_does_not_convert),
         cmocka_unit_test(what_reactions_jump_by_is_booked),
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
+        cmocka_unit_test(a_run_tells_what_conversion_does_to_angular_momentum),
+        cmocka_unit_test(a_full_list_of_warnings_takes_no_more),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
         cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
         cmocka_unit_test(a_row_at_a_conversion_counts_both_sides_after_it),

@@ -121,6 +121,119 @@ static void conversions_keep_both_momenta(void **state) {
             }
 }
 
+/* --- what jumps --- */
+
+static void fly(const double *x, const void *of, double u[3], double v[3]) {
+    const double *way = of;
+    move_rigidly(x, turned, u, v);
+    v[0] += *way;
+}
+
+/* Angular momentum and, about the axis z, inertia about its own centre. */
+typedef struct own {
+    double centre[3], turning[3], inertia;
+} own;
+
+static own own_of(const gn_world *w) {
+    const whole s = whole_of(w);
+    own o = {.inertia = s.inertia};
+    double lever[3];
+    for (int a = 0; a < 3; a++) o.centre[a] = s.moment[a] / s.mass;
+    gn_cross3(o.centre, s.momentum, lever);
+    for (int a = 0; a < 3; a++) o.turning[a] = s.turning[a] - lever[a];
+    o.inertia -= s.mass * (o.centre[0] * o.centre[0] + o.centre[1] * o.centre[1]);
+    return o;
+}
+
+/* In the plane, m v r of what is left of the velocities without the motion as a whole. */
+static double vibration_of(const gn_world *w) {
+    const whole s = whole_of(w);
+    const own o = own_of(w);
+    const double left = s.energy - 0.5 * gn_dot3(s.momentum, s.momentum) / s.mass -
+                        0.5 * o.turning[2] * o.turning[2] / o.inertia;
+    return sqrt(2.0 * fmax(left, 0.0) * o.inertia);
+}
+
+static const double corners[3][2][3] = {{{0.0, 0.0, 0.0}, {2e-3, 2e-3, 2e-3}},
+                                        {{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 4e-3}},
+                                        {{26e-3, 0.0, 0.0}, {30e-3, 2e-3, 2e-3}}};
+
+/* Converts at corners and amid, and sums up what that does to the body as a whole; [2] N m s: the
+ * largest change of angular momentum; the largest that it had, or of its vibration. */
+static gn_world *convert_and_sum(const block *s, field *motion, const void *of, own *sum,
+                                 double size[2]) {
+    gn_world *w = block_of(s);
+    gneiss_error error = {0};
+    *sum = (own){0};
+    set_elements(w, motion, of);
+    measured_step(w);
+    for (int k = 0; k < 3; k++) {
+        const own was = own_of(w);
+        const double vibration = vibration_of(w);
+        if (convert_box(w, corners[k][0], corners[k][1], &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        const own is = own_of(w);
+        for (int a = 0; a < 3; a++) sum->centre[a] += is.centre[a] - was.centre[a];
+        for (int a = 0; a < 3; a++) sum->turning[a] += is.turning[a] - was.turning[a];
+        sum->inertia += is.inertia / was.inertia - 1.0;
+        size[0] = fmax(size[0], sqrt(gn_dot3(sum->turning, sum->turning)));
+        size[1] = fmax(size[1], sqrt(gn_dot3(was.turning, was.turning)));
+        if (!s->space) size[1] = fmax(size[1], vibration);
+    }
+    assert_string_equal(w->halt, "");
+    return w;
+}
+
+static void what_a_conversion_does_to_the_whole_body_is_summed_up(void **state) {
+    (void)state;
+    field *motions[] = {fly, turn_and_stretch, stir};
+    const block blocks[] = {{.cells = {15, 8, 0}},
+                            {.cells = {15, 8, 0}, .couple = ", spins: slaved"},
+                            {.cells = {15, 8, 0}, .finer = 2, .distortion = 0.2, .thin = 3e-3},
+                            {.cells = {15, 4, 4}, .space = true}};
+    for (int k = 0; k < 4; k++)
+        for (int m = 0; m < 3; m++) {
+            const double of = m == 0 ? 20.0 : blocks[k].space;
+            double size[2] = {0.0};
+            own sum;
+            gn_world *w = convert_and_sum(&blocks[k], motions[m], &of, &sum, size);
+            const gn_corrections *c = &w->couple.corrected;
+            const whole now = whole_of(w);
+            const double rounding = 1e-11 * sqrt(2.0 * now.mass * now.energy) * 0.03;
+            print_message("# block %d, motion %d: %.3g of %.3g N m s, %.3g m, %.3g\n", k, m,
+                          c->most, c->scale, c->centre[0], c->inertia);
+            for (int a = 0; a < 3; a++) assert_near(c->turned[a], sum.turning[a], rounding);
+            for (int a = 0; a < 3; a++) assert_near(c->centre[a], sum.centre[a], 1e-14);
+            if (!blocks[k].space) assert_near(c->inertia, sum.inertia, 1e-11);
+            assert_near(c->most, size[0], rounding);
+            if (blocks[k].space)
+                assert_true(c->scale > size[1] - rounding);
+            else
+                assert_near(c->scale, size[1], 1e-6 * size[1]);
+            world_end(w);
+        }
+}
+
+/* A body that flies and turns goes on as it does: what its angular momentum about its centre
+ * changes by is what its inertia does, however fast it flies. */
+static void who_flies_and_turns_rigidly_keeps_its_spin(void **state) {
+    (void)state;
+    const block s = {.cells = {15, 8, 0}};
+    double change[2];
+    for (int k = 0; k < 2; k++) {
+        const double way = k ? 1000.0 : 0.0;
+        double size[2] = {0.0};
+        own sum;
+        gn_world *w = convert_and_sum(&s, fly, &way, &sum, size);
+        const gn_corrections *c = &w->couple.corrected;
+        change[k] = c->turned[2];
+        assert_true(fabs(c->inertia) > 1e-6);
+        assert_near(c->turned[2] / c->scale, c->inertia, 1e-3 * fabs(c->inertia));
+        world_end(w);
+    }
+    assert_near(change[1], change[0], 1e-6 * fabs(change[0]));
+}
+
 /* --- a disordered packing --- */
 
 static gn_world *packed(void) {
@@ -386,6 +499,42 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
         }
 }
 
+/* Nodes at (14, 8) mm that are watched: as few as they are, all of the body cannot convert. */
+static void what_is_only_watched_is_told_by_name(void **state) {
+    (void)state;
+    static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",
+                      aside[] = "{min: [16 mm, -1, -1], max: [1, 1, 1]}";
+    for (int space = 0; space < 2; space++)
+        for (int k = 0; k < 4; k++) {
+            char motions[512], box[128], said[512];
+            gneiss_error error = {0};
+            const double low[3] = {0.0}, high[3] = {1.0, 1.0, 1.0};
+            snprintf(box, sizeof box, at, space ? "1" : "0");
+            snprintf(motions, sizeof motions, ", motions: [{name: gauge, %s%s}%s%s%s]", box,
+                     k == 1 ? ", motion: {vx: 0}" : "", k == 2 ? ", {name: arm, " : "",
+                     k == 2 ? box : "", k == 2 ? ", motion: {vx: 0}}" : "");
+            const block s = {.cells = {15, 8, space ? 2 : 0},
+                             .space = space,
+                             .elements = motions,
+                             .box = k < 3   ? NULL
+                                    : space ? aside
+                                            : "{min: [16 mm, -1], max: [1, 1]}"};
+            gn_world *w = block_of(&s);
+            assert_string_equal(gn_conversion_watches(w, said, sizeof said), said);
+            assert_true((k == 0) == (strstr(said, "'gauge', which only watches") != NULL));
+            assert_true((k == 0) == (said[0] != '\0'));
+            assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
+            print_message("# %s\n", w->halt);
+            assert_true((k == 0) == gn_conversion_met_watched(w));
+            assert_true(
+                (k == 0) ==
+                (strstr(w->halt, "nodes of motion 'gauge', which is only watched") != NULL));
+            assert_true((k == 1 || k == 2) ==
+                        (strstr(w->halt, "has nodes of a motion or a load") != NULL));
+            world_end(w);
+        }
+}
+
 static void places_that_are_looked_at_stay_as_they_were(void **state) {
     (void)state;
     const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
@@ -412,9 +561,12 @@ int main(void) {
         cmocka_unit_test(those_around_go_along_and_what_the_body_has_is_kept),
         cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
         cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
+        cmocka_unit_test(what_is_only_watched_is_told_by_name),
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
+        cmocka_unit_test(what_a_conversion_does_to_the_whole_body_is_summed_up),
+        cmocka_unit_test(who_flies_and_turns_rigidly_keeps_its_spin),
         cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
         cmocka_unit_test(springs_of_another_stiffness_are_told_by_how_much),
         cmocka_unit_test(parts_of_what_is_booked_add_up),

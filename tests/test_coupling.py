@@ -332,6 +332,54 @@ def conversion_that_comes_to_what_is_driven_says_so(folder):
 
 
 @fact
+def nodes_that_are_only_watched_are_told_before_conversion_comes_to_them(folder):
+    scene = write_scene(folder, PULLED.replace("couple:", "    - {name: mid, box: {min: [13.9 mm, 7.9 mm], max: [14.1 mm, 8.1 mm]}}\ncouple:"))
+    everywhere = ("--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=4 mm")
+    words = r"warning: 'mid', which only watches \(elements\.motions\), has nodes in couple\.convert\.box: elements there stay.*sets of particles"
+    for command in ("check", "plan"):
+        assert re.search(words, gneiss(command, scene, *everywhere).stdout), command
+        assert "only watch" not in gneiss(command, write_scene(folder, PULLED, "none.yaml"), *everywhere).stdout
+    out = os.path.join(folder, "out")
+    done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves meet in the middle
+    assert re.search("gneiss: " + words, done.stderr), done.stderr
+    said = warnings_of(out).get("conversion_halted", "")
+    assert "has nodes of motion 'mid', which is only watched; sets of particles, which may sleep, can watch there instead" in said, said
+
+
+@fact
+def a_set_that_moves_particles_of_a_zone_is_named_at_its_place(folder):
+    for what, key in (("motion: {vx: 1}", "motion"), ("motion: {vx: [[0, 0], [1 ms, 1]]}", "motion"), ("force: [1, 0]", "force")):
+        scene = write_scene(folder, ZONE + "sets:\n  - {name: other, select: {all: true}}\n  - {name: a, select: {box: {min: [15 mm, -1], max: [1, 1]}}, %s}\n" % what)
+        line = 1 + [k for k, text in enumerate(open(scene, encoding="utf-8")) if "name: a," in text][0]
+        expect(gneiss("check", scene), 2, rf"scene\.yaml:{line}:5: sets\[1\]\.{key}: expected particles of zones that no set pushes or moves .*found particle \d+ of set 'a'")
+
+
+@fact
+def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
+    scene = write_scene(folder, PULLED)
+    for setting, words in (("couple.constraint=penalty", "expected no couple.constraint but lumped beside couple.convert, found penalty"),
+                           ("couple.constraint=consistent", "beside couple.convert, found consistent"),
+                           ("elements.formulation=mixed", "expected no mixed form beside couple.convert, found mixed"),
+                           ("sets=[{name: a, select: {all: true}, motion: {vx: 0}}]", "expected no sets that move, hold or push beside couple.convert, .*, found set 'a'")):
+        expect(gneiss("check", scene, "--set", setting), 2, words)
+
+
+@fact
+def every_warning_of_a_run_is_in_the_documentation_and_in_the_list(folder):
+    names, sources = set(), os.path.join(ROOT, "src", "run")
+    for name in os.listdir(sources):
+        if name.startswith("verdict"):
+            with open(os.path.join(sources, name), encoding="utf-8") as file:
+                text = file.read()
+            names |= set(re.findall(r'\b(?:add|gn_warnings_add|warn_of_passing)\(\s*(?:run, )?list,[^"]{0,40}"(\w+)"', text))
+    with open(os.path.join(ROOT, "docs", "results.md"), encoding="utf-8") as file:
+        documented = set(re.findall(r"^\| `(\w+)` \|", file.read().split("## Warnings")[1].split("The residual is")[0], re.M))
+    assert names == documented, names ^ documented
+    with open(os.path.join(sources, "run.h"), encoding="utf-8") as file:
+        assert len(names) <= int(re.search(r"GN_WARNINGS_MAX = (\d+)", file.read()).group(1)), len(names)
+
+
+@fact
 def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
     scene = write_scene(folder, PULLED)
     for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer: 4 mm on one side of those in the middle

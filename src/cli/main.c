@@ -10,6 +10,7 @@
 #include "cli/sweep.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "sim/conversion.h"
 #include "sweep/sweep.h"
 
 #include <omp.h>
@@ -69,6 +70,8 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
     if (*gn_world_light_body(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (gn_stage_is_overlong(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (*gn_conversion_watches(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));
     GN_TRY(gn_print_beginning(o, run, error));

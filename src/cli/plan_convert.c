@@ -17,6 +17,8 @@ static void print_sleepers(const gn_world *w, const gn_foreseen *f) {
     if (f->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them by themselves, rigorous bound %.6g s\n",
                f->all.sharp, f->all.bound);
+    char watched[GNEISS_MESSAGE_SIZE];
+    if (*gn_conversion_watches(w, watched, sizeof watched)) printf("  warning: %s\n", watched);
 }
 
 /* Where a stage has an end that may come at another time, what comes after it does as well. */
@@ -234,6 +236,11 @@ void gn_print_conversion(gn_world *w, int *warnings) {
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
            gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
+    char watched[GNEISS_MESSAGE_SIZE];
+    if (*gn_conversion_watches(w, watched, sizeof watched)) {
+        printf("  warning: %s\n", watched);
+        (*warnings)++;
+    }
     printf("  masses           %.4g times those of the elements\n", f.mass);
     const gn_convert_def *def = &w->scene.couple.convert;
     if (def->relax > 0.0)

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 16 };
+enum { FORMAT = 17 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)

@@ -165,6 +165,10 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
     gn_json_integer(j, "missed", (int64_t)c->missed);
     gn_json_number(j, "least", c->missed > 0.0 ? c->least : 1.0);
     gn_json_number(j, "kinetic", c->energy);
+    gn_json_number(j, "turned", sqrt(gn_dot3(c->turned, c->turned)));
+    gn_json_number(j, "turned_most", c->scale > 0.0 ? c->most / c->scale : 0.0);
+    gn_json_number(j, "centre", sqrt(gn_dot3(c->centre, c->centre)));
+    gn_json_number(j, "inertia", c->inertia);
     gn_json_object(j, "booked");
     gn_json_number(j, "sampled", p->sampled);
     gn_json_number(j, "stiffness", p->stiffness);

@@ -52,7 +52,10 @@ gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
     return fail(run, " at the end", error);
 }
 
+/* There is room for all that can be said (tests/test_coupling.py counts): else the last is written
+ * over. */
 gn_warning *gn_warnings_add(gn_warnings *list, const char *name) {
+    if (list->count == GN_WARNINGS_MAX) list->count--;
     gn_warning *to = &list->warning[list->count++];
     to->name = name;
     return to;
@@ -202,6 +205,11 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
             "the zone has to be wider than %g m (couple.convert.width), three elements and six "
             "particles, or elements larger there",
             w->scene.couple.convert.width);
+    else if (gn_conversion_met_watched(w))
+        snprintf(to->text + told, sizeof to->text - (size_t)told,
+                 "sets of particles, which may sleep, can watch there instead (sets: select "
+                 "without motion)%s",
+                 gn_conversion_left_bare(w) ? ", or elements be no smaller than particles" : "");
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "what is driven or loaded has to be farther from what converts, or "

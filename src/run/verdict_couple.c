@@ -137,6 +137,23 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
              made / gn_energy_scale(e), gn_energy_scale(e), what);
 }
 
+/* Of the most angular momentum that the body had, or m v r of its vibration (gn_tally_turns). */
+static const double turned_most = 0.01;
+
+static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
+    const gn_corrections *c = &run->world.couple.corrected;
+    if (!(c->most > turned_most * c->scale)) return;
+    gn_warning *to = gn_warnings_add(list, "conversion_missed");
+    snprintf(to->text, sizeof to->text,
+             "elements that turned into particles changed the body's angular momentum by up to "
+             "%.3g kg m2/s in all, %.2g %% of the most that it had (or of m v r of how it "
+             "vibrates), its moment of inertia by %.2g %% and the place of its centre of mass by "
+             "%.2g m: zones could not keep them; zones of more elements (couple.convert.width), "
+             "and elements of two diameters of particles and more, keep more",
+             c->most, 100.0 * c->most / c->scale, 100.0 * c->inertia,
+             sqrt(gn_dot3(c->centre, c->centre)));
+}
+
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_relaxations *r = &w->couple.relaxed;
@@ -188,6 +205,7 @@ gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_e
     warn_of_zone_ends(run, list);
     warn_of_packing(run, list);
     warn_of_conversion(run, list);
+    warn_of_jumps(run, list);
     warn_of_relaxation(run, list);
     return warn_of_rest(run, list, error);
 }

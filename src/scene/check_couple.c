@@ -108,12 +108,15 @@ static gneiss_status check_convert_set(const check *c, const gn_set_def *set) {
         if (!acts[k].found) continue;
         return acts[k].instead
                    ? gn_check_fail(c, acts[k].key,
-                                   "expected no sets that move or push beside couple.convert, as "
-                                   "particles sleep and follow elements (%s do it)",
-                                   acts[k].instead)
+                                   "expected no sets that move, hold or push beside "
+                                   "couple.convert, as particles sleep and follow elements (%s do "
+                                   "it), found set '%s'",
+                                   acts[k].instead, set->name)
                    : gn_check_fail(c, acts[k].key,
                                    "expected none beside couple.convert, as particles sleep and "
-                                   "wake with the motion of their elements, which start at rest");
+                                   "wake with the motion of their elements, which start at rest, "
+                                   "found that of set '%s'",
+                                   set->name);
     }
     return GNEISS_OK;
 }
@@ -141,22 +144,23 @@ static gneiss_status check_convert_walls(const check *c, const gn_scene *s) {
 static gneiss_status check_convert_beside(const check *c, const gn_scene *s, const gn_node *root) {
     const struct {
         bool found;
-        const char *key, *expected;
+        const char *key, *expected, *instead;
     } others[] = {
-        {s->couple.zone_count > 0, "couple.zones", "no couple.zones"},
+        {s->couple.zone_count > 0, "couple.zones", "no couple.zones", "some"},
         {s->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
-         "no couple.constraint but lumped"},
-        {s->body_count > 0, "bodies", "no bodies"},
-        {s->has_membrane, "membrane", "no membrane"},
-        {s->has_pulse, "initial.pulse", "no initial.pulse"},
-        {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity"},
+         "no couple.constraint but lumped",
+         s->couple.constraint == GN_COUPLE_PENALTY ? "penalty" : "consistent"},
+        {s->body_count > 0, "bodies", "no bodies", "some"},
+        {s->has_membrane, "membrane", "no membrane", "one"},
+        {s->has_pulse, "initial.pulse", "no initial.pulse", "one"},
+        {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity", "some"},
         {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
-         "no mixed form"},
-        {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on"}};
+         "no mixed form", "mixed"},
+        {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on", "off"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
-            return gn_check_fail(c, others[k].key, "expected %s beside couple.convert",
-                                 others[k].expected);
+            return gn_check_fail(c, others[k].key, "expected %s beside couple.convert, found %s",
+                                 others[k].expected, others[k].instead);
     GN_TRY(check_convert_walls(c, s));
     for (size_t k = 0; k < s->set_count; k++) {
         const check element = gn_check_element(c->reader, root, "sets", k);

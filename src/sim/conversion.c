@@ -395,9 +395,11 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_fem_keep(b, c->kind, error));
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(make_lists(c, &before, error));
+    const gn_tally now = gn_conversion_tally(c);
+    gn_conversion_note_jumps(c, &before, &now);
     memcpy(held.woken, c->woken, sizeof held.woken);
     held.after = gn_conversion_held(c);
-    gn_conversion_book(w, &held, before.energy - gn_conversion_tally(c).energy);
+    gn_conversion_book(w, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 

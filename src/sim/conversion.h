@@ -61,6 +61,11 @@ gneiss_status gn_conversion_rehearse(gn_world *world, uint8_t *kind, int *rings,
 bool gn_conversion_left_box(const gn_world *world);
 /* That particles are too few for the mass of what would go. */
 bool gn_conversion_was_thin(const gn_world *world);
+/* That it came to elements whose nodes a motion only watches. */
+bool gn_conversion_met_watched(const gn_world *world);
+/* What is to be said of motions that only watch nodes of elements which would convert otherwise,
+ * in `text`, which it returns; "" where none does. */
+const char *gn_conversion_watches(const gn_world *world, char *text, size_t size);
 /* Whether nodes of what is driven or loaded would have had too little of the body. */
 bool gn_conversion_left_bare(const gn_world *world);
 

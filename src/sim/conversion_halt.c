@@ -9,11 +9,16 @@
 
 static const char outside[] = "is not in couple.convert.box";
 static const char driven[] = "has nodes of a motion or a load";
+static const char watched[] = "which is only watched";
 static const char too_light[] = "too much to be made up for by the";
 static const char bare[] = "conversion would leave ";
 
 bool gn_conversion_left_box(const gn_world *w) {
     return strstr(w->halt, outside);
+}
+
+bool gn_conversion_met_watched(const gn_world *w) {
+    return strstr(w->halt, watched);
 }
 
 bool gn_conversion_was_thin(const gn_world *w) {
@@ -48,19 +53,57 @@ void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
                          (b->dimension + 1);
 }
 
+/* Of a motion that only watches: whether it does a node of an element. */
+static bool watches(const gn_element_model *q, size_t motion, size_t e) {
+    const gn_fem_set *set = &q->motion_set[motion];
+    bool any = false;
+    for (int a = 0; a <= q->solid.dimension && q->motion[motion] < 0; a++)
+        for (size_t n = 0; n < set->count && !any; n++)
+            any = set->node[n] == gn_elements_node(&q->solid.elements, a)[e];
+    return any;
+}
+
+/* The most of the nodes of an element. */
+static gn_node_use use_of(const gn_fem_solid *b, const uint8_t *use, size_t e) {
+    uint8_t most = GN_NODE_FREE;
+    for (int a = 0; a <= b->dimension; a++) {
+        const uint8_t here = use[gn_elements_node(&b->elements, a)[e]];
+        if (here > most) most = here;
+    }
+    return (gn_node_use)most;
+}
+
+/* What holds an element: a motion that does more than watch, or a load, where there is one. */
+static const char *held_by(const gn_world *w, size_t e, char *text, size_t size) {
+    const gn_element_model *q = w->elements[0];
+    uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
+    const char *said = driven;
+    if (!use) return said;
+    gn_elements_driven(q, use);
+    for (size_t k = 0; use_of(&q->solid, use, e) == GN_NODE_WATCHED && k < q->def->motion_count;
+         k++) {
+        if (!watches(q, k, e)) continue;
+        snprintf(text, size, "has nodes of motion '%.30s', %s", q->def->motions[k].name, watched);
+        said = text;
+        break;
+    }
+    gn_free(use);
+    return said;
+}
+
 /* The model stays as it was: it has all of its elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
     gn_world *w = c->world;
     const gn_fem_solid *b = gn_coupled_solid(w);
     double centre[3];
-    char at[GN_POINT_SIZE], side[16];
+    char at[GN_POINT_SIZE], side[16], by[128];
     gn_conversion_centre(b, (size_t)e, centre);
     const int told = snprintf(w->halt, sizeof w->halt,
                               "conversion would have to go on to element %d at %.80s m, which ",
                               b->elements.id[e], gn_point_text(b->origin, centre, at));
     const size_t left = sizeof w->halt - (size_t)told;
     if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->halt + told, left, "%s", driven);
+        snprintf(w->halt + told, left, "%s", held_by(w, (size_t)e, by, sizeof by));
     else
         snprintf(w->halt + told, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
@@ -199,11 +242,12 @@ static bool holds_shared(const gn_conversion *c) {
 static void halt_bare(const gn_conversion *c, size_t e, double share) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
     double centre[3];
-    char at[GN_POINT_SIZE];
+    char at[GN_POINT_SIZE], by[128];
     gn_conversion_centre(b, e, centre);
     snprintf(c->world->halt, sizeof c->world->halt,
              "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
-             b->elements.id[e], gn_point_text(b->origin, centre, at), driven);
+             b->elements.id[e], gn_point_text(b->origin, centre, at),
+             held_by(c->world, e, by, sizeof by));
 }
 
 gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
@@ -227,4 +271,57 @@ gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
     *found = share < least;
     if (*found) halt_bare(c, at, share);
     return GNEISS_OK;
+}
+
+/* --- what is only watched --- */
+
+/* Marks nodes [nodes] of elements that nothing else keeps from going, then motions [motions]. */
+static void find_watching(const gn_element_model *q, const uint8_t *kind, const uint8_t *use,
+                          uint8_t *node, uint8_t *found) {
+    const gn_elements *elements = &q->solid.elements;
+    for (size_t e = 0; e < elements->soa.count; e++)
+        if (kind[e] == GN_FRONT_HELD && use_of(&q->solid, use, e) == GN_NODE_WATCHED)
+            for (int a = 0; a <= q->solid.dimension; a++)
+                node[gn_elements_node(elements, a)[e]] = 1;
+    for (size_t k = 0; k < q->def->motion_count; k++)
+        for (size_t n = 0; n < q->motion_set[k].count && q->motion[k] < 0; n++)
+            found[k] = found[k] || node[q->motion_set[k].node[n]];
+}
+
+static void say_who_watches(const gn_element_model *q, const uint8_t *found, char *text,
+                            size_t size) {
+    enum { NAMED = 3 };
+    char names[3 * 80] = "";
+    size_t count = 0, used = 0;
+    for (size_t k = 0; k < q->def->motion_count; k++) {
+        if (!found[k] || count++ >= NAMED) continue;
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s'%.60s'", used ? ", " : "",
+                                 q->def->motions[k].name);
+    }
+    if (!count) return;
+    snprintf(text, size,
+             "%s%s, which only watch%s (elements.motions), ha%s nodes in couple.convert.box: "
+             "elements there stay, and conversion that comes to them ends the run; sets of "
+             "particles, which may sleep, can watch instead (sets: select without motion)",
+             names, count > NAMED ? " and others" : "", count == 1 ? "es" : "",
+             count == 1 ? "s" : "ve");
+}
+
+const char *gn_conversion_watches(const gn_world *w, char *text, size_t size) {
+    const size_t elements = gn_converts(w) ? gn_conversion_elements(w) : 0;
+    *text = '\0';
+    if (!elements) return text;
+    const gn_element_model *q = w->elements[0];
+    const size_t nodes = q->solid.nodes.soa.count;
+    uint8_t *kind = gn_alloc(elements + 1), *use = gn_alloc(2 * nodes + 1),
+            *found = gn_alloc(q->def->motion_count + 1);
+    if (kind && use && found && gn_conversion_kinds(w, kind, NULL) == GNEISS_OK) {
+        gn_elements_driven(q, use);
+        find_watching(q, kind, use, use + nodes, found);
+        say_who_watches(q, found, text, size);
+    }
+    gn_free(kind);
+    gn_free(use);
+    gn_free(found);
+    return text;
 }

@@ -134,4 +134,12 @@ bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double 
 /* Velocities (conversion_momentum.c), with these masses scaled. */
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who);
 
+/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
+ * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
+ * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+double gn_tally_turns(const gn_tally *t, size_t dimension);
+/* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
+ * conversion is done. */
+void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);
+
 #endif

@@ -319,3 +319,41 @@ void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before,
     all->wider += wider;
     all->missed += !taken;
 }
+
+/* --- what jumped --- */
+
+/* kg m2 of the polar moment. */
+static double polar_of(size_t dimension, const gn_tally *own) {
+    return own->second[0] + (dimension == 3 ? own->second[1] + own->second[2] : 0.0);
+}
+
+/* About its own centre of mass. */
+static gn_tally about_own(const gn_tally *t, size_t dimension, double centre[3]) {
+    for (int a = 0; a < 3; a++) centre[a] = t->moment[a] / t->mass;
+    return gn_tally_about(t, dimension, centre);
+}
+
+double gn_tally_turns(const gn_tally *t, size_t dimension) {
+    double centre[3];
+    const gn_tally own = about_own(t, dimension, centre);
+    const double r = sqrt(polar_of(dimension, &own) / t->mass);
+    const double least = least_changed * sqrt(2.0 * t->mass * t->energy);
+    return fmax(sqrt(gn_dot3(own.turning, own.turning)),
+                r * (t->mass * speed_of(dimension, t) + least));
+}
+
+/* Whatever moves the body on between two conversions keeps what these did to its angular momentum
+ * and to the place of its centre, if it flies: vectors add up. */
+void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
+    const size_t d = (size_t)c->world->scene.dimension;
+    gn_corrections *all = &c->world->couple.corrected;
+    double from[3], to[3];
+    const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
+    for (int a = 0; a < 3; a++) {
+        all->turned[a] += is.turning[a] - was.turning[a];
+        all->centre[a] += to[a] - from[a];
+    }
+    all->inertia += polar_of(d, &is) / polar_of(d, &was) - 1.0;
+    all->most = fmax(all->most, sqrt(gn_dot3(all->turned, all->turned)));
+    all->scale = fmax(all->scale, gn_tally_turns(before, d));
+}

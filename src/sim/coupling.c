@@ -57,26 +57,43 @@ static bool all_zero(const gn_table *table) {
     return true;
 }
 
+/* The set whose force acts on a particle, and is none of 0; -1: none does. */
+static int32_t pushed_by(const gn_world *w, size_t p) {
+    const double *force = w->dem.particles.applied;
+    bool pushed = false;
+    for (size_t a = 0; force && a < 3; a++) pushed = pushed || force[4 * p + a] != 0.0;
+    for (size_t k = 0; pushed && k < w->scene.set_count; k++) {
+        const gn_set_def *s = &w->scene.sets[k];
+        if (s->has_force && gn_dot3(s->force, s->force) > 0.0 && gn_set_selected(w, k, p))
+            return (int32_t)k;
+    }
+    return -1;
+}
+
+/* The same of a motion. */
+static int32_t moved_by(const gn_world *w, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
+        const int32_t set = w->dem.channel_set[6 * q->slot[p] + k];
+        if (set < 0) continue;
+        const gn_motion *m = &w->scene.sets[set].motion;
+        if (!all_zero(k < 3 ? &m->velocity[k] : &m->spin[k - 3])) return set;
+    }
+    return -1;
+}
+
 /* What is done to particles of zones is done to nodes; they may be held where nodes are held. */
 static gneiss_status check_free(const gn_world *w, const gn_tie *tie, gneiss_error *error) {
     const size_t p = (size_t)tie->id;
-    const gn_particles *q = &w->dem.particles;
-    bool driven = false;
-    char message[256];
-    for (size_t a = 0; q->applied && a < 3; a++) driven = driven || q->applied[4 * p + a] != 0.0;
-    for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
-        int32_t set = w->dem.channel_set[6 * q->slot[p] + k];
-        if (set < 0) continue;
-        const gn_motion *m = &w->scene.sets[set].motion;
-        driven = driven || !all_zero(k < 3 ? &m->velocity[k] : &m->spin[k - 3]);
-    }
-    if (!driven) return GNEISS_OK;
-    snprintf(
-        message, sizeof message,
-        "expected particles of zones that no set pushes or moves (the nodes there lead), found "
-        "particle %d",
-        tie->id);
-    return refuse(w, w->scene.couple.where, "", message, error);
+    const int32_t pushed = pushed_by(w, p), set = pushed >= 0 ? pushed : moved_by(w, p);
+    char key[64];
+    if (set < 0) return GNEISS_OK;
+    const gn_set_def *s = &w->scene.sets[set];
+    snprintf(key, sizeof key, "sets[%d].%s", (int)set, pushed >= 0 ? "force" : "motion");
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particles of zones that no set pushes or moves (the nodes there "
+                   "lead: elements.loads, elements.motions), found particle %d of set '%s'",
+                   gn_scene_at(&w->scene, s->where, key).text, tie->id, s->name);
 }
 
 static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
@@ -449,8 +466,8 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     }
     for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
     GN_TRY(find(w, q, error));
-    GN_TRY(gn_zones_check(w, &(*q)->ties, error));
     for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
+    GN_TRY(gn_zones_check(w, &(*q)->ties, error));
     weigh(w, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;

@@ -566,11 +566,17 @@ gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static void mark(const int32_t *node, size_t count, uint8_t as, uint8_t *driven) {
+    for (size_t n = 0; n < count; n++)
+        if (driven[node[n]] < as) driven[node[n]] = as;
+}
+
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven) {
     for (size_t k = 0; k < q->def->motion_count; k++)
-        for (size_t n = 0; n < q->motion_set[k].count; n++) driven[q->motion_set[k].node[n]] = 1;
+        mark(q->motion_set[k].node, q->motion_set[k].count,
+             q->motion[k] < 0 ? GN_NODE_WATCHED : GN_NODE_DRIVEN, driven);
     for (size_t k = 0; k < q->def->load_count; k++)
-        for (size_t n = 0; n < q->load[k].count; n++) driven[q->load[k].node[n]] = 1;
+        mark(q->load[k].node, q->load[k].count, GN_NODE_DRIVEN, driven);
 }
 
 double gn_elements_stable(const gn_world *w) {

@@ -66,7 +66,8 @@ gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_er
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* The loads of a time become those on the nodes. */
 void gn_elements_set_loads(gn_element_model *q, double time);
-/* Marks the nodes [nodes] of motions, driven or only watched, and of loads. */
+/* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
+typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,

@@ -85,6 +85,12 @@ typedef struct gn_corrections {
     double missed, least; /* where angular momentum was not all made up for; the least part that was
                              in these */
     double energy;        /* J: kinetic, that all of this took, masses included */
+    double turned[3];     /* kg m2/s: what came of it to the angular momentum about the centre of
+                             mass, a vector sum; */
+    double most;          /* the largest that this was; */
+    double scale;         /* the largest that the body had, or m v r of it (gn_tally_turns) */
+    double centre[3];     /* m: by what the centre of mass moved, a vector sum */
+    double inertia;       /* sum of changes of the polar moment about it, each of what it was */
 } gn_corrections;
 
 /* J: what conversions booked, by what made it (conversion_parts.c), since the start, with the sign
