@@ -440,7 +440,7 @@ def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(
         fallen = 100 * (1 - stress[-1] / stress.max())
         assert end["readings"]["flexural_strength"] == stress.max(), end["readings"]
         assert over == ("conversion_halted" not in said) == ("peak_halted" not in said), said
-        words = f"with the stress {fallen:.0f} % below the {stress.max():.4g} Pa that strengths were read off, not the 95 % with which"
+        words = f"with the stress {fallen:.1f} % below the {stress.max():.4g} Pa that strengths were read off, not the 95.0 % with which"
         assert over or fallen < 90 and words in said["peak_halted"], said
 
 

@@ -375,6 +375,40 @@ static void bonds_that_break_in_a_zone_are_told(void **state) {
     free(run);
 }
 
+/* Length and section that a test takes when nothing is said are those of the body, whatever of it
+ * is packed; those of a beam are held against it. */
+static void a_test_takes_its_sizes_from_all_of_the_body(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        gn_world *w = world_of(
+            "dimension: %d\n"
+            "specimen: {group: 1, %s, mean_radius: 1 mm, density_basis: bulk, material: m, "
+            "packing: "
+            "{overlap: passive, region: {min: [12 mm, 0%s], max: [28 mm, 10 mm%s]}}}\n"
+            "materials: [{name: m, density: 2400, contact_modulus: 20e9, kratio: 3, friction: 0.5, "
+            "tensile_strength: 4e6, shear_strength: 12e6}]\n"
+            "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
+            "elements: {%s, materials: [{young: 20e9, poisson: 0.2, density: 2400}], motions: "
+            "[{name: "
+            "a, group: x_lower, motion: {vx: 0}}, {name: b, group: x_upper, motion: {vx: 1 "
+            "mm/s}}]}\n"
+            "couple: {convert: {box: {min: [12 mm, -1 mm%s], max: [28 mm, 11 mm%s]}, width: 4 mm, "
+            "stress: 1 MPa}}\n"
+            "test: {kind: tension, axis: x, lower: a, upper: b}\ntime: {end: 1 ms}\n",
+            space ? 3 : 2,
+            space ? "box: {size: [40 mm, 10 mm, 8 mm]}"
+                  : "rectangle: {width: 40 mm, height: 10 mm}",
+            space ? ", 0" : "", space ? ", 8 mm" : "",
+            space ? "box: {size: [40 mm, 10 mm, 8 mm], cells: [20, 5, 4]}"
+                  : "rectangle: {size: [40 mm, 10 mm], cells: [20, 5]}",
+            space ? ", -1 mm" : "", space ? ", 9 mm" : "");
+        print_message("# length %g m, area %g m2\n", w->test_length, w->test_area);
+        assert_near(w->test_length, 40e-3, 0.1e-3);
+        assert_near(w->test_area, space ? 80e-6 : 10e-3, space ? 1e-6 : 0.1e-3);
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stress_is_whole_through_a_zone),
@@ -387,6 +421,7 @@ int main(void) {
         cmocka_unit_test(a_zone_may_lose_all_its_particles),
         cmocka_unit_test(a_zone_that_has_lost_particles_resumes_with_the_same_bits),
         cmocka_unit_test(bonds_that_break_in_a_zone_are_told),
+        cmocka_unit_test(a_test_takes_its_sizes_from_all_of_the_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

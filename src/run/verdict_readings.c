@@ -93,8 +93,8 @@ static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warn
     gn_warning *to = gn_warnings_add(list, "peak_halted");
     snprintf(
         to->text, sizeof to->text,
-        "conversion ended the run (conversion_halted) with the stress %.0f %% below the %.4g Pa "
-        "that strengths were read off, not the %.0f %% with which a test is over: it might "
+        "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g Pa "
+        "that strengths were read off, not the %.1f %% with which a test is over: it might "
         "have risen above that again",
         100.0 * r->peak_fall, r->peak_stress, 100.0 * drop);
 }

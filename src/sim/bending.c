@@ -113,7 +113,7 @@ static void hold(report *r, const char *key, double given, double low, double hi
 static size_t along_beam(const gn_world *w) {
     size_t axis = (size_t)w->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
     if (w->scene.dimension == 2) return 1 - axis;
-    return w->upper[a] - w->lower[a] >= w->upper[b] - w->lower[b] ? a : b;
+    return gn_world_side(w, (int)a) >= gn_world_side(w, (int)b) ? a : b;
 }
 
 static void hold_spans(const gn_world *w, size_t along, const places *supports, report *r) {
@@ -146,8 +146,17 @@ static void hold_spans(const gn_world *w, size_t along, const places *supports, 
 /* Of particles that are not packed into a shape the surface is known to a radius. */
 static void hold_extent(const gn_world *w, const char *key, double given, size_t axis, report *r) {
     const gn_pack_def *pack = &w->scene.specimen.pack;
-    double low = w->upper[axis] - w->lower[axis], high = low;
+    double low = gn_world_side(w, (int)axis), high = low;
     if (!(given > 0.0)) return;
+    /* Of one body: of elements, or with the particles, which stick out a little where they fill it.
+     */
+    if (w->scene.has_couple) {
+        double lower[3] = {INFINITY, INFINITY, INFINITY},
+               upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+        gn_elements_extent(w, lower, upper);
+        hold(r, key, given, upper[axis] - lower[axis], high, "the specimen has");
+        return;
+    }
     if (pack->shape == GN_SHAPE_NONE && w->dem.particles.soa.count) {
         low -= 2.0 * gn_world_mean_radius(w);
     } else if (pack->shape == GN_SHAPE_RECTANGLE || pack->shape == GN_SHAPE_BOX) {

@@ -180,7 +180,7 @@ double gn_ends_gap(const gn_world *w) {
 
 double gn_ends_free(const gn_world *w) {
     const int normal = (int)w->scene.test.normal;
-    const double height = w->upper[normal] - w->lower[normal], gap = gn_ends_gap(w),
+    const double height = gn_world_side(w, normal), gap = gn_ends_gap(w),
                  least = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w) : 0.0;
     return gap > least && gap < height ? gap : height;
 }

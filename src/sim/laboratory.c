@@ -6,8 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-static double extent(const gn_world *w, int axis) {
-    return w->upper[axis] - w->lower[axis];
+/* m2: the mean section across an axis of the particles' volume, and of the body that they fill a
+ * part of (`couple`) as much as its sides are longer than theirs. */
+static double mean_section(const gn_world *w, int axis) {
+    double section = w->volume / (w->upper[axis] - w->lower[axis]);
+    for (int a = 0; w->scene.has_couple && a < (int)w->scene.dimension; a++)
+        if (a != axis) section *= gn_world_side(w, a) / (w->upper[a] - w->lower[a]);
+    return section;
 }
 
 /* From the diameter; 0: not given. */
@@ -20,13 +25,13 @@ static double given_section(const gn_world *w) {
 static gn_tested_shape prism(const gn_world *w) {
     const gn_test *t = &w->scene.test;
     gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : extent(w, (int)t->axis);
+    s.length = t->length > 0.0 ? t->length : gn_world_side(w, (int)t->axis);
     if (t->area > 0.0)
         s.area = t->area;
     else if (t->diameter > 0.0)
         s.area = given_section(w);
     else
-        s.area = w->volume / s.length;
+        s.area = w->scene.has_couple ? mean_section(w, (int)t->axis) : w->volume / s.length;
     s.section = s.area;
     if (t->area > 0.0 || t->diameter > 0.0) s.volume = s.length * s.area;
     return s;
@@ -37,8 +42,10 @@ static gn_tested_shape prism(const gn_world *w) {
 static gn_tested_shape disc(const gn_world *w) {
     const gn_test *t = &w->scene.test;
     gn_tested_shape s = {0};
-    s.diameter = t->diameter > 0.0 ? t->diameter : extent(w, (int)t->axis);
-    s.thickness = w->scene.dimension == 2 ? 1.0 : t->thickness > 0.0 ? t->thickness : extent(w, 2);
+    s.diameter = t->diameter > 0.0 ? t->diameter : gn_world_side(w, (int)t->axis);
+    s.thickness = w->scene.dimension == 2 ? 1.0
+                  : t->thickness > 0.0    ? t->thickness
+                                          : gn_world_side(w, 2);
     s.length = s.diameter;
     s.area = 0.5 * M_PI * s.diameter * s.thickness;
     s.section = s.diameter * s.thickness;
@@ -50,7 +57,7 @@ static gn_tested_shape disc(const gn_world *w) {
 /* The shorter of the sides that the load is not along. */
 static double beam_thickness(const gn_world *w) {
     int axis = (int)w->scene.test.axis;
-    return fmin(extent(w, (axis + 1) % 3), extent(w, (axis + 2) % 3));
+    return fmin(gn_world_side(w, (axis + 1) % 3), gn_world_side(w, (axis + 2) % 3));
 }
 
 /* A beam of width b on supports S apart, F shared by loads a = (S - s)/2 from them. In the fibre
@@ -60,7 +67,7 @@ static double beam_thickness(const gn_world *w) {
 static gn_tested_shape beam(const gn_world *w) {
     const gn_test *t = &w->scene.test;
     gn_tested_shape s = {0};
-    s.height = t->height > 0.0 ? t->height : extent(w, (int)t->axis);
+    s.height = t->height > 0.0 ? t->height : gn_world_side(w, (int)t->axis);
     s.thickness = w->scene.dimension == 2 ? 1.0
                   : t->thickness > 0.0    ? t->thickness
                                           : beam_thickness(w);
@@ -75,12 +82,12 @@ static gn_tested_shape beam(const gn_world *w) {
  * most of the height, of which the section is the mean all the same. */
 static gn_tested_shape sheared(const gn_world *w) {
     const gn_test *t = &w->scene.test;
-    const double height = extent(w, (int)t->normal);
+    const double height = gn_world_side(w, (int)t->normal);
     gn_tested_shape s = {0};
     s.length = t->length > 0.0 ? t->length : gn_ends_free(w);
     s.area = t->area > 0.0 ? t->area : given_section(w);
     if (s.area > 0.0) s.volume = (t->length > 0.0 ? t->length : height) * s.area;
-    if (!(s.area > 0.0)) s.area = w->volume / height;
+    if (!(s.area > 0.0)) s.area = mean_section(w, (int)t->normal);
     s.section = s.area;
     return s;
 }
@@ -152,7 +159,9 @@ typedef struct region {
 static region region_of(const gn_world *w) {
     gn_tested_shape s = gn_test_shape(w);
     region r = {.radius = 0.5 * s.diameter * w->scene.test.centre};
-    for (int a = 0; a < 2; a++) r.centre[a] = 0.5 * (w->lower[a] + w->upper[a]);
+    double lower[3], upper[3];
+    gn_world_body(w, lower, upper);
+    for (int a = 0; a < 2; a++) r.centre[a] = 0.5 * (lower[a] + upper[a]);
     return r;
 }
 

@@ -153,6 +153,18 @@ double gn_world_porosity(const gn_world *w) {
     return 1.0 - solid / w->volume;
 }
 
+void gn_world_body(const gn_world *w, double lower[3], double upper[3]) {
+    memcpy(lower, w->lower, sizeof w->lower);
+    memcpy(upper, w->upper, sizeof w->upper);
+    if (w->scene.has_couple) gn_elements_extent(w, lower, upper);
+}
+
+double gn_world_side(const gn_world *w, int axis) {
+    double lower[3], upper[3];
+    gn_world_body(w, lower, upper);
+    return upper[axis] - lower[axis];
+}
+
 double gn_world_mean_radius(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     double sum = 0.0;

@@ -281,6 +281,10 @@ const char *gn_world_volume_source(const gn_world *world);
 double gn_world_mass(const gn_world *world);
 /* m; of all rows of particles. */
 double gn_world_mean_radius(const gn_world *world);
+/* m: extent at the start of what is tested: of the particles, radii included, and of the elements
+ * that are one body with them (`couple`), which may be packed in a part of it alone. */
+void gn_world_body(const gn_world *world, double lower[3], double upper[3]);
+double gn_world_side(const gn_world *world, int axis);
 
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_world_porosity(const gn_world *world);
