@@ -355,7 +355,7 @@ static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
                  "%s, cells: [4, 3%s], diagonals: parallel}, materials: [{young: 1e9, poisson: "
                  "0.2, density: 1000}]}\ntime: {end: 1}\n",
                  body[d - 2], d == 3 ? ", 2" : "");
-        gn_world *w = world_of(scene);
+        gn_world *w = world_of("%s", scene);
         const gn_particles *q = &w->elements[0]->solid.nodes;
         size_t inside = 0;
         for (size_t n = 0; n < q->soa.count; n++) {

@@ -102,6 +102,15 @@ def plan_says_where_waves_come_first(folder):
     pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
     first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
     assert first is None and "waves, which may bring a limit that it does not come to at rest" in said, said
+    # A load that stays, of 0.6 MPa: within 1 us it doubles at the end that is held.
+    drawn = "    - {name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, motion: {vx: 0.5 mm/s, vy: 0}}\n"
+    assert drawn in DRAWN
+    for rise, fast in ((1e-6, True), (1e-2, False)):
+        load = "  loads: [{name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, force: {fx: [[0, 0], [%g, 9600]]}}]\n" % rise
+        first, said = first_of(write_scene(folder, DRAWN.replace(drawn, load) + "time: {end: 15 ms}\n"))
+        within = float(re.search(r"the load comes within (\S+) s", said).group(1))
+        assert first is None and abs(within - rise) < 0.1 * rise, said
+        assert ("waves, which may bring a limit that it does not come to at rest" in said) == fast, said
 
 
 @fact
@@ -143,6 +152,8 @@ def check_warns_of_a_thin_zone(folder):
     assert "the zone is thin" not in check().stdout
     thin = check("specimen.lattice.cells=[270, 10]", "specimen.lattice.origin=[330.5 mm, 0]", f"{edge}.to=[331 mm, 0]")
     assert "the zone is thin" in thin.stdout, thin.stdout + thin.stderr
+    three = check("specimen.lattice.cells=[276, 10]", "specimen.lattice.origin=[324.5 mm, 0]", f"{edge}.to=[325 mm, 0]")
+    assert "= 3 elements" in three.stdout and "the zone is thin" not in three.stdout, three.stdout + three.stderr
 
 
 @fact

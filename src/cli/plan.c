@@ -139,6 +139,11 @@ static void print_contacts_to_come(const gn_world *w) {
                r->contact / w->dt);
     else
         printf("  collisions       none that would have to be resolved\n");
+    if (w->effects & GN_FX_BONDS && w->effects & GN_FX_ENERGY && w->scene.step == 0.0 &&
+        gn_world_rings(w))
+        printf(
+            "  debris           undamped: once bonds have broken, what is wedged may ask for steps "
+            "up to four times shorter\n");
     if (w->dem.listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
                w->dem.listed);

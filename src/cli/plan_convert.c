@@ -55,7 +55,7 @@ static double lag_of(const gn_foreseen *f) {
 static void print_waves(const gn_foreseen *f) {
     const double fast = 0.2, lag = lag_of(f);
     const double share = f->rise > 0.0 ? lag / f->rise : (double)INFINITY;
-    printf("  waves            shift that by up to %.2g s (slowest period %.3g s; the load comes "
+    printf("  waves            shift that by some %.2g s (slowest period %.3g s; the load comes "
            "within %.3g s)\n",
            lag, f->period, f->rise);
     if (f->time < INFINITY && share > fast)
@@ -107,8 +107,10 @@ static void print_first(const gn_world *w, const gn_foreseen *f) {
             "                   roughly: what slaved spins take goes by single elements of fronts; "
             "runs had 0.4 to 2 times that\n");
     if (*f->stop && f->time < INFINITY && f->part * f->reach >= 1.0)
-        printf("  warning: at %.3g times that load conversion would end the run: %s\n",
-               1.0 / f->part, f->stop);
+        printf(
+            "  warning: at some %.3g times that load conversion would end the run (roughly: where "
+            "elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
+            1.0 / f->part, f->stop);
 }
 
 /* s: the run ends with a first conversion that comes to the end of the box. */
@@ -251,7 +253,8 @@ void gn_print_conversion(gn_world *w, int *warnings) {
     print_places(w, warnings);
     warn_of_looks(w, warnings);
     const double advised = fmax(elements_least * f.element, diameters_least * f.diameter);
-    if (width < advised)
+    const bool thin = width < advised * (1.0 - 1e-6);
+    if (thin)
         printf(
             "  warning: the zone is thin%s: three elements and six particles across are advised\n",
             width >= fmax(elements_least * f.smallest, diameters_least * f.diameter)
@@ -263,5 +266,5 @@ void gn_print_conversion(gn_world *w, int *warnings) {
             "  warning: the zone is wider than the shortest side of the body, %.4g m: it spans all "
             "of the section, where no element is left by itself; %.2g m are advised\n",
             f.side, advised);
-    *warnings += (width < advised) + (width > f.side);
+    *warnings += thin + (width > f.side);
 }

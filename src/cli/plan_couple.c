@@ -13,6 +13,7 @@ static void warn(int *warnings, const char *text) {
 
 /* Zones this wide return what docs/coupling.md says. */
 static const double elements_least = 3.0, diameters_least = 6.0;
+static const double near = 1e-6; /* of a width that is given as so many */
 
 static void print_tension(const gn_zone_material *m) {
     if (!(m->tension[3] > 0.0)) return;
@@ -81,7 +82,7 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
                        "zone from side to side, with the elements' density (density_basis bulk)");
     for (size_t m = 0; m < f.materials; m++)
         gn_print_zone_material(&f.material[m], f.materials > 1, warnings);
-    if (elements < elements_least || diameters < diameters_least)
+    if (elements < elements_least * (1.0 - near) || diameters < diameters_least * (1.0 - near))
         warn(warnings, "the zone is thin: three elements and six particles across are advised");
     warn_of_edges(&f, warnings);
 }

@@ -105,9 +105,7 @@ static const double made_most = 0.03;
 static void say_what_made(const gn_conversion_parts *p, char *text, size_t size) {
     const double parts[] = {p->stiffness, p->sampled, p->uneven, p->motion, p->step};
     const char *const why[] = {
-        "",
-        "volume: the particles stand for more of it than the elements whose place they took (the "
-        "zone is thin, or elements are no larger than particles)",
+        "", "volume: particles stand for more than the elements that they replace (a thin zone)",
         "strains that are not even over a bond, or contacts that had slid or broken",
         "motion, by masses and velocities that are others than before",
         "the step: half a one of the powers of springs (a smaller time.safety)"};

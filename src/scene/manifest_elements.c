@@ -21,9 +21,9 @@ static const gn_key block_keys[] = {
         .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
     KEY("diagonals", CHOICE, gn_scene, elements.diagonals, .choices = diagonals,
         .fallback = "alternating",
-        .text =
-            "of the cells: alternating prefers no direction; parallel gives all inner nodes one "
-            "mass, for waves of some elements and zones with particles"),
+        .text = "of the cells: alternating prefers no direction; parallel gives all inner nodes of "
+                "equal cells one "
+                "mass, for waves of some elements and zones with particles"),
 };
 TABLE_OF(block);
 

@@ -117,6 +117,18 @@ static gneiss_status find_limit(const looks *q, look *found, gneiss_error *error
     return close_in(q, 1.0, fmax(low, begin), begin, 0.01, found, error);
 }
 
+/* Where the most is below a limit: the time from which on it is there, which may be long before the
+ * look that came upon it. */
+static gneiss_status find_begin(const looks *q, look *found, gneiss_error *error) {
+    const double almost = 0.999, most = found->share;
+    double before = 0.0;
+    if (!(most > 0.0) || most >= 1.0 || found->time == 0.0) return GNEISS_OK;
+    for (size_t k = 0; k < q->count && q->look[k].time < found->time; k++) before = q->look[k].time;
+    GN_TRY(close_in(q, almost * most, before, before, 0.01, found, error));
+    found->share = most;
+    return GNEISS_OK;
+}
+
 /* How far the load goes on growing behind the first limit, over it. */
 static gneiss_status find_reach(const looks *q, const look *found, double *reach,
                                 gneiss_error *error) {
@@ -212,6 +224,7 @@ static gneiss_status foresee(gn_rest *r, gn_foreseen *f, gneiss_error *error) {
     look found = {0};
     gneiss_status status = look_through(&q, error);
     if (status == GNEISS_OK) status = find_limit(&q, &found, error);
+    if (status == GNEISS_OK) status = find_begin(&q, &found, error);
     if (status == GNEISS_OK) status = find_rise(&q, &found, &f->rise, error);
     if (status == GNEISS_OK) status = find_reach(&q, &found, &f->reach, error);
     if (status == GNEISS_OK) status = keep_found(r, &found, f, error);
