@@ -91,17 +91,17 @@ void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
     alike[1] = springs_alike(c);
 }
 
-void gn_conversion_book(gn_world *w, const gn_held_stages *s, double kinetic) {
+void gn_conversion_book(gn_world *w, const gn_held_stages *held, double kinetic) {
     gn_conversion_parts *parts = &w->couple.parts;
-    const double *alike = s->alike;
-    parts->sampled += s->before.elements - s->after.elements - alike[0];
+    const double *alike = held->alike;
+    parts->sampled += held->before.elements - held->after.elements - alike[0];
     parts->stiffness += alike[0] - alike[1];
-    parts->uneven += alike[1] - (s->woken[0] - s->before.contacts);
-    parts->balance += s->woken[0] - s->woken[1];
+    parts->uneven += alike[1] - (held->woken[0] - held->before.contacts);
+    parts->balance += held->woken[0] - held->woken[1];
     parts->motion += kinetic;
-    parts->step += s->woken[1] - s->after.contacts + s->before.step - s->after.step;
+    parts->step += held->woken[1] - held->after.contacts + held->before.step - held->after.step;
     parts->alike[0] += alike[0];
     parts->alike[1] += alike[1];
     w->couple.corrected.energy += kinetic;
-    w->energy.conversion += kinetic + gn_held_sum(&s->before) - gn_held_sum(&s->after);
+    w->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }
