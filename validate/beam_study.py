@@ -1,5 +1,5 @@
 """A measured beam: Gregoire et al. 2013, depth 50 mm, notched to half of it. What is known of its concrete is put in before a beam is computed, from strips of
-the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some fifteen minutes of one core.
+the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some half an hour of one core.
 
     /usr/bin/python3 validate/beam_study.py [--fresh] [linear] [bilinear]
 
