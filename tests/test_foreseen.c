@@ -187,6 +187,7 @@ static void what_nothing_loads_never_converts(void **state) {
     gn_foreseen f = foreseen_of(w);
     assert_true(f.time == INFINITY);
     assert_null(f.place);
+    gn_foreseen_free(&f);
     world_end(w);
 }
 
