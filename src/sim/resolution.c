@@ -118,8 +118,9 @@ static void free_ties(ties *t) {
     gn_free(t->wedged);
 }
 
-/* What is part of a zone gives way as its nodes do: by its own mass, of which it has little at the
- * zone's edge, contacts there would take steps that nothing moves in. */
+/* What is part of a zone gives way to others as its nodes do: by its own mass, of which it has
+ * little at the zone's edge, contacts there would take steps that nothing moves in. Walls press it
+ * with their whole stiffness, and where it meets them is found by its own mass. */
 static void find_inverse(const gn_world *w, double *inverse) {
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) inverse[p] = inverse_mass(w, p);
     gn_coupled_give(w, inverse);
@@ -310,7 +311,7 @@ static gn_law_spring surface_spring(const gn_world *w, size_t p, const gn_surfac
 static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)w->boundary.contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(w, c);
-    double inverse = t->inverse[p], kn = surface_spring(w, p, s).kn;
+    double inverse = inverse_mass(w, p), kn = surface_spring(w, p, s).kn;
     double share = share_with(w, t, p, kn, false);
     if (share == 0.0) return c + 1;
     if (!gn_surface_yields(w, s)) {
@@ -338,7 +339,7 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
                share = share_with(w, t, p, kn, def->passive);
         kn += gn_penalty_stiffness(w, p); /* both hold it at once */
-        meet(f, kn * t->inverse[p], share, w, p, -1 - (int64_t)k->wall[c]);
+        meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
