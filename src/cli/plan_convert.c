@@ -7,9 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 
-/* As of fixed zones (plan_couple.c). */
-static const double elements_least = 3.0, diameters_least = 6.0;
-
 static void print_sleepers(const gn_world *w, const gn_foreseen *f) {
     printf("particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step "
            "of the elements alone\n",
@@ -252,12 +249,12 @@ void gn_print_conversion(gn_world *w, int *warnings) {
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
     print_places(w, warnings);
     warn_of_looks(w, warnings);
-    const double advised = fmax(elements_least * f.element, diameters_least * f.diameter);
-    const bool thin = width < advised * (1.0 - 1e-6);
+    const double advised = gn_zone_advised(f.element, f.diameter);
+    const bool thin = gn_zone_is_thin(width, advised);
     if (thin)
         printf(
             "  warning: the zone is thin%s: three elements and six particles across are advised\n",
-            width >= fmax(elements_least * f.smallest, diameters_least * f.diameter)
+            width >= gn_zone_advised(f.smallest, f.diameter)
                 ? " for elements of the mean size in the box, not for the smallest; what counts "
                   "is where it converts"
                 : "");

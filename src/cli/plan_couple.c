@@ -4,6 +4,7 @@
 #include "sim/coupling.h"
 #include "sim/element_walls.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static void warn(int *warnings, const char *text) {
@@ -11,9 +12,13 @@ static void warn(int *warnings, const char *text) {
     (*warnings)++;
 }
 
-/* Zones this wide return what docs/coupling.md says. */
-static const double elements_least = 3.0, diameters_least = 6.0;
-static const double near = 1e-6; /* of a width that is given as so many */
+double gn_zone_advised(double element, double diameter) {
+    return fmax(3.0 * element, 6.0 * diameter);
+}
+
+bool gn_zone_is_thin(double width, double advised) {
+    return width < advised * (1.0 - 1e-6);
+}
 
 static void print_tension(const gn_zone_material *m) {
     if (!(m->tension[3] > 0.0)) return;
@@ -82,7 +87,7 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
                        "zone from side to side, with the elements' density (density_basis bulk)");
     for (size_t m = 0; m < f.materials; m++)
         gn_print_zone_material(&f.material[m], f.materials > 1, warnings);
-    if (elements < elements_least * (1.0 - near) || diameters < diameters_least * (1.0 - near))
+    if (gn_zone_is_thin(f.width, gn_zone_advised(f.element, f.diameter)))
         warn(warnings, "the zone is thin: three elements and six particles across are advised");
     warn_of_edges(&f, warnings);
 }

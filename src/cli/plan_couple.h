@@ -4,6 +4,11 @@
 
 #include "sim/coupling.h"
 
+/* m: of a zone of elements and particles of these sizes: zones as wide return what docs/coupling.md
+ * says. */
+double gn_zone_advised(double element, double diameter);
+/* Whether it is less: not by the rounding of a width that is given as so many. */
+bool gn_zone_is_thin(double width, double advised);
 /* Of `plan`: the limit of particles and elements as one. */
 void gn_print_whole_limit(const gn_world *world);
 /* Moduli and densities of particles beside those of elements; `several`: said of which material. */

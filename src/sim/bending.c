@@ -151,10 +151,9 @@ static void hold_extent(const gn_world *w, const char *key, double given, size_t
     /* Of one body: of elements, or with the particles, which stick out a little where they fill it.
      */
     if (w->scene.has_couple) {
-        double lower[3] = {INFINITY, INFINITY, INFINITY},
-               upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-        gn_elements_extent(w, lower, upper);
-        hold(r, key, given, upper[axis] - lower[axis], high, "the specimen has");
+        double side[3];
+        gn_elements_sides(w, side);
+        hold(r, key, given, side[axis], high, "the specimen has");
         return;
     }
     if (pack->shape == GN_SHAPE_NONE && w->dem.particles.soa.count) {

@@ -40,11 +40,8 @@ static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
 
 /* Where a zone is as wide as the body no element is left with the first conversion. */
 static gneiss_status check_width(const gn_world *w, gneiss_error *error) {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double side = 0.0;
+    const double side = gn_elements_longest_side(w);
     char message[160];
-    gn_elements_extent(w, lower, upper);
-    for (int a = 0; a < (int)w->scene.dimension; a++) side = fmax(side, upper[a] - lower[a]);
     if (w->scene.couple.convert.width < side) return GNEISS_OK;
     snprintf(message, sizeof message,
              "expected a zone that is narrower than the body of %g m, found %g m", side,

@@ -273,11 +273,10 @@ gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_erro
 }
 
 static double shortest_side(const gn_world *w) {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double side = INFINITY;
-    gn_elements_extent(w, lower, upper);
-    for (int a = 0; a < (int)w->scene.dimension; a++) side = fmin(side, upper[a] - lower[a]);
-    return side;
+    double side[3], least = INFINITY;
+    gn_elements_sides(w, side);
+    for (int a = 0; a < (int)w->scene.dimension; a++) least = fmin(least, side[a]);
+    return least;
 }
 
 gneiss_status gn_conversion_measure(const gn_world *w, gn_conversion_figures *f,

@@ -160,16 +160,13 @@ void gn_rest_find(gn_rest *r, size_t part, double time) {
 
 double gn_wave_travel(const gn_world *w) {
     const gn_fem_solid *b = gn_coupled_solid(w);
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double side = 0.0, slow2 = INFINITY;
-    gn_elements_extent(w, lower, upper);
-    for (int a = 0; a < b->dimension; a++) side = fmax(side, upper[a] - lower[a]);
+    double slow2 = INFINITY;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double l = b->elements.lambda[e], m = b->elements.mu[e];
         slow2 =
             fmin(slow2, m * (3.0 * l + 2.0 * m) / (l + m) / b->density[b->elements.material[e]]);
     }
-    return side / sqrt(slow2);
+    return gn_elements_longest_side(w) / sqrt(slow2);
 }
 
 double gn_rest_period(gn_rest *r) {

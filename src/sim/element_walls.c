@@ -18,11 +18,7 @@ typedef struct plane {
 } plane;
 
 static double near_of(const gn_world *w) {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double side = 0.0;
-    gn_elements_extent(w, lower, upper);
-    for (int a = 0; a < (int)w->scene.dimension; a++) side = fmax(side, upper[a] - lower[a]);
-    return on_wall * side;
+    return on_wall * gn_elements_longest_side(w);
 }
 
 static double gap_of(const gn_fem_solid *b, const plane *p, size_t n) {

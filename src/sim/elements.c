@@ -466,6 +466,19 @@ void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {
     }
 }
 
+void gn_elements_sides(const gn_world *w, double side[3]) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    gn_elements_extent(w, lower, upper);
+    for (int a = 0; a < 3; a++) side[a] = upper[a] - lower[a];
+}
+
+double gn_elements_longest_side(const gn_world *w) {
+    double side[3], most = 0.0;
+    gn_elements_sides(w, side);
+    for (int a = 0; a < (int)w->scene.dimension; a++) most = fmax(most, side[a]);
+    return most;
+}
+
 /* --- motions --- */
 
 size_t gn_elements_motions(const gn_world *w) {

@@ -92,6 +92,9 @@ void gn_elements_stress(const gn_world *world, double stress[9]);
 double gn_elements_unbalanced(const gn_world *world);
 /* Widens a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
+/* m: the sides of the smallest box around all of them. */
+void gn_elements_sides(const gn_world *world, double side[3]);
+double gn_elements_longest_side(const gn_world *world);
 
 /* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
  * supplies, N, unless it is only watched. */

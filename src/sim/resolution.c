@@ -1,8 +1,8 @@
 /* A stable step need not resolve a collision. What particles can meet that they were not bonded to
  * at the start has to be met in enough steps: of those contacts the shortest sets the step. Crowds
- * that no dashpot calms get more. What was bonded keeps its step, but for three cases: half as many
+ * that no dashpot calms get more. What was bonded keeps its step, but for four cases: half as many
  * steps where it meets a wall that is stiffer than its bonds, or where bonds that soften open and
- * close undamped, all of them once it has come apart. */
+ * close undamped, all of them once it has come apart, and of debris that is wedged (adrift.c). */
 #include "base/memory.h"
 #include "kernels/dashpot.h"
 #include "sim/body_walls.h"
