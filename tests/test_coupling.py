@@ -796,5 +796,45 @@ def a_region_in_space_and_what_has_none(folder):
     expect(gneiss("check", write_scene(folder, without)), 2, r"couple\.convert\.box: required where no specimen\.packing\.region is given")
 
 
+# A square lattice in elements, symmetric about x = 0 with its mesh and loads, pressed at the middle of its upper side.
+MIRRORED = """dimension: 2
+specimen: {group: 1, density_basis: bulk, porosity: 0.2146018366, particles: [%s]}
+materials: [{name: m, density: 2400, normal_stiffness: 2e10, kratio: 2, friction: 0.5, bond_tension_limit: 4000, bond_shear_limit: 12000}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements:
+  rectangle: {size: [60 mm, 20 mm], cells: [28, 9], origin: [-30 mm, 0]}
+  materials: [{young: 2e10, poisson: 0, density: 2400}]
+  motions:
+    - {name: left, box: {min: [-26.1 mm, -1 um], max: [-23.5 mm, 1 um]}, motion: {vy: 0}}
+    - {name: right, box: {min: [23.5 mm, -1 um], max: [26.1 mm, 1 um]}, motion: {vy: 0}}
+    - {name: roller, box: {min: [-2.2 mm, 19.999 mm], max: [2.2 mm, 20.001 mm]}, motion: {vx: 0, vy: [[0, 0], [0.104 ms, -23 mm/s]]}}
+couple: {convert: {box: {min: [-23.5 mm, -1 mm], max: [23.5 mm, 16.5 mm]}, width: 6.5 mm, stress: 2 MPa, every: 50}}
+damping: {background: {model: viscous, coefficient: 2406}}
+time: {end: 0.31 ms}
+output: {history_rows: 10, snapshots: 0}
+run: {threads: 1}
+"""
+
+
+@fact
+def conversions_of_a_symmetric_beam_are_symmetric(folder):
+    columns, rows = 60, 20
+    places = (f"[{x + 0.5 - columns // 2} mm, {y + 0.5} mm, 0.5 mm]" for y in range(rows) for x in range(columns))
+    scene = write_scene(folder, MIRRORED % ", ".join(places))
+    for setting in ("couple.convert.every=50", "couple.convert.relax=none", "couple.convert.most=0.5 %", "couple.convert.by=nodes"):
+        out = os.path.join(folder, "run")
+        expect(gneiss("run", scene, "--out", out, "--force", "--quiet", "--set", setting), 0)
+        with h5py.File(os.path.join(out, "results.h5")) as results:
+            order = np.argsort(results["particles/id"][:])
+            mass = results["particles/mass"][:][order].reshape(rows, columns)
+            velocity = results["particles/velocity"][:][order].reshape(rows, columns, 3)
+        with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+            assert json.load(file)["conversions"]["count"] > 3, setting  # the first one alone was symmetric
+        assert np.abs(mass - mass[:, ::-1]).max() < 1e-10 * mass.max(), setting
+        mirrored = velocity[:, ::-1] * [-1, 1, 1]
+        assert np.abs(velocity - mirrored).max() < 1e-7 * np.abs(velocity).max(), setting
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -57,20 +57,29 @@ static void find_fresh(front *f) {
     }
 }
 
-/* Distances and parts, from the nodes that the front has come to. */
+/* Relative. Distances that geometry makes equal, to each other or to the width, differ by rounding,
+ * and on either side of a plane of symmetry by another one. Such a difference changes no part and
+ * makes no crest, so that a symmetric front stays symmetric. */
+#define DISTANCE_ROUNDING 1e-9
+
+/* Updates the distances from the front and the parts that follow from them. A distance that
+ * becomes smaller by rounding alone is kept: the nodes and particles there have not changed. */
 static void spread(front *f) {
     const gn_particles *q = &f->solid->nodes;
 #pragma omp parallel for schedule(static) num_threads(f->solid->threads)
     for (size_t n = 0; n < q->soa.count; n++) {
-        double least = part_of(f, n)[1] * part_of(f, n)[1];
+        const double before = part_of(f, n)[1] * part_of(f, n)[1];
+        double least = before;
         for (size_t k = 0; k < f->fresh_count; k++) {
             const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)f->fresh[k];
             double d2 = 0.0;
             for (int a = 0; a < 3; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
             least = fmin(least, d2);
         }
+        if (!(least < (1.0 - DISTANCE_ROUNDING) * before)) continue;
         part_of(f, n)[1] = sqrt(least);
-        part_of(f, n)[0] = fmin(1.0, part_of(f, n)[1] / f->width);
+        const double part = part_of(f, n)[1] / f->width;
+        part_of(f, n)[0] = part < 1.0 - DISTANCE_ROUNDING ? part : 1.0;
     }
 }
 
@@ -83,7 +92,8 @@ static void find_crests(front *f) {
         for (int a = 0; a <= f->solid->dimension; a++)
             highest = fmax(highest, part_of(f, corner(f, e, a))[0]);
         for (int a = 0; a <= f->solid->dimension; a++)
-            if (part_of(f, corner(f, e, a))[0] < highest) f->crest[corner(f, e, a)] = 0;
+            if (part_of(f, corner(f, e, a))[0] < (1.0 - DISTANCE_ROUNDING) * highest)
+                f->crest[corner(f, e, a)] = 0;
     }
 }
 

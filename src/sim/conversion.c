@@ -496,22 +496,42 @@ static void mark_broken(const gn_world *w, const int32_t *place, uint8_t *kind) 
     }
 }
 
-/* Those beyond the limits, the farthest first, up to the share that one look converts. Few looks
- * find any, and then few. */
+/* The first READY element of the largest excess that is at least `least`; count: there is none. */
+static size_t most_stressed(size_t count, const double *excess, double least, const uint8_t *kind) {
+    size_t first = count;
+    for (size_t e = 0; e < count; e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] >= least &&
+            (first == count || excess[e] > excess[first]))
+            first = e;
+    return first;
+}
+
+/* Marks the elements that are loaded as the last marked one but for rounding, as on either side of
+ * a plane of symmetry, so that the share of a look does not part them. Where more are alike than
+ * were marked, as in a body under one stress, the share decides. */
+static void mark_alike(size_t count, const double *excess, double last, size_t marked,
+                       uint8_t *kind) {
+    const double least = (1.0 - 1e-6) * last;
+    size_t alike = 0;
+    for (size_t e = 0; e < count; e++) alike += kind[e] == GN_FRONT_READY && excess[e] >= least;
+    for (size_t e = 0; e < count && alike <= marked; e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] >= least) kind[e] = GN_FRONT_LEAVING;
+}
+
+/* Marks the elements beyond the limits, the farthest first, up to the share that one look converts.
+ * Few looks find any, and then few. */
 static void mark_stressed(const gn_convert_def *def, size_t count, const double *excess,
                           uint8_t *kind) {
-    size_t ready = 0, marked = 0;
-    for (size_t e = 0; e < count; e++) ready += kind[e] == GN_FRONT_READY;
+    size_t ready = 0, marked = 0, e;
+    double last = INFINITY;
+    for (e = 0; e < count; e++) ready += kind[e] == GN_FRONT_READY;
     const double most = fmax(1.0, def->most * (double)ready);
-    for (; (double)marked + 1.0 <= most; marked++) {
-        size_t first = count;
-        for (size_t e = 0; e < count; e++)
-            if (kind[e] == GN_FRONT_READY && excess[e] >= 1.0 &&
-                (first == count || excess[e] > excess[first]))
-                first = e;
-        if (first == count) return;
-        kind[first] = GN_FRONT_LEAVING;
+    while ((double)marked + 1.0 <= most && (e = most_stressed(count, excess, 1.0, kind)) < count) {
+        last = excess[e];
+        kind[e] = GN_FRONT_LEAVING;
+        marked++;
     }
+    mark_alike(count, excess, last, marked, kind);
 }
 
 /* Whether an element is beyond a limit, or a bond broke where elements hold on: mostly not. */
