@@ -292,6 +292,7 @@ gneiss_status gn_command_pack(const gn_options *o, gneiss_error *error) {
     gneiss_status status =
         gn_scene_load_specimen(o->target, o->overrides, o->override_count, scene, error);
     if (status == GNEISS_OK) {
+        scene->allow_gmsh = o->allow_gmsh;
         status = pack_scene(o, scene, error);
         gn_scene_free(scene);
     }
