@@ -71,6 +71,8 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (gn_stage_is_overlong(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (*gn_elements_doubts(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
     if (*gn_conversion_watches(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "mesh/gmsh.h"
+#include "mesh/joints.h"
 
 #include <math.h>
 #include <string.h>
@@ -70,7 +71,9 @@ static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_erro
                ? gn_mesh_geometry(def->mesh_path, dimension, scale, mesh, error)
                : gn_mesh_read_msh(def->mesh_path, scale, mesh, error));
     place(def, mesh);
-    return gn_mesh_boundary(mesh, dimension, def->mesh_path, error);
+    GN_TRY(gn_mesh_boundary(mesh, dimension, def->mesh_path, error));
+    return gn_mesh_check_overlap(mesh, dimension, (const double[3]){0, 0, 0}, def->mesh_path,
+                                 error);
 }
 
 /* A closed surface, turned outward. */
