@@ -100,31 +100,6 @@ static gneiss_status check_joints(const gn_world *w, const gn_element_def *e, co
     return at(w, where, NULL, NULL, 0, status, error);
 }
 
-const char *gn_elements_doubts(const gn_world *w, char *text, size_t size) {
-    char place[GN_POINT_SIZE];
-    size_t used = 0;
-    *text = '\0';
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_mesh_joints *j = &w->elements[k]->joints;
-        const char *name = w->elements[k]->solid.name;
-        if (j->together && used < size)
-            used += (size_t)snprintf(
-                text + used, size - used,
-                "%s%s: two nodes at one place in %zu places, the first at %s m: elements are not "
-                "joined there, as at a crack of no width",
-                used ? "; " : "", name, j->together,
-                gn_point_text(w->scene.origin, j->together_at, place));
-        if (j->hanging && used < size)
-            used += (size_t)snprintf(
-                text + used, size - used,
-                "%s%s: %zu hanging nodes, on a side of an element that does not have them, the "
-                "first at %s m: elements are not joined there",
-                used ? "; " : "", name, j->hanging,
-                gn_point_text(w->scene.origin, j->hanging_at, place));
-    }
-    return text;
-}
-
 /* --- solid --- */
 
 static gneiss_status check_groups(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
