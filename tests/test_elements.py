@@ -610,11 +610,11 @@ def particles_beside_elements_keep_their_bits_and_the_step_is_that_of_both(folde
 
 # --- meshes of files ------------------------------------------------------------------------------------
 
-def mesh_file(folder, nodes, elements, name="m.msh"):
+def mesh_file(folder, nodes, elements, name="m.msh", names=""):
     """Format 2.2: places of nodes; (type, groups, nodes base 1) of elements, one row for each group."""
     rows = [(kind, group, *corners) for kind, groups, corners in elements for group in groups]
     with open(os.path.join(folder, name), "w") as file:
-        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n" % len(nodes))
+        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + "$Nodes\n%d\n" % len(nodes))
         file.writelines("%d %.9g %.9g %.9g\n" % (k + 1, *x) for k, x in enumerate(nodes))
         file.write("$EndNodes\n$Elements\n%d\n" % len(rows))
         file.writelines("%d %d 2 %d 1 %s\n" % (k + 1, kind, group, " ".join(map(str, corners)))
@@ -678,6 +678,37 @@ def hanging_nodes_and_cracks_of_no_width_are_warned_of(folder):
               [(2, [1], (1, 6, 2)), (2, [1], (2, 6, 3)), (2, [1], (1, 7, 4)), (2, [1], (7, 3, 5)), (2, [1], (7, 5, 4))])
     done = expect(gneiss("check", body_of(folder)), 0)
     assert "two nodes at one place in 1 places, the first at (1, 0, 0) m" in done.stdout, done.stdout
+
+
+@fact
+def a_group_without_elements_has_words_of_its_own(folder):
+    names = '$PhysicalNames\n4\n1 3 "left"\n1 4 "lid"\n2 1 "rock"\n2 2 "void"\n$EndPhysicalNames\n'
+    mesh_file(folder, SQUARE, [(1, [3], (1, 4)), *TRIANGLES], names=names)
+    rock = {"young": 1e9, "poisson": 0.2, "density": 2500}
+    load = {"region": "void", "force": {"fx": 1}}
+    for more in ({"materials": [rock, {**rock, "group": "void"}]}, {"loads": [{"group": load["region"], "force": load["force"]}]},
+                 {"motions": [{"name": "m", "group": "void", "motion": {"vx": 0}}]}):
+        done = expect(gneiss("check", body_of(folder, **more)), 2, r"m\.msh: expected elements of the body in the physical group 'void' "
+                      r"\(tag 2, 2D\), found none")
+        assert "did you mean" not in done.stderr
+    grain = {"specimen": {"particles": [[5, 5, 0.1]]}, "law": {"stiffness": "uniform"},
+             "materials": [{"name": "grain", "density": 2500, "normal_stiffness": 1e6, "kratio": 0}]}
+    with open(body_of(folder, contact={"group": "lid", "stiffness": 1e6})) as file:
+        both = {**json.load(file), **grain}
+    expect(gneiss("check", write_scene(folder, both)), 2,
+           r"m\.msh: expected elements of the body in the physical group 'lid' \(tag 4, 1D\), found none")
+    done = expect(gneiss("check", body_of(folder, materials=[rock, {**rock, "group": "left"}])), 2,
+                  "expected a physical group 'left' of triangle elements, found one of line elements")
+    assert "did you mean" not in done.stderr
+
+
+@fact
+def a_geometry_is_no_mesh_of_elements(folder):
+    with open(os.path.join(folder, "body.geo"), "w") as file:
+        file.write("Point(1) = {0, 0, 0};\n")
+    for allow in ((), ("--allow-gmsh",)):
+        expect(gneiss("check", body_of(folder, mesh="body.geo"), *allow), 2,
+               r"scene\.yaml:1:\d+: elements\.mesh: expected a mesh of elements \(\.msh\), found the geometry 'body\.geo'; gmsh -2")
 
 
 @fact
