@@ -656,11 +656,11 @@ def a_traction_on_facets_that_are_listed_twice_acts_once(folder):
 
 
 @fact
-def parts_that_nothing_joins_are_told(folder):
+def parts_that_share_no_node_are_told(folder):
     away = [(x + 1.5, y, z) for x, y, z in SQUARE]
     mesh_file(folder, SQUARE + away, [*TRIANGLES, (2, [1], (5, 6, 7))])
     done = expect(gneiss("check", body_of(folder)), 0)
-    assert "note: 2 parts that nothing joins; the smallest has 1 of 3 elements, one at (1.5, 0, 0) m" in done.stdout
+    assert "note: 2 parts that share no node; the smallest has 1 of 3 elements, one at (1.5, 0, 0) m" in done.stdout
     assert "can run\n" in done.stdout
     mesh_file(folder, SQUARE + [(x + 1, y, z) for x, y, z in SQUARE], [*TRIANGLES, (2, [1], (5, 6, 7)), (2, [1], (5, 7, 8))])
     expect(gneiss("check", body_of(folder)), 2, r"elements: m\.msh: expected parts that share the nodes .* in 2 places, .*at \(1, 0, 0\) m")

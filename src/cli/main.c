@@ -11,6 +11,7 @@
 #include "io/files.h"
 #include "run/folder.h"
 #include "sim/conversion.h"
+#include "sim/scale.h"
 #include "sweep/sweep.h"
 
 #include <omp.h>
@@ -68,6 +69,8 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     if (*gn_world_light_body(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (run->world.step == 0 && gn_scale_doubts(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (gn_stage_is_overlong(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);

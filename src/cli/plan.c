@@ -20,6 +20,7 @@
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
+#include "sim/scale.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -538,6 +539,10 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(w);
     GN_TRY(status);
+    if (gn_scale_doubts(w, doubts, sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
     if (gn_geometry_doubts(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;

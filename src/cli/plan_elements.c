@@ -63,7 +63,7 @@ static void print_groups(const gn_mesh *mesh) {
 static void print_parts(const gn_world *w, const gn_mesh_joints *j, const char *indent) {
     char place[GN_POINT_SIZE];
     if (j->parts < 2) return;
-    printf("%snote: %zu parts that nothing joins; the smallest has %zu of %zu elements, one at %s "
+    printf("%snote: %zu parts that share no node; the smallest has %zu of %zu elements, one at %s "
            "m\n",
            indent, j->parts, j->least, j->elements,
            gn_point_text(w->scene.origin, j->least_at, place));
