@@ -95,7 +95,7 @@ void gn_box_tree_near(const gn_box_tree *tree, const gn_box *box, double reach, 
         const gn_box_node *node = &tree->node[at];
         if (!gn_box_is_near(&node->box, box, reach)) continue;
         for (int32_t i = node->first; i < node->first + node->count; i++)
-            visit(context, tree->item[i]);
+            if (visit(context, tree->item[i])) return;
         if (node->count) continue;
         waiting[count++] = node->right;
         waiting[count++] = at + 1;

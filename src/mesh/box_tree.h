@@ -28,8 +28,8 @@ bool gn_box_tree_build(const gn_box *box, size_t count, gn_box_tree *tree);
 void gn_box_tree_free(gn_box_tree *tree);
 
 /* Calls `visit` for the items of leaves that come within `reach` of the box, among them all items
- * that do. */
-typedef void gn_box_visit(void *context, int32_t item);
+ * that do, until it returns true. */
+typedef bool gn_box_visit(void *context, int32_t item);
 void gn_box_tree_near(const gn_box_tree *tree, const gn_box *box, double reach, gn_box_visit *visit,
                       void *context);
 

@@ -84,21 +84,21 @@ static bool apart_in_space(const overlap_search *o, const int32_t *facet, double
     return false;
 }
 
-static void visit_overlap(void *context, int32_t item) {
+static bool visit_overlap(void *context, int32_t item) {
     overlap_search *o = context;
     const gn_joint_search *s = o->s;
     const int32_t *facet = s->facet + 3 * (size_t)item;
     double edge[6][3], shortest = INFINITY;
-    if (o->found >= 0 || s->facet_owner[item] == (int32_t)o->element ||
-        !gn_box_is_near(&s->box[item], &o->box, 0.0))
-        return;
+    if (s->facet_owner[item] == (int32_t)o->element || !gn_box_is_near(&s->box[item], &o->box, 0.0))
+        return false;
     const int count = edges_of(s, facet, s->dimension, edge);
     for (int k = 0; k < count; k++) shortest = fmin(shortest, gn_mesh_dot(edge[k], edge[k]));
     const double tolerance = fmax(digits * s->extent, edge_part * sqrt(shortest));
     if (s->dimension == 2 ? apart_in_plane(o, facet, tolerance)
                           : apart_in_space(o, facet, tolerance))
-        return;
+        return false;
     o->found = item;
+    return true;
 }
 
 static gn_box box_of(const gn_joint_search *s, size_t element) {
@@ -178,14 +178,14 @@ static bool on_facet(const gn_joint_search *s, const int32_t *facet, const doubl
     return true;
 }
 
-static void visit_touch(void *context, int32_t item) {
+static bool visit_touch(void *context, int32_t item) {
     touch_search *t = context;
     const gn_joint_search *s = t->s;
     const int32_t *facet = s->facet + 3 * (size_t)item;
     const double *x = gn_joint_place(s, t->node);
     touch_kind kind = TOUCH_NONE;
     for (int k = 0; k < s->dimension; k++)
-        if (facet[k] == t->node) return;
+        if (facet[k] == t->node) return false;
     for (int k = 0; k < s->dimension; k++) {
         if (distance2(x, gn_joint_place(s, facet[k])) > t->reach * t->reach) continue;
         kind = TOUCH_NODE;
@@ -195,6 +195,7 @@ static void visit_touch(void *context, int32_t item) {
     touch_kind *most =
         gn_joint_part(s, facet[0]) == gn_joint_part(s, t->node) ? &t->own : &t->across;
     if (kind > *most) *most = kind;
+    return false;
 }
 
 /* Of parts that touch. */

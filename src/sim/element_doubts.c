@@ -13,16 +13,16 @@ const char *gn_elements_doubts(const gn_world *w, char *text, size_t size) {
         if (j->together && used < size)
             used += (size_t)snprintf(
                 text + used, size - used,
-                "%s%s: two nodes at one place in %zu places, the first at %s m: elements are not "
+                "%s%s: two nodes at one place in %zu place%s, the first at %s m: elements are not "
                 "joined there, as at a crack of no width",
-                used ? "; " : "", name, j->together,
+                used ? "; " : "", name, j->together, j->together == 1 ? "" : "s",
                 gn_point_text(w->scene.origin, j->together_at, place));
         if (j->hanging && used < size)
             used += (size_t)snprintf(
                 text + used, size - used,
-                "%s%s: %zu hanging nodes, on a side of an element that does not have them, the "
-                "first at %s m: elements are not joined there",
-                used ? "; " : "", name, j->hanging,
+                "%s%s: %zu hanging node%s on sides of elements that do not have them, the first at "
+                "%s m: elements are not joined there",
+                used ? "; " : "", name, j->hanging, j->hanging == 1 ? "" : "s",
                 gn_point_text(w->scene.origin, j->hanging_at, place));
     }
     return text;
