@@ -2,7 +2,7 @@
 #include "surface_helpers.h"
 
 #include "run/run.h"
-#include "surfaces/body_shape.h"
+#include "sim/body_cuts.h"
 
 /* One far particle, so that there is a specimen. */
 static const char head[] =
@@ -568,6 +568,25 @@ static void a_free_surface_that_cuts_itself_is_refused(void **state) {
     free(s);
 }
 
+static void closed_parts_in_others_are_counted_as_cavities(void **state) {
+    (void)state;
+    static const double corners[4][3] = {{0, 0, 0}, {1, 1, 1}, {0.3, 0.3, 0.3}, {0.6, 0.6, 0.6}};
+    soup *s = calloc(1, sizeof *s);
+    char path[32];
+    for (int inner = 0; inner < 2; inner++) {
+        add_box(s, corners[2 * inner], corners[2 * inner + 1]);
+        write_soup(s, path);
+        gn_world *w = world_of("%sbodies: [{name: b, surface: %s, stiffness: 1, free: true, "
+                               "density: 10}]\ntime: {step: 1e-3, end: 1}\n",
+                               head, path);
+        assert_int_equal(gn_body_cavities(&w->scene, 0), inner);
+        assert_close(w->boundary.bodies[0].mass, inner ? 9.73 : 10.0, 1e-12);
+        world_end(w);
+        unlink(path);
+    }
+    free(s);
+}
+
 static void a_free_polygon_that_crosses_itself_is_refused(void **state) {
     (void)state;
     static const char bow_tie[] = "[[0, 0], [2, 2], [2, 0], [0, 1]]",
@@ -641,6 +660,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_run_gives_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),
         cmocka_unit_test(a_free_surface_that_cuts_itself_is_refused),
+        cmocka_unit_test(closed_parts_in_others_are_counted_as_cavities),
         cmocka_unit_test(a_free_polygon_that_crosses_itself_is_refused),
         cmocka_unit_test(a_free_polygon_may_name_its_first_point_again),
         cmocka_unit_test(facets_without_area_are_dropped_and_counted),

@@ -39,6 +39,7 @@ typedef struct gn_mesh {
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* by dimension, then tag; gn_alloc'ed */
+    size_t cavities;       /* found by gn_mesh_close_surface */
 } gn_mesh;
 
 /* Reads a gmsh .msh file, format 2.2 or 4.1, text or binary. Linear lines, triangles and tetrahedra

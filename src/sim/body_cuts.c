@@ -54,3 +54,12 @@ gneiss_status gn_body_check_cuts(const gn_scene *s, size_t index, const gn_body_
                    "inertia and reference",
                    gn_scene_at(s, def->where, path).text, def->name, from, said);
 }
+
+size_t gn_body_cavities(const gn_scene *s, size_t index) {
+    gn_body_shape shape;
+    if (!s->bodies[index].surface[0] || !gn_body_is_weighed(&s->bodies[index])) return 0;
+    if (gn_body_shape_make(s, index, &shape, NULL) != GNEISS_OK) return 0;
+    const size_t cavities = shape.cavities;
+    gn_body_shape_free(&shape);
+    return cavities;
+}

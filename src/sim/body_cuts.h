@@ -8,4 +8,8 @@
 gneiss_status gn_body_check_cuts(const gn_scene *scene, size_t index, const gn_body_shape *shape,
                                  gneiss_error *error);
 
+/* Closed parts of the surface of a weighed body that lie in others and count as cavities, whichever
+ * way their normals point in the file, which is read anew; 0 also where it cannot be read. */
+size_t gn_body_cavities(const gn_scene *scene, size_t index);
+
 #endif
