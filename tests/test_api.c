@@ -167,6 +167,37 @@ static void scene_errors_say_where(void **state) {
     assert_message(&error, GNEISS_ERROR_INPUT, "/nowhere/at/all.yaml");
 }
 
+/* The geometry is no geometry: were gmsh asked, its own message or its absence would be said. */
+static void geometries_are_not_given_to_gmsh_unless_that_is_allowed(void **state) {
+    (void)state;
+    static const char text[] =
+        "dimension: 2\nspecimen: {mesh: body.geo, particles: 30}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+        "law: {stiffness: uniform}\ntime: {end: 1e-5}\n";
+    char folder[] = "/tmp/gneiss-api-XXXXXX", path[64];
+    gneiss_scene *scene = NULL;
+    gneiss_world *world = NULL;
+    gneiss_error error = {0};
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/body.geo", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("nothing;\n", file);
+    fclose(file);
+    must(gneiss_scene_parse(text, "s.yaml", folder, NULL, 0, &scene, &error), &error);
+    assert_int_equal(gneiss_world_create(scene, NULL, &world, &error), GNEISS_ERROR_INPUT);
+    assert_message(&error, GNEISS_ERROR_INPUT, "gneiss_scene_allow_gmsh");
+    gneiss_scene_allow_gmsh(scene, 1);
+    error = (gneiss_error){0};
+    assert_int_equal(gneiss_world_create(scene, NULL, &world, &error), GNEISS_ERROR_INPUT);
+    assert_message(&error, GNEISS_ERROR_INPUT, "gmsh");
+    assert_null(strstr(error.message, "gneiss_scene_allow_gmsh"));
+    gneiss_scene_allow_gmsh(NULL, 1);
+    gneiss_scene_free(scene);
+    remove(path);
+    rmdir(folder);
+}
+
 static void overrides_that_say_nothing_are_refused(void **state) {
     (void)state;
     const char *const bad[] = {"time.end", "=3", "", NULL, "no.such.key=1"};
@@ -1149,6 +1180,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes_load_from_a_file_with_overrides),
         cmocka_unit_test(scene_errors_say_where),
+        cmocka_unit_test(geometries_are_not_given_to_gmsh_unless_that_is_allowed),
         cmocka_unit_test(overrides_that_say_nothing_are_refused),
         cmocka_unit_test(null_scenes_and_makers_are_refused),
         cmocka_unit_test(null_worlds_are_refused),

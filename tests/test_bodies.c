@@ -2,7 +2,7 @@
 #include "surface_helpers.h"
 
 #include "run/run.h"
-#include "surfaces/body_shape.h"
+#include "sim/body_cuts.h"
 
 /* One far particle, so that there is a specimen. */
 static const char head[] =
@@ -528,6 +528,100 @@ static void errors_say_where_and_what(void **state) {
     free(s);
 }
 
+static void add_box(soup *s, const double low[3], const double high[3]) {
+    static const int side[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                   {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    double x[8][3];
+    for (int k = 0; k < 8; k++)
+        for (int a = 0; a < 3; a++) x[k][a] = k >> a & 1 ? high[a] : low[a];
+    for (int k = 0; k < 6; k++) {
+        add_corners(s, x[side[k][0]], x[side[k][1]], x[side[k][2]]);
+        add_corners(s, x[side[k][0]], x[side[k][2]], x[side[k][3]]);
+    }
+}
+
+/* A cube of 1 m and a block that stands half a metre in it fill 1.32 m3, not 1.64. */
+static void a_free_surface_that_cuts_itself_is_refused(void **state) {
+    (void)state;
+    static const double corners[4][3] = {{0, 0, 0}, {1, 1, 1}, {0.5, 0.1, 0.1}, {1.5, 0.9, 0.9}};
+    soup *s = calloc(1, sizeof *s);
+    char path[32], scene_text[256];
+    add_box(s, corners[0], corners[1]);
+    add_box(s, corners[2], corners[3]);
+    write_soup(s, path);
+    snprintf(scene_text, sizeof scene_text,
+             "bodies: [{name: b, surface: %s, stiffness: 1, free: true, density: 1}]", path);
+    REFUSE(scene_text,
+           "s.yaml:8:10: bodies[0] (b): ", "expected a surface that does not cut itself",
+           "mass, inertia and reference");
+    snprintf(scene_text, sizeof scene_text,
+             "bodies: [{name: b, surface: %s, stiffness: 1, free: true, mass: 1}]", path);
+    REFUSE(scene_text, "expected a surface that does not cut itself");
+    /* What is only touched, or says itself what it weighs, may. */
+    static const char *const may[] = {
+        "", ", free: true, mass: 2, inertia: [1, 1, 1], reference: [0.5, 0.5, 0.5]"};
+    for (int k = 0; k < 2; k++)
+        world_end(world_of("%sbodies: [{name: b, surface: %s, stiffness: 1%s}]\n"
+                           "time: {step: 1e-3, end: 1}\n",
+                           head, path, may[k]));
+    unlink(path);
+    free(s);
+}
+
+static void closed_parts_in_others_are_counted_as_cavities(void **state) {
+    (void)state;
+    static const double corners[4][3] = {{0, 0, 0}, {1, 1, 1}, {0.3, 0.3, 0.3}, {0.6, 0.6, 0.6}};
+    soup *s = calloc(1, sizeof *s);
+    char path[32];
+    for (int inner = 0; inner < 2; inner++) {
+        add_box(s, corners[2 * inner], corners[2 * inner + 1]);
+        write_soup(s, path);
+        gn_world *w = world_of("%sbodies: [{name: b, surface: %s, stiffness: 1, free: true, "
+                               "density: 10}]\ntime: {step: 1e-3, end: 1}\n",
+                               head, path);
+        assert_int_equal(gn_body_cavities(&w->scene, 0), inner);
+        assert_close(w->boundary.bodies[0].mass, inner ? 9.73 : 10.0, 1e-12);
+        world_end(w);
+        unlink(path);
+    }
+    free(s);
+}
+
+static void a_free_polygon_that_crosses_itself_is_refused(void **state) {
+    (void)state;
+    static const char bow_tie[] = "[[0, 0], [2, 2], [2, 0], [0, 1]]",
+                      star[] = "[[0, 1], [0.588, -0.809], [-0.951, 0.309], [0.951, 0.309], "
+                               "[-0.588, -0.809]]";
+    static const char *const shapes[] = {bow_tie, star};
+    for (int k = 0; k < 2; k++) {
+        char scene_text[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(scene_text, sizeof scene_text,
+                 "%sbodies: [{name: b, polygon: %s, stiffness: 1, free: true, density: 1}]\n"
+                 "time: {step: 1e-3, end: 1}\n",
+                 head2, shapes[k]);
+        assert_int_equal(world_try(&w, scene_text, "/tmp", &error), GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, "bodies[0] (b): ") ||
+            !strstr(error.message, "does not cross or touch itself"))
+            fail_msg("%s", error.message);
+        world_end(world_of("%sbodies: [{name: b, polygon: %s, stiffness: 1}]\n"
+                           "time: {step: 1e-3, end: 1}\n",
+                           head2, shapes[k]));
+    }
+}
+
+/* Many lists of points name the first again at the end. */
+static void a_free_polygon_may_name_its_first_point_again(void **state) {
+    (void)state;
+    gn_world *w = world_of("%sbodies: [{name: b, polygon: [[0, 0], [3, 0], [3, 0], [0, 2], [0, "
+                           "0]], rotation: [0, 0, 0.3], stiffness: 1, free: true, density: 10}]\n"
+                           "time: {step: 1e-3, end: 1}\n",
+                           head2);
+    assert_close(w->boundary.bodies[0].mass, 30.0, 1e-12);
+    world_end(w);
+}
+
 /* A triangle whose corners lie on a line, beside good ones. */
 static void facets_without_area_are_dropped_and_counted(void **state) {
     (void)state;
@@ -565,6 +659,10 @@ int main(void) {
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_resumed_run_gives_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),
+        cmocka_unit_test(a_free_surface_that_cuts_itself_is_refused),
+        cmocka_unit_test(closed_parts_in_others_are_counted_as_cavities),
+        cmocka_unit_test(a_free_polygon_that_crosses_itself_is_refused),
+        cmocka_unit_test(a_free_polygon_may_name_its_first_point_again),
         cmocka_unit_test(facets_without_area_are_dropped_and_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -608,6 +608,118 @@ def particles_beside_elements_keep_their_bits_and_the_step_is_that_of_both(folde
     assert state_hash(out) == state_hash(both)
 
 
+# --- meshes of files ------------------------------------------------------------------------------------
+
+def mesh_file(folder, nodes, elements, name="m.msh", names=""):
+    """Format 2.2: places of nodes; (type, groups, nodes base 1) of elements, one row for each group."""
+    rows = [(kind, group, *corners) for kind, groups, corners in elements for group in groups]
+    with open(os.path.join(folder, name), "w") as file:
+        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + "$Nodes\n%d\n" % len(nodes))
+        file.writelines("%d %.9g %.9g %.9g\n" % (k + 1, *x) for k, x in enumerate(nodes))
+        file.write("$EndNodes\n$Elements\n%d\n" % len(rows))
+        file.writelines("%d %d 2 %d 1 %s\n" % (k + 1, kind, group, " ".join(map(str, corners)))
+                        for k, (kind, group, *corners) in enumerate(rows))
+        file.write("$EndElements\n")
+
+
+def body_of(folder, dimension=2, **more):
+    elements = {"mesh": "m.msh", "materials": [{"young": 1e9, "poisson": 0.2, "density": 2500}], **more}
+    return write_scene(folder, {"dimension": dimension, "elements": elements, "time": {"end": 1e-7},
+                                "output": {"history_rows": 10, "snapshots": 0}, "run": {"threads": 1}})
+
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+TRIANGLES = [(2, [1], (1, 2, 3)), (2, [1], (1, 3, 4))]
+
+
+@fact
+def an_element_that_is_named_for_every_group_weighs_once(folder):
+    mesh_file(folder, SQUARE, [*TRIANGLES, (2, [5], (1, 2, 3))])
+    done = expect(gneiss("check", body_of(folder)), 0)
+    assert re.search(r"volume +1 m3, mass 2500 kg", done.stdout), done.stdout
+    mesh_file(folder, SQUARE, [*TRIANGLES, (2, [1], (1, 2, 3))])
+    expect(gneiss("check", body_of(folder)), 2, r"scene\.yaml:1:\d+: elements: m\.msh: expected every element once, found 1 of 3")
+
+
+@fact
+def a_traction_on_facets_that_are_listed_twice_acts_once(folder):
+    load = {"name": "pull", "box": {"min": [1, 0], "max": [1, 1]}, "traction": {"tx": 1000}}
+    left = {"name": "left", "box": {"min": [0, 0], "max": [0, 1]}, "motion": {"vx": 0, "vy": 0}}
+    displacement = []
+    for listed in ([(1, [7], (2, 3))], [(1, [7, 8], (2, 3)), (1, [7], (3, 2))]):
+        out = os.path.join(folder, str(len(listed)))
+        mesh_file(folder, SQUARE, [*listed, *TRIANGLES])
+        run(body_of(folder, loads=[load], motions=[left]), out, "--set", "time.end=1e-3")
+        with results(out) as file:
+            displacement.append(file["nodes/displacement"][:, 0].max())
+    assert displacement[0] > 0 and displacement[0] == displacement[1], displacement
+
+
+@fact
+def parts_that_share_no_node_are_told(folder):
+    away = [(x + 1.5, y, z) for x, y, z in SQUARE]
+    mesh_file(folder, SQUARE + away, [*TRIANGLES, (2, [1], (5, 6, 7))])
+    done = expect(gneiss("check", body_of(folder)), 0)
+    assert "note: 2 parts that share no node; the smallest has 1 of 3 elements, one at (1.5, 0, 0) m" in done.stdout
+    assert "can run\n" in done.stdout
+    mesh_file(folder, SQUARE + [(x + 1, y, z) for x, y, z in SQUARE], [*TRIANGLES, (2, [1], (5, 6, 7)), (2, [1], (5, 7, 8))])
+    expect(gneiss("check", body_of(folder)), 2, r"elements: m\.msh: expected parts that share the nodes .* in 2 places, .*at \(1, 0, 0\) m")
+
+
+@fact
+def hanging_nodes_and_cracks_of_no_width_are_warned_of(folder):
+    mesh_file(folder, [(0, 0, 0), (2, 0, 0), (1, -1, 0), (1, 0, 0), (1, 1, 0)],
+              [(2, [1], (1, 3, 2)), (2, [1], (1, 4, 5)), (2, [1], (4, 2, 5))])
+    words = r"warning: m\.msh: 1 hanging node on sides .* at \(1, 0, 0\) m: elements are not joined there"
+    done = expect(gneiss("check", body_of(folder)), 0)
+    assert re.search(words, done.stdout) and "mind the warnings" in done.stdout, done.stdout
+    expect(gneiss("run", body_of(folder), "--out", os.path.join(folder, "out"), "--quiet"), 0, words)
+    mesh_file(folder, [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0), (1, -1, 0), (1, 0, 0)],
+              [(2, [1], (1, 6, 2)), (2, [1], (2, 6, 3)), (2, [1], (1, 7, 4)), (2, [1], (7, 3, 5)), (2, [1], (7, 5, 4))])
+    done = expect(gneiss("check", body_of(folder)), 0)
+    assert "two nodes at one place in 1 place, the first at (1, 0, 0) m" in done.stdout, done.stdout
+
+
+@fact
+def a_group_without_elements_has_words_of_its_own(folder):
+    names = '$PhysicalNames\n4\n1 3 "left"\n1 4 "lid"\n2 1 "rock"\n2 2 "void"\n$EndPhysicalNames\n'
+    mesh_file(folder, SQUARE, [(1, [3], (1, 4)), *TRIANGLES], names=names)
+    rock = {"young": 1e9, "poisson": 0.2, "density": 2500}
+    load = {"region": "void", "force": {"fx": 1}}
+    for more in ({"materials": [rock, {**rock, "group": "void"}]}, {"loads": [{"group": load["region"], "force": load["force"]}]},
+                 {"motions": [{"name": "m", "group": "void", "motion": {"vx": 0}}]}):
+        done = expect(gneiss("check", body_of(folder, **more)), 2, r"m\.msh: expected elements of the body in the physical group 'void' "
+                      r"\(tag 2, 2D\), found none")
+        assert "did you mean" not in done.stderr
+    grain = {"specimen": {"particles": [[5, 5, 0.1]]}, "law": {"stiffness": "uniform"},
+             "materials": [{"name": "grain", "density": 2500, "normal_stiffness": 1e6, "kratio": 0}]}
+    with open(body_of(folder, contact={"group": "lid", "stiffness": 1e6})) as file:
+        both = {**json.load(file), **grain}
+    expect(gneiss("check", write_scene(folder, both)), 2,
+           r"m\.msh: expected elements of the body in the physical group 'lid' \(tag 4, 1D\), found none")
+    done = expect(gneiss("check", body_of(folder, materials=[rock, {**rock, "group": "left"}])), 2,
+                  "expected a physical group 'left' of triangle elements, found one of line elements")
+    assert "did you mean" not in done.stderr
+
+
+@fact
+def a_geometry_is_no_mesh_of_elements(folder):
+    with open(os.path.join(folder, "body.geo"), "w") as file:
+        file.write("Point(1) = {0, 0, 0};\n")
+    for allow in ((), ("--allow-gmsh",)):
+        expect(gneiss("check", body_of(folder, mesh="body.geo"), *allow), 2,
+               r"scene\.yaml:1:\d+: elements\.mesh: expected a mesh of elements \(\.msh\), found the geometry 'body\.geo'; gmsh -2")
+
+
+@fact
+def an_inclusion_over_its_matrix_is_refused_as_elements_and_as_specimen(folder):
+    inside = [(0.6 + 0.1 * x, 0.3 + 0.1 * y, z) for x, y, z in SQUARE]
+    mesh_file(folder, SQUARE + inside, [*TRIANGLES, (2, [2], (5, 6, 7)), (2, [2], (5, 7, 8))])
+    expect(gneiss("check", body_of(folder)), 2, "elements: m.msh: expected elements beside each other, found 1 of 4 that others lie over")
+    specimen = {"dimension": 2, "specimen": {"mesh": "m.msh", "particles": 50}}
+    expect(gneiss("pack", write_scene(folder, specimen), "--out", os.path.join(folder, "p")), 2, "expected elements beside each other")
+
+
 if __name__ == "__main__":
     code = main()
     shutil.rmtree(REFERENCE, ignore_errors=True)

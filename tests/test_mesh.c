@@ -251,6 +251,8 @@ static void wrong_texts_are_refused_at_line_and_column(void **state) {
         {HEAD2 "$PhysicalNames\n1\n2 1 \"0123456789012345678901234567890123456789012345678901234"
                "567890123\"\n$EndPhysicalNames\n$Nodes\n$EndNodes\n$Elements" END,
          "/m:6:5: expected a name of at most 63 bytes, found 64"},
+        {"$NOD\n3\n1 0 0 0\n2 1 0 0\n3 1 1 0\n$ENDNOD\n$ELM\n1\n1 2 1 1 3 1 2 3\n$ENDELM\n",
+         "/m:1:1: expected format 2.2 or 4.1, found a section $NOD of format 1; gmsh -save"},
     };
     gn_mesh m;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {

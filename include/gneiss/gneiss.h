@@ -74,6 +74,10 @@ GNEISS_API gneiss_status gneiss_scene_parse(const char *text, const char *name, 
 /* The resolved scene as YAML: SI, every default filled in. Belongs to the scene. NULL for NULL. */
 GNEISS_API const char *gneiss_scene_text(const gneiss_scene *scene);
 
+/* Whether gmsh may mesh a specimen that is a geometry (.geo, .step, .brep, .iges). Not unless this
+ * is called with 1: a geometry can make gmsh execute any command. NULL is allowed. */
+GNEISS_API void gneiss_scene_allow_gmsh(gneiss_scene *scene, int allow);
+
 /* NULL is allowed. Worlds made from the scene go on without it. */
 GNEISS_API void gneiss_scene_free(gneiss_scene *scene);
 

@@ -132,6 +132,10 @@ const char *gneiss_scene_text(const gneiss_scene *scene) {
     return scene ? scene->text : NULL;
 }
 
+void gneiss_scene_allow_gmsh(gneiss_scene *scene, int allow) {
+    if (scene) scene->scene.allow_gmsh = allow != 0;
+}
+
 void gneiss_scene_free(gneiss_scene *scene) {
     if (!scene) return;
     gn_scene_free(&scene->scene);

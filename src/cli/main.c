@@ -11,6 +11,7 @@
 #include "io/files.h"
 #include "run/folder.h"
 #include "sim/conversion.h"
+#include "sim/scale.h"
 #include "sweep/sweep.h"
 
 #include <omp.h>
@@ -69,7 +70,11 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     if (*gn_world_light_body(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (run->world.step == 0 && gn_scale_doubts(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
     if (gn_stage_is_overlong(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
+    if (*gn_elements_doubts(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (*gn_conversion_watches(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
@@ -107,6 +112,7 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
     *scene = calloc(1, sizeof **scene);
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, *scene, error);
+    (*scene)->allow_gmsh = o->allow_gmsh;
     if (status == GNEISS_OK) return GNEISS_OK;
     free(*scene);
     *scene = NULL;
@@ -174,6 +180,7 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
     if (status == GNEISS_OK) {
+        run->world.given.allow_gmsh = run->world.scene.allow_gmsh = o->allow_gmsh;
         const int64_t before = run->world.step;
         status = go(o, run, error);
         if (status == GNEISS_OK && run->world.step == before)

@@ -52,6 +52,10 @@ void gn_print_usage(FILE *out) {
         "and "
         "files that\n"
         "                     are not gneiss's\n"
+        "  --allow-gmsh       let gmsh mesh a specimen that is a geometry (.geo, .step, ...), "
+        "which "
+        "can make it\n"
+        "                     execute any command: for files that you trust\n"
         "  --seeds N          run, sweep: with so many seeds (or these: 3,7,11); mean and 95 % "
         "interval of\n"
         "                     every reading; run writes to runs/<scene name>-seeds\n"
@@ -164,6 +168,13 @@ static gneiss_status check_plan_options(const gn_options *o, const command *c,
     return GNEISS_OK;
 }
 
+static bool reads_scenes(const command *c) {
+    static const char *const without[] = {"report", "keys", "info"};
+    for (size_t k = 0; k < sizeof without / sizeof *without; k++)
+        if (strcmp(c->name, without[k]) == 0) return false;
+    return true;
+}
+
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
     const command *c = find_command(o->command);
@@ -176,6 +187,9 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
     if (o->out && strcmp(c->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss resume: --out: a resumed run stays in its folder");
+    if (o->allow_gmsh && !reads_scenes(c))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: --allow-gmsh is for commands that read a scene", c->name);
     GN_TRY(check_sweep_options(o, c, error));
     GN_TRY(check_plan_options(o, c, error));
     if (first + 1 < argc)
@@ -193,6 +207,7 @@ enum {
     OPT_PRECISION,
     OPT_ISA,
     OPT_FORCE,
+    OPT_ALLOW_GMSH,
     OPT_QUIET,
     OPT_LOG,
     OPT_MARKDOWN,
@@ -217,6 +232,7 @@ static const struct option long_options[] = {
     {"precision", required_argument, 0, OPT_PRECISION},
     {"isa", required_argument, 0, OPT_ISA},
     {"force", no_argument, 0, OPT_FORCE},
+    {"allow-gmsh", no_argument, 0, OPT_ALLOW_GMSH},
     {"quiet", no_argument, 0, OPT_QUIET},
     {"log", required_argument, 0, OPT_LOG},
     {"markdown", no_argument, 0, OPT_MARKDOWN},
@@ -306,6 +322,9 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
         return add_override(o, "run.isa", value, error);
     case OPT_FORCE:
         o->force = true;
+        return GNEISS_OK;
+    case OPT_ALLOW_GMSH:
+        o->allow_gmsh = true;
         return GNEISS_OK;
     case OPT_QUIET:
         o->quiet = true;

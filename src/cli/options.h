@@ -17,6 +17,7 @@ typedef struct gn_options {
     bool quiet, json;   /* --quiet, --log json */
     bool force;         /* run: replace a finished long run */
     bool markdown;      /* keys --markdown */
+    bool allow_gmsh;    /* --allow-gmsh: a geometry may be meshed, which may execute commands */
     /* sweep; the first also run: --seeds, --jobs, --array ("": as Slurm says); NULL: not given */
     const char *seeds, *jobs, *array;
     bool dry_run, collect; /* sweep */

@@ -237,6 +237,27 @@ static void move_out(const gn_scene *scene, gn_packing *packing) {
             packing->sphere[4 * k + a] = gn_point_out(scene->origin[a], packing->sphere[4 * k + a]);
 }
 
+/* A request says nothing of speeds and densities: only the size speaks. */
+static void note_scale(const gn_scene *scene, const gn_pack_result *r) {
+    const double large = 5.0; /* m */
+    const gn_specimen *s = &scene->specimen;
+    const bool surface = s->pack.shape == GN_SHAPE_SURFACE;
+    double longest = 0.0;
+    if (s->scale != 1.0 || !(surface || s->pack.shape == GN_SHAPE_MESH)) return;
+    for (size_t a = 0; a < (size_t)scene->dimension; a++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < r->packing.count; k++) {
+            low = fmin(low, r->packing.sphere[4 * k + a] - r->packing.sphere[4 * k + 3]);
+            high = fmax(high, r->packing.sphere[4 * k + a] + r->packing.sphere[4 * k + 3]);
+        }
+        longest = fmax(longest, high - low);
+    }
+    if (longest >= large)
+        printf("note: %s: %.4g m long with scale: 1, which takes the file's lengths for metres; "
+               "scale: 0.001 if they are millimetres\n",
+               surface ? "specimen.surface" : "specimen.mesh", longest);
+}
+
 static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char *folder,
                                gneiss_error *error) {
     gn_pack_result result;
@@ -258,6 +279,7 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
         if (status == GNEISS_OK && !o->json) {
             print_quality(scene, &result, &quality);
             print_sizes(scene, &result, &quality);
+            note_scale(scene, &result);
         }
         if (status == GNEISS_OK && !o->json && !o->quiet)
             printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n", folder);
@@ -292,6 +314,7 @@ gneiss_status gn_command_pack(const gn_options *o, gneiss_error *error) {
     gneiss_status status =
         gn_scene_load_specimen(o->target, o->overrides, o->override_count, scene, error);
     if (status == GNEISS_OK) {
+        scene->allow_gmsh = o->allow_gmsh;
         status = pack_scene(o, scene, error);
         gn_scene_free(scene);
     }

@@ -13,6 +13,7 @@
 #include "cli/plan_time.h"
 #include "cli/progress.h"
 #include "scene/stops.h"
+#include "sim/body_cuts.h"
 #include "sim/body_walls.h"
 #include "sim/conversion.h"
 #include "sim/ends.h"
@@ -20,6 +21,7 @@
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
+#include "sim/scale.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -416,6 +418,11 @@ static gneiss_status print_bodies(const gn_world *w, const gn_overlap *overlaps,
         if (w->scene.bodies[k].free)
             printf("; free: %.6g m3, %.6g kg, centre of mass %s m", b->volume, b->mass,
                    gn_point_text(w->scene.origin, b->position, at));
+        const size_t cavities = gn_body_cavities(&w->scene, k);
+        if (cavities)
+            printf("; note: %zu closed part%s in another one count%s as %s", cavities,
+                   cavities == 1 ? "" : "s", cavities == 1 ? "s" : "",
+                   cavities == 1 ? "a cavity" : "cavities");
         snprintf(name, sizeof name, "body '%s'", w->scene.bodies[k].name);
         print_overlap(w, &overlaps[k], name, warnings);
         print_on_walls(w, k, warnings);
@@ -538,6 +545,10 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(w);
     GN_TRY(status);
+    if (gn_scale_doubts(w, doubts, sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
     if (gn_geometry_doubts(w, doubts, sizeof doubts)) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;

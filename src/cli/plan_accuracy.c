@@ -220,6 +220,7 @@ static gneiss_status correct(const gn_options *o, const gn_settings *settings, g
         scene && w ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     if (status == GNEISS_OK)
         status = gn_scene_load(o->target, settings->setting, settings->count, scene, error);
+    if (status == GNEISS_OK) scene->allow_gmsh = o->allow_gmsh;
     if (status == GNEISS_OK) status = gn_world_create(scene, w, error);
     if (status == GNEISS_OK) {
         gn_plan_correct(w, plan, &plan->best);

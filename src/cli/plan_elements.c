@@ -1,5 +1,6 @@
 #include "cli/plan_elements.h"
 
+#include "base/point.h"
 #include "cli/plan.h"
 
 #include <math.h>
@@ -59,7 +60,18 @@ static void print_groups(const gn_mesh *mesh) {
     }
 }
 
-static void print_notes(const gn_fem_solid *b, const char *indent) {
+static void print_parts(const gn_world *w, const gn_mesh_joints *j, const char *indent) {
+    char place[GN_POINT_SIZE];
+    if (j->parts < 2) return;
+    printf("%snote: %zu parts that share no node; the smallest has %zu of %zu elements, one at %s "
+           "m\n",
+           indent, j->parts, j->least, j->elements,
+           gn_point_text(w->scene.origin, j->least_at, place));
+}
+
+static void print_notes(const gn_world *w, const gn_element_model *q, const char *indent) {
+    const gn_fem_solid *b = &q->solid;
+    print_parts(w, &q->joints, indent);
     if (b->unused_nodes)
         printf("%snote: left out %zu node%s of the mesh that belong%s to no element\n", indent,
                b->unused_nodes, b->unused_nodes == 1 ? "" : "s", b->unused_nodes == 1 ? "s" : "");
@@ -69,7 +81,7 @@ static void print_notes(const gn_fem_solid *b, const char *indent) {
 }
 
 void gn_print_element_notes(const gn_world *w, const char *indent) {
-    for (size_t k = 0; k < w->element_count; k++) print_notes(&w->elements[k]->solid, indent);
+    for (size_t k = 0; k < w->element_count; k++) print_notes(w, w->elements[k], indent);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -118,10 +130,14 @@ static void print_check(const gn_world *w, const gn_element_model *q, int *warni
     for (size_t k = 0; k < e->load_count; k++)
         printf("  load %-15s %zu nodes\n", e->loads[k].name[0] ? e->loads[k].name : "-",
                q->load[k].count);
-    print_notes(b, "  ");
+    print_notes(w, q, "  ");
     print_slivers(w, q, warnings);
 }
 
 void gn_print_element_check(const gn_world *w, int *warnings) {
+    char doubts[GNEISS_MESSAGE_SIZE];
     for (size_t k = 0; k < w->element_count; k++) print_check(w, w->elements[k], warnings);
+    if (!*gn_elements_doubts(w, doubts, sizeof doubts)) return;
+    printf("  warning: %s\n", doubts);
+    (*warnings)++;
 }

@@ -6,6 +6,7 @@
 #include "cli/signals.h"
 #include "cli/sweep_show.h"
 #include "io/files.h"
+#include "pack/shape.h"
 #include "run/folder.h"
 
 #include <errno.h>
@@ -95,6 +96,7 @@ static gneiss_status read_way(const gn_options *o, gn_sweep_way *way, gneiss_err
     way->jobs = (int)jobs;
     way->program = "/proc/self/exe";
     way->force = o->force;
+    way->allow_gmsh = o->allow_gmsh;
     return read_shard(o, way, error);
 }
 
@@ -116,12 +118,14 @@ static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s,
 
 /* Wall time of a run on one thread by a few of its steps; NaN where the specimen would have to be
  * packed first. */
-static gneiss_status estimate(const gn_sweep *s, size_t run, double *seconds, gneiss_error *error) {
+static gneiss_status estimate(const gn_sweep *s, size_t run, bool allow_gmsh, double *seconds,
+                              gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene);
     gn_world *world = calloc(1, sizeof *world);
     *seconds = NAN;
     gneiss_status status = scene && world ? gn_sweep_scene(s, run, scene, error)
                                           : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    if (status == GNEISS_OK) scene->allow_gmsh = allow_gmsh;
     if (status == GNEISS_OK && scene->specimen.pack.shape != GN_SHAPE_NONE) {
         gn_scene_free(scene);
     } else if (status == GNEISS_OK) {
@@ -167,7 +171,7 @@ static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep
         seconds[k] = m->runs[k].seconds;
         bool wanted = gn_sweep_mine(s, way, k) && !gn_outcome_stands(&m->runs[k].outcome);
         if (!wanted || gn_now() - start > budget) continue;
-        if (estimate(s, k, &seconds[k], &unused) != GNEISS_OK) seconds[k] = NAN;
+        if (estimate(s, k, way->allow_gmsh, &seconds[k], &unused) != GNEISS_OK) seconds[k] = NAN;
     }
 }
 
@@ -224,12 +228,27 @@ static gneiss_status carry_out(const gn_options *o, const gn_sweep *s, gn_sweep_
     return status;
 }
 
+/* A geometry without permission is refused once, not by every run. */
+static gneiss_status check_geometry(const gn_options *o, const gn_sweep *s, gneiss_error *error) {
+    gn_scene *scene = calloc(1, sizeof *scene);
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = gn_sweep_scene(s, 0, scene, error);
+    if (status == GNEISS_OK) {
+        scene->allow_gmsh = o->allow_gmsh;
+        status = gn_pack_check_geometry(scene, error);
+        gn_scene_free(scene);
+    }
+    free(scene);
+    return status;
+}
+
 static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way way,
                                 gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
     GN_TRY(choose_folder(o, s, folder, error));
     way.directory = folder;
+    if (!o->collect && s->run_count) GN_TRY(check_geometry(o, s, error));
     if (o->dry_run) return dry_run(s, &way, error);
     if (s->seed_count > 1 && !s->draws)
         fprintf(stderr, "gneiss: warning: seeds: no random number is drawn in this scene, so that "

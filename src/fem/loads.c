@@ -30,10 +30,27 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
     return gn_fem_no_group(name, mesh, group, dimension, error);
 }
 
+/* A group that the file names, without elements of the body. */
+static gneiss_status empty_group(const char *mesh_name, const gn_mesh_group *group,
+                                 const char *name, int dimension, gneiss_error *error) {
+    if (dimension >= 0 && group->dimension != dimension)
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: expected a physical group '%s' of %s elements, found one of %s elements",
+            mesh_name, name, gn_fem_kind(dimension), gn_fem_kind(group->dimension));
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected elements of the body in the physical group '%s' (tag %d, %dD), "
+                   "found none: the file only names it, or its elements lie apart from the body",
+                   mesh_name, name, group->tag, group->dimension);
+}
+
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error) {
     char there[512] = "none", advice[GN_ADVICE_SIZE] = "";
     size_t used = 0;
+    const gn_mesh_group *own = gn_fem_find_group(mesh, name, dimension);
+    if (!own) own = gn_fem_find_group(mesh, name, -1);
+    if (own) return empty_group(mesh_name, own, name, dimension, error);
     gn_names names = gn_names_for(name);
     for (size_t k = 0; k < mesh->group_count && used < sizeof there; k++) {
         const gn_mesh_group *g = &mesh->groups[k];

@@ -26,6 +26,8 @@ static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *grou
     }
     gneiss_status status = in && *corner ? GNEISS_OK : no_memory(error);
     gn_free(in);
+    if (status == GNEISS_OK && !*count)
+        return gn_fem_no_group(solid->name, &solid->mesh, group, solid->dimension - 1, error);
     return status;
 }
 

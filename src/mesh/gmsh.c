@@ -1,6 +1,7 @@
 #include "mesh/gmsh.h"
 
 #include "io/atomic_file.h"
+#include "io/files.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -47,14 +48,36 @@ static int spawn(char *const arguments[], const char *log, pid_t *child) {
     return code;
 }
 
-static gneiss_status run_gmsh(const char *path, int dimension, const char *out, const char *log,
-                              gneiss_error *error) {
-    /* posix_spawnp takes strings that it may not change, but not as const. */
-    char *arguments[] = {"gmsh",     dimension == 3 ? "-3" : "-2",
-                         "-format",  "msh41",
-                         "-o",       (char *)out,
-                         "-nopopup", (char *)path,
-                         NULL};
+/* The script that is merged behind the geometry: elements are linear, whatever the geometry asks
+ * for. An option of the command line would not do, as the geometry is read after it. */
+static const char linear[] = "Mesh.ElementOrder = 1;\n";
+
+enum { ARGUMENTS = 10 };
+
+/* posix_spawnp takes strings that it may not change, but not as const. */
+static void arguments_of(const char *path, int dimension, const char *out, const char *order,
+                         char *arguments[ARGUMENTS]) {
+    char *const all[ARGUMENTS] = {"gmsh",        dimension == 3 ? "-3" : "-2",
+                                  "-format",     "msh41",
+                                  "-o",          (char *)out,
+                                  "-nopopup",    (char *)path,
+                                  (char *)order, NULL};
+    memcpy(arguments, all, sizeof all);
+}
+
+void gn_mesh_geometry_command(const char *path, int dimension, char *text, size_t size) {
+    char *arguments[ARGUMENTS];
+    size_t used = 0;
+    arguments_of(path, dimension, "FILE", NULL, arguments);
+    *text = '\0';
+    for (size_t k = 0; arguments[k] && used < size; k++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", k ? " " : "", arguments[k]);
+}
+
+static gneiss_status run_gmsh(const char *path, int dimension, const char *out, const char *order,
+                              const char *log, gneiss_error *error) {
+    char *arguments[ARGUMENTS];
+    arguments_of(path, dimension, out, order, arguments);
     pid_t child;
     int code = spawn(arguments, log, &child), state;
     if (code == ENOENT)
@@ -74,28 +97,49 @@ static gneiss_status run_gmsh(const char *path, int dimension, const char *out, 
                    *said ? said : "it said nothing");
 }
 
+/* Messages about the mesh name the geometry: the mesh itself is gone when they are read. */
+static gneiss_status read_made(const char *path, const char *out, double scale, gn_mesh *mesh,
+                               gneiss_error *error) {
+    char text[GNEISS_MESSAGE_SIZE];
+    const size_t length = strlen(out);
+    gneiss_status status = gn_mesh_read_msh(out, scale, mesh, error);
+    if (status == GNEISS_OK || !error || strncmp(error->message, out, length) != 0) return status;
+    memcpy(text, error->message, sizeof text);
+    return gn_fail(error, status, "%.600s: in the mesh that gmsh made of it%.1300s", path,
+                   text + length);
+}
+
+static gneiss_status mesh_in(const char *folder, const char *path, int dimension, double scale,
+                             gn_mesh *mesh, gneiss_error *error) {
+    char *out = gn_text_format("%s/mesh.msh", folder), *log = gn_text_format("%s/log.txt", folder),
+         *order = gn_text_format("%s/order.geo", folder);
+    gneiss_status status = GNEISS_OK;
+    if (!out || !log || !order) status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to mesh");
+    if (status == GNEISS_OK) status = gn_write_text_file(order, linear, GN_RENAMED, error);
+    if (status == GNEISS_OK) status = run_gmsh(path, dimension, out, order, log, error);
+    if (status == GNEISS_OK) status = read_made(path, out, scale, mesh, error);
+    if (out) unlink(out);
+    if (log) unlink(log);
+    if (order) unlink(order);
+    free(out);
+    free(log);
+    free(order);
+    return status;
+}
+
 gneiss_status gn_mesh_geometry(const char *path, int dimension, double scale, gn_mesh *mesh,
                                gneiss_error *error) {
     *mesh = (gn_mesh){0};
     const char *place = getenv("TMPDIR");
     char *folder = gn_text_format("%s/gneiss-mesh-XXXXXX", place && *place ? place : "/tmp");
-    char *out = NULL, *log = NULL;
     gneiss_status status = GNEISS_OK;
-    if (!folder || !mkdtemp(folder))
+    if (!folder || !mkdtemp(folder)) {
         status =
             gn_fail(error, GNEISS_ERROR_IO, "no temporary folder for gmsh: %s", strerror(errno));
-    if (status == GNEISS_OK) {
-        out = gn_text_format("%s/mesh.msh", folder);
-        log = gn_text_format("%s/log.txt", folder);
-        status = out && log ? run_gmsh(path, dimension, out, log, error)
-                            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to mesh");
-        if (status == GNEISS_OK) status = gn_mesh_read_msh(out, scale, mesh, error);
-        if (out) unlink(out);
-        if (log) unlink(log);
+    } else {
+        status = mesh_in(folder, path, dimension, scale, mesh, error);
         rmdir(folder);
     }
-    free(out);
-    free(log);
     free(folder);
     return status;
 }

@@ -10,9 +10,14 @@
  * .stp, .brep, .iges, .igs. */
 bool gn_is_geometry(const char *path);
 
+/* The command that gn_mesh_geometry would run, for messages. FILE stands for the mesh. */
+void gn_mesh_geometry_command(const char *path, int dimension, char *text, size_t size);
+
 /* Meshes a geometry with the program `gmsh` found in PATH (`gmsh -2|-3 FILE`), in a temporary
- * folder that is removed again, and reads the mesh as gn_mesh_read_msh does. GNEISS_ERROR_INPUT:
- * gmsh is not installed, or refused the geometry (with the last line that it said). */
+ * folder that is removed again, and reads the mesh as gn_mesh_read_msh does. Elements are linear,
+ * also where the geometry asks for a higher order. A geometry can make gmsh execute commands: the
+ * caller has the user's permission (gn_scene.allow_gmsh). GNEISS_ERROR_INPUT: gmsh is not
+ * installed, or refused the geometry (with the last line that it said). */
 gneiss_status gn_mesh_geometry(const char *path, int dimension, double scale, gn_mesh *mesh,
                                gneiss_error *error);
 

@@ -65,6 +65,17 @@ gn_mesh_key gn_mesh_face_key(const int32_t *node, int count) {
     return (gn_mesh_key){(uint64_t)a << 32 | b, c};
 }
 
+gn_mesh_key gn_mesh_element_key(const int32_t *node, int count) {
+    uint32_t sorted[4] = {UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    for (int k = 0; k < count; k++) {
+        int at = k;
+        for (; at > 0 && sorted[at - 1] > (uint32_t)node[k]; at--) sorted[at] = sorted[at - 1];
+        sorted[at] = (uint32_t)node[k];
+    }
+    return (gn_mesh_key){(uint64_t)sorted[0] << 32 | sorted[1],
+                         (uint64_t)sorted[2] << 32 | sorted[3]};
+}
+
 bool gn_mesh_grow(void **block, size_t *capacity, size_t used, size_t need, size_t size) {
     if (need <= *capacity) return true;
     size_t more = 2 * *capacity > need ? 2 * *capacity : need;

@@ -39,16 +39,18 @@ typedef struct gn_mesh {
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* by dimension, then tag; gn_alloc'ed */
+    size_t cavities;       /* found by gn_mesh_close_surface */
 } gn_mesh;
 
 /* Reads a gmsh .msh file, format 2.2 or 4.1, text or binary. Linear lines, triangles and tetrahedra
  * are kept, points when they belong to a group; every other element is refused by name
  * (quadrangles, second order,
- * ...). Nodes that no element uses are kept. `scale` multiplies coordinates. A negative physical
- * tag (reversed orientation) turns the element and is stored positive, so that both formats of one
- * mesh read alike. Unknown sections are skipped. All errors of content are GNEISS_ERROR_INPUT with
- * file:line:column (text) or file, section and byte (binary): expected, found. On failure *mesh is
- * empty. */
+ * ...). Elements that are named again for a further group become one with all its groups; a solid
+ * that is merely repeated stays twice. Nodes that no element uses are kept. `scale` multiplies
+ * coordinates. A negative physical tag (reversed orientation) turns the element and is stored
+ * positive, so that both formats of one mesh read alike. Unknown sections are skipped. All errors
+ * of content are GNEISS_ERROR_INPUT with file:line:column (text) or file, section and byte
+ * (binary): expected, found. On failure *mesh is empty. */
 gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gneiss_error *error);
 
 /* Reads an STL file, text or binary, into nodes and triangles: corners nearer than 1e-6 of the

@@ -75,6 +75,8 @@ int64_t gn_mesh_table_find(const gn_mesh_table *table, gn_mesh_key key); /* -1: 
 void gn_mesh_table_free(gn_mesh_table *table);
 /* The same for every order and sense of `count` (2 or 3) nodes. */
 gn_mesh_key gn_mesh_face_key(const int32_t *node, int count);
+/* The same of 1 to 4 nodes. */
+gn_mesh_key gn_mesh_element_key(const int32_t *node, int count);
 
 /* Room for `need` items of `size` bytes, at least doubled; keeps the first `used`. False: no
  * memory. */
@@ -111,6 +113,8 @@ typedef struct gn_msh {
 gneiss_status gn_msh_read_entities(gn_msh *msh);
 gneiss_status gn_msh_read_nodes(gn_msh *msh);
 gneiss_status gn_msh_read_elements(gn_msh *msh);
+/* msh_doubles.c: elements with the same nodes become one, in all their groups. */
+gneiss_status gn_msh_merge_doubles(gn_msh *msh);
 
 static inline void gn_mesh_between(const double *from, const double *to, double out[3]) {
     for (int d = 0; d < 3; d++) out[d] = to[d] - from[d];

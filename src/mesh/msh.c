@@ -48,6 +48,15 @@ static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE
     return GNEISS_OK;
 }
 
+/* Format 1 has no header: its sections are $NOD and $ELM, which end with $ENDNOD and $ENDELM. */
+static gneiss_status refuse_format_1(const gn_mesh_source *in, const char *name, size_t at) {
+    if (strcmp(name, "$NOD") != 0 && strcmp(name, "$ELM") != 0) return GNEISS_OK;
+    return gn_mesh_refuse(in, at,
+                          "expected format 2.2 or 4.1, found a section %s of format 1; gmsh -save "
+                          "-format msh41 -o NEW.msh OLD.msh writes it anew",
+                          name);
+}
+
 /* Where $EndName stands; the content of unknown or binary sections says nothing of its length. */
 static gneiss_status find_end(gn_mesh_source *in, const char *name, section *found) {
     char mark[SECTION_NAME_SIZE];
@@ -76,6 +85,7 @@ static gneiss_status find_sections(gn_mesh_source *in, section found[SECTIONS]) 
         if (in->at == in->size) return GNEISS_OK;
         section one = {.header = in->at};
         GN_TRY(take_header(in, name));
+        GN_TRY(refuse_format_1(in, name, one.header));
         GN_TRY(find_end(in, name, &one));
         for (int s = 0; s < SECTIONS; s++) {
             if (strcmp(name, section_name[s]) != 0) continue;

@@ -271,37 +271,6 @@ static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension
     return GNEISS_OK;
 }
 
-static bool same_nodes(const int32_t *a, const int32_t *b, int count) {
-    for (int i = 0; i < count; i++) {
-        bool found = false;
-        for (int j = 0; j < count; j++) found = found || a[i] == b[j];
-        if (!found) return false;
-    }
-    return true;
-}
-
-static bool in_group(const gn_mesh_elements *e, size_t element, int32_t group) {
-    if (e->group[element] == group) return true;
-    for (size_t k = e->also_count; k > 0 && e->also[k - 1].element == element; k--)
-        if (e->also[k - 1].group == group) return true;
-    return false;
-}
-
-/* Format 2.2 writes an element of several groups once for each of them, one behind the other. */
-static gneiss_status keep_element_2(gn_msh *msh, int dimension, const int32_t *node,
-                                    int32_t group) {
-    gn_mesh_list *list = &msh->list[dimension];
-    const gn_mesh_elements *e = list->elements;
-    size_t last = e->count - 1; /* not used when there is none */
-    bool room;
-    if (group && e->count && e->group[last] &&
-        same_nodes(node, e->node + (size_t)e->nodes * last, e->nodes) && !in_group(e, last, group))
-        room = gn_mesh_add_membership(list, last, group);
-    else
-        room = gn_mesh_add_element(list, node, &group, 1);
-    return room ? GNEISS_OK : gn_mesh_no_memory(&msh->in);
-}
-
 /* Tags and nodes of one element of format 2.2. */
 static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
     gn_mesh_source *in = &msh->in;
@@ -312,7 +281,9 @@ static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
                                     -INT32_MAX, INT32_MAX, k ? &other : &group));
     GN_TRY(take_element_nodes(msh, 4, dimension, node));
     if (dimension == 0 && group == 0) return GNEISS_OK;
-    return keep_element_2(msh, dimension, node, (int32_t)(group < 0 ? -group : group));
+    const int32_t tag = (int32_t)(group < 0 ? -group : group);
+    return gn_mesh_add_element(&msh->list[dimension], node, &tag, 1) ? GNEISS_OK
+                                                                     : gn_mesh_no_memory(in);
 }
 
 static gneiss_status read_text_element_2(gn_msh *msh) {
@@ -437,6 +408,7 @@ gneiss_status gn_msh_read_elements(gn_msh *msh) {
     size_t start = in->at;
     GN_TRY(msh->version_4 ? read_elements_4(msh) : read_elements_2(msh));
     GN_TRY(gn_mesh_end_section(in));
+    GN_TRY(gn_msh_merge_doubles(msh));
     if (mesh->lines.count + mesh->triangles.count + mesh->tetrahedra.count == 0)
         return gn_mesh_refuse(in, start,
                               "expected lines, triangles or tetrahedra, found none of them");

@@ -31,6 +31,7 @@ typedef struct surface {
     bool *seen;             /* [count] */
     component *components;
     size_t component_count, component_capacity;
+    size_t cavities;
 } surface;
 
 static gneiss_status no_memory(const surface *s) {
@@ -265,6 +266,7 @@ static gneiss_status turn_cavities(surface *s, double *volume) {
             cavity = cavity != inside;
         }
         if (cavity) turn_component(s, c);
+        s->cavities += cavity;
         *volume += cavity ? -c->volume : c->volume;
     }
     if (isfinite(*volume) && *volume > 0.0) return GNEISS_OK;
@@ -292,6 +294,7 @@ gneiss_status gn_mesh_close_surface(gn_mesh *mesh, const char *name, double *vol
     s.triangle = mesh->triangles.node;
     s.count = mesh->triangles.count;
     gneiss_status status = close_surface(&s, volume);
+    mesh->cavities = s.cavities;
     gn_free(s.edge_of);
     gn_free(s.edge_triangle);
     gn_free(s.edge_use);

@@ -3,6 +3,7 @@
 #include "io/atomic_file.h"
 #include "io/files.h"
 #include "io/h5.h"
+#include "pack/shape.h"
 #include "pack/store.h"
 
 #include <inttypes.h>
@@ -174,6 +175,7 @@ gneiss_status gn_pack_obtain(const gn_scene *scene, gn_pack_watch *watch, void *
     char *key = NULL;
     gneiss_error trouble = {0};
     *note = '\0';
+    GN_TRY(gn_pack_check_geometry(scene, error)); /* also where the cache would do */
     GN_TRY(make_key(scene, &key, error));
     char *path = cache_path(key);
     gneiss_status status = GNEISS_OK;

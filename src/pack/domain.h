@@ -31,6 +31,11 @@ gneiss_status gn_domain_cylinder(const double base[3], double radius, double hei
  * node cut each other by more than 1e-6 of the extent (lines: cross or touch): which, and where. */
 gneiss_status gn_domain_surface(const gn_mesh *mesh, int dimension, const char *name,
                                 gn_domain **domain, gneiss_error *error);
+/* That facets [count][corners] (3 corners: triangles; 2: edges in the plane) do not cut each other,
+ * as above, and nothing else: they need not be turned outward. node [node_count][3]. */
+gneiss_status gn_domain_check_cuts(const double *node, size_t node_count, const int32_t *element,
+                                   size_t count, int corners, const char *name,
+                                   gneiss_error *error);
 void gn_domain_free(gn_domain *domain);
 
 int gn_domain_dimension(const gn_domain *domain);

@@ -326,9 +326,9 @@ static gneiss_status build(gn_facets *s, const double *node, const int32_t *elem
     return gn_facets_know(s, error);
 }
 
-gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
-                               size_t count, int corners, const char *name, gn_facets **facets,
-                               gneiss_error *error) {
+/* Facets to be filled by `read_facets`. */
+static gneiss_status allocate(size_t node_count, size_t count, int corners, const char *name,
+                              gn_facets **facets, gneiss_error *error) {
     size_t least = (size_t)corners + (corners == 3), most = INT32_MAX / 8;
     if (count < least || count > most || node_count > INT32_MAX / 4)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -344,11 +344,33 @@ gneiss_status gn_facets_create(const double *node, size_t node_count, const int3
     s->count = count;
     s->node_count = node_count;
     for (int k = 0; k < 3; k++) s->lower[k] = INFINITY, s->upper[k] = -INFINITY;
+    *facets = s;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
+                               size_t count, int corners, const char *name, gn_facets **facets,
+                               gneiss_error *error) {
+    gn_facets *s = NULL;
+    GN_TRY(allocate(node_count, count, corners, name, &s, error));
     gneiss_status status = build(s, node, element, name, error);
     if (status == GNEISS_OK)
         *facets = s;
     else
         gn_facets_free(s);
+    return status;
+}
+
+gneiss_status gn_domain_check_cuts(const double *node, size_t node_count, const int32_t *element,
+                                   size_t count, int corners, const char *name,
+                                   gneiss_error *error) {
+    gn_facets *s = NULL;
+    GN_TRY(allocate(node_count, count, corners, name, &s, error));
+    gneiss_status status = read_facets(s, node, element, name, error);
+    if (status == GNEISS_OK) status = set_normals(s, name, error);
+    if (status == GNEISS_OK) status = gn_tree_build(s, error);
+    if (status == GNEISS_OK) status = gn_facets_check_cuts(s, name, error);
+    gn_facets_free(s);
     return status;
 }
 

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "mesh/gmsh.h"
+#include "mesh/joints.h"
 
 #include <math.h>
 #include <string.h>
@@ -45,16 +46,34 @@ static void place(const gn_pack_def *def, gn_mesh *mesh) {
         mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);
 }
 
+gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    char command[GN_PATH_SIZE + 128];
+    if (scene->allow_gmsh || def->shape != GN_SHAPE_MESH || !gn_is_geometry(def->mesh_path))
+        return GNEISS_OK;
+    gn_mesh_geometry_command(def->mesh_path, (int)scene->dimension, command, sizeof command);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected a mesh (.msh), or --allow-gmsh on the command line "
+        "(gneiss_scene_allow_gmsh in C), found the geometry '%.300s': gmsh would have to "
+        "mesh it, and a geometry can make gmsh execute any command. With the permission "
+        "this is run: %.700s",
+        gn_scene_at(scene, scene->specimen.where, "specimen.mesh").text, def->mesh, command);
+}
+
 /* The elements of a file and their boundary. */
 static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
     double scale = scene->specimen.scale;
+    GN_TRY(gn_pack_check_geometry(scene, error));
     GN_TRY(gn_is_geometry(def->mesh_path)
                ? gn_mesh_geometry(def->mesh_path, dimension, scale, mesh, error)
                : gn_mesh_read_msh(def->mesh_path, scale, mesh, error));
     place(def, mesh);
-    return gn_mesh_boundary(mesh, dimension, def->mesh_path, error);
+    GN_TRY(gn_mesh_boundary(mesh, dimension, def->mesh_path, error));
+    return gn_mesh_check_overlap(mesh, dimension, (const double[3]){0, 0, 0}, def->mesh_path,
+                                 error);
 }
 
 /* A closed surface, turned outward. */

@@ -22,6 +22,10 @@ void gn_pack_shape_free(gn_pack_shape *shape);
  * their left. The caller frees them. */
 gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error);
 
+/* GNEISS_ERROR_INPUT where gmsh would have to mesh the shape, and the user did not allow it
+ * (gn_scene.allow_gmsh): the message has the command. */
+gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error);
+
 /* Size of particles wanted at x over that far from every refinement, (0, 1]. */
 double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]);
 

@@ -44,8 +44,8 @@ static const gn_key body_keys[] = {
         .text = "what the rest of the scene calls it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
-        .text = "3D shape: STL file; closed when the body is free, unless mass, inertia and "
-                "reference are given"),
+        .text = "3D shape: STL file; closed and not cutting itself when the body is free, unless "
+                "mass, inertia and reference are given"),
     SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
             .text = "3D shape; its lower corner is its origin"),
     SECTION("cylinder", cylinder_section, .offset = offsetof(gn_body_def, cylinder),

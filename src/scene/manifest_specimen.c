@@ -187,9 +187,10 @@ static const gn_key specimen_keys[] = {
         .text = "3D shape: STL file of a closed surface"),
     KEY("mesh", FILE, gn_scene, specimen.pack.mesh,
         .second = offsetof(gn_scene, specimen.pack.mesh_path), SHAPE(MESH, 0),
-        .text = "2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body; or "
-                "a .geo, "
-                ".step, .brep or .iges file, which the gmsh program meshes first"),
+        .text =
+            "2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body; or "
+            "a .geo, .step, .brep or .iges file, which the gmsh program meshes first: only with "
+            "--allow-gmsh, as such a file can execute commands"),
     KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .range = GN_PLACES,
         .fallback = "0", PRESENT(ENUM, gn_scene, specimen.pack.shape),
         .text = "where a rectangle, disc, box or cylinder stands"),

@@ -396,6 +396,8 @@ typedef struct gn_element_def {
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char *overridden;          /* keys that the command line gave, a line each, for messages */
+    bool allow_gmsh; /* the user lets gmsh mesh a geometry, which may execute commands (no key: a
+                      * file cannot say it) */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;

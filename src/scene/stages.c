@@ -522,6 +522,7 @@ gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
     gneiss_status status = gn_scene_parse_stage(text, scene->source, stage, out, error);
     free(text);
     if (status != GNEISS_OK) return status;
+    out->allow_gmsh = scene->allow_gmsh;
     point_at(&gn_scene_section, (const char *)scene, (char *)out, scene->stages[stage].where);
     point_at_stage(out, scene->stages[stage].where);
     return GNEISS_OK;

@@ -8,6 +8,7 @@
  * in steps in which the body turns far. */
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "sim/body_cuts.h"
 #include "sim/body_walls.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
@@ -393,6 +394,7 @@ gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bodies");
     for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
         status = gn_body_shape_make(&w->scene, k, &shapes[k], error);
+        if (status == GNEISS_OK) status = gn_body_check_cuts(&w->scene, k, &shapes[k], error);
         if (status == GNEISS_OK) set_body(&w->scene, k, &shapes[k], &w->boundary.bodies[k]);
     }
     if (status == GNEISS_OK) status = put_shapes(w, shapes, error);

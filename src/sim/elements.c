@@ -84,13 +84,23 @@ static gneiss_status check_places(const gn_world *w, const gn_element_def *e, co
     return GNEISS_OK;
 }
 
-/* --- solid --- */
-
 static const char *mesh_name(const gn_element_def *e) {
     const char *slash = strrchr(e->mesh, '/');
     if (slash) return slash + 1;
     return e->mesh[0] ? e->mesh : e->has_beam ? "beam" : e->has_box ? "box" : "rectangle";
 }
+
+static gneiss_status check_joints(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
+                                  gn_mesh_joints *joints, gneiss_error *error) {
+    const gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
+    *joints = (gn_mesh_joints){0};
+    if (!e->mesh[0]) return GNEISS_OK;
+    gneiss_status status = gn_mesh_check_joints(mesh, (int)w->scene.dimension, w->scene.origin,
+                                                mesh_name(e), joints, error);
+    return at(w, where, NULL, NULL, 0, status, error);
+}
+
+/* --- solid --- */
 
 static gneiss_status check_groups(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
                                   gneiss_error *error) {
@@ -266,6 +276,7 @@ static gn_element_model *append(gn_world *w) {
 gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *mesh,
                               gneiss_error *error) {
     gn_mesh own = {0};
+    gn_mesh_joints joints = {0};
     gn_element_model *q = NULL;
     if (mesh) {
         own = *mesh;
@@ -274,6 +285,7 @@ gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *m
     gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, def, &own, error);
     if (status == GNEISS_OK) status = check_places(w, def, &own, error);
     if (status == GNEISS_OK) status = check_groups(w, def, &own, error);
+    if (status == GNEISS_OK) status = check_joints(w, def, &own, &joints, error);
     if (status == GNEISS_OK && !(q = append(w))) status = no_memory(error);
     if (status != GNEISS_OK) {
         gn_mesh_free(&own);
@@ -281,6 +293,7 @@ gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *m
     }
     q->def = def;
     q->stiffening = 1.0;
+    q->joints = joints;
     GN_TRY(make_body(w, q, &own, error));
     q->weight = gn_alloc_array(q->solid.nodes.soa.count + 1, sizeof *q->weight);
     if (!q->weight) return no_memory(error);

@@ -5,6 +5,7 @@
 
 #include "fem/solid.h"
 #include "measure/energy.h"
+#include "mesh/joints.h"
 #include "scene/scene.h"
 
 typedef struct gn_world gn_world;
@@ -22,6 +23,7 @@ typedef struct gn_element_contact {
 typedef struct gn_element_model {
     const gn_element_def *def; /* what the scene says of it; borrowed */
     gn_fem_solid solid;
+    gn_mesh_joints joints; /* of a mesh from a file when it was read */
     gn_element_contact contact;
     gn_fem_set *motion_set;  /* [def->motion_count] nodes */
     int32_t *motion;         /* [motions] number in `solid`, -1: only watched */
@@ -73,6 +75,10 @@ double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no 
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
  * z) m". */
 const gn_element_model *gn_elements_lead(const gn_world *world);
+/* Where elements of one part are not joined though they touch: a sentence for each of places with
+ * two nodes, and hanging nodes; "": nowhere, or the mesh was not read from a file. Returns `text`.
+ */
+const char *gn_elements_doubts(const gn_world *world, char *text, size_t size);
 const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
                                 size_t size);
 

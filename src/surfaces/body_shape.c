@@ -146,6 +146,7 @@ static gneiss_status from_mesh(const gn_body_def *def, const gn_mesh *mesh, gn_b
                                gneiss_error *error) {
     shape->vertices = mesh->node_count;
     shape->facets = mesh->triangles.count;
+    shape->cavities = mesh->cavities;
     shape->vertex = gn_alloc_array(shape->vertices + 1, 4 * sizeof *shape->vertex);
     shape->corner = gn_alloc_array(shape->facets + 1, 3 * sizeof *shape->corner);
     if (!shape->vertex || !shape->corner)

@@ -7,6 +7,7 @@
 /* Vertices in the scene's frame; facets are segments (2D) or triangles. */
 typedef struct gn_body_shape {
     size_t vertices, facets, dropped; /* dropped: facets without area (2D: length) */
+    size_t cavities;                  /* closed parts that lie in others */
     double *vertex;                   /* [vertices][4], m, the fourth 0 */
     int32_t *corner;                  /* [facets][2 or 3] */
     double volume;                    /* m3, of closed shapes; 2D: m2 x 1 m */

@@ -63,12 +63,19 @@ gneiss_status gn_child_start(gn_child *child, const gn_child_way *way, gneiss_er
     char scene[GN_PATH_SIZE + 32], threads[16];
     snprintf(scene, sizeof scene, "%s/scene.yaml", child->folder);
     snprintf(threads, sizeof threads, "%d", child->threads);
-    char *run[] = {"gneiss", "run",  scene,       "--out", child->folder, "--force",
-                   "--log",  "json", "--threads", threads, NULL};
-    char *resume[] = {"gneiss", "resume",    child->folder, "--log",
-                      "json",   "--threads", threads,       NULL};
-    char **arguments = child->resumed ? resume : run;
-    if (way->own_threads) arguments[child->resumed ? 5 : 8] = NULL;
+    char *const run[] = {"gneiss", "run", scene, "--out", child->folder, "--force"},
+                *const resume[] = {"gneiss", "resume", child->folder};
+    char *arguments[16];
+    size_t count = child->resumed ? sizeof resume / sizeof *resume : sizeof run / sizeof *run;
+    memcpy(arguments, child->resumed ? resume : run, count * sizeof *arguments);
+    arguments[count++] = "--log";
+    arguments[count++] = "json";
+    if (way->allow_gmsh) arguments[count++] = "--allow-gmsh";
+    if (!way->own_threads) {
+        arguments[count++] = "--threads";
+        arguments[count++] = threads;
+    }
+    arguments[count] = NULL;
     child->from_step = gn_newest_checkpoint(child->folder);
     child->stepping = false;
     return fork_into(child, way, arguments, error);

@@ -25,6 +25,7 @@ typedef struct gn_child_way {
     const sigset_t *signals; /* that the child blocks */
     const cpu_set_t *pinned; /* NULL: wherever its parent may run */
     bool own_threads;        /* as many as its scene says, not child->threads */
+    bool allow_gmsh;         /* --allow-gmsh */
 } gn_child_way;
 
 /* Starts `gneiss run` on scene.yaml in child->folder, or `gneiss resume`; what it prints goes to

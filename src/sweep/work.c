@@ -240,6 +240,7 @@ static gneiss_status start(work *w, task *t, bool *started, gneiss_error *error)
     }
     gn_child_way way = {.program = w->way->program, .signals = &w->signals};
     way.own_threads = varies_threads(w->sweep);
+    way.allow_gmsh = w->way->allow_gmsh;
     child->threads = share(w, t);
     if (w->pins && child->threads == 1 && !way.own_threads) child->core = free_core(w);
     if (child->core >= 0) {

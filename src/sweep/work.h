@@ -27,6 +27,7 @@ typedef struct gn_sweep_way {
     int jobs;              /* runs at a time; 0: as many as processors */
     size_t shard, shards;  /* this one of so many, base 0; shards 0: the whole */
     bool force;            /* compute everything anew */
+    bool allow_gmsh;       /* every run may let gmsh mesh a geometry */
     gn_sweep_watch *watch; /* may be NULL */
     void *context;
     const volatile sig_atomic_t *interrupted;

@@ -1,0 +1,52 @@
+/* Elements, their faces and what bounds them. Private to joints*.c. */
+#ifndef GN_MESH_JOINTS_PRIVATE_H
+#define GN_MESH_JOINTS_PRIVATE_H
+
+#include "mesh/box_tree.h"
+#include "mesh/joints.h"
+#include "mesh/mesh_private.h"
+
+typedef struct gn_joint_search {
+    const gn_mesh *mesh;
+    const gn_mesh_elements *solids;
+    int dimension; /* also the nodes of a face */
+    const double *origin;
+    const char *name;
+    gneiss_error *error;
+    gn_mesh_joints *joints;
+
+    size_t face_count;
+    int32_t *owner;     /* [faces] element */
+    int8_t *side, *use; /* [faces] local face, negative - 1 where the element is on the other side;
+                           elements that have it */
+    int32_t *part;      /* [nodes] parent in the tree of nodes that elements join */
+
+    size_t facet_count;   /* faces of one element */
+    int32_t *facet;       /* [facets][3] nodes */
+    int32_t *facet_owner; /* [facets] element */
+    gn_box *box;          /* [facets] */
+    gn_box_tree tree;
+    double extent;   /* m, longest side of the box about the mesh */
+    double shortest; /* m, edge of a facet */
+} gn_joint_search;
+
+static inline const double *gn_joint_place(const gn_joint_search *s, int32_t node) {
+    return s->mesh->node + 3 * (size_t)node;
+}
+
+static inline const int32_t *gn_joint_nodes(const gn_joint_search *s, size_t element) {
+    return s->solids->node + (size_t)s->solids->nodes * element;
+}
+
+/* The root of a node's part. */
+int32_t gn_joint_part(const gn_joint_search *s, int32_t node);
+
+/* Fails with "NAME: expected ..., found ...; the first is at PLACE". */
+gneiss_status gn_joint_refuse(const gn_joint_search *s, const double at[3], const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* joints_touch.c: elements over each other; nodes at one place, nodes on sides. */
+gneiss_status gn_joints_check_overlap(gn_joint_search *s);
+gneiss_status gn_joints_check_touch(gn_joint_search *s);
+
+#endif

@@ -1,0 +1,99 @@
+"""Files whose lengths are taken for metres and are probably millimetres. Speaks TAP."""
+from program import *  # noqa: F403
+
+SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+
+
+def box_file(folder, name, *size):
+    corners = [[(k >> a & 1) * size[a] for a in range(3)] for k in range(8)]
+    with open(os.path.join(folder, name), "w") as file:
+        file.write("solid s\n")
+        for a, b, c, d in SIDES:
+            for triangle in ((a, b, c), (a, c, d)):
+                file.write("facet normal 0 0 0\nouter loop\n")
+                file.writelines("vertex %g %g %g\n" % tuple(corners[k]) for k in triangle)
+                file.write("endloop\nendfacet\n")
+        file.write("endsolid s\n")
+
+
+def core(folder, size=100, speed=0.05, end=0.01, depth=10, density=2500, **more):
+    """A block of half its height, pressed between its ends."""
+    box_file(folder, "core.stl", size / 2, size / 2, size)
+    ends = [{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": depth}}, "motion": {"vz": v}}
+            for side, v in (("lower", 0), ("upper", -speed))]
+    return {"dimension": 3, "specimen": {"surface": "core.stl", "particles": 60, **more.pop("specimen", {})},
+            "materials": [{"name": "m", "density": density, "contact_modulus": 1e10, "kratio": 2, "tensile_strength": 1e7,
+                           "shear_strength": 1e7}],
+            "law": {"stiffness": "arithmetic"}, "bonds": {}, "sets": ends, "time": {"end": end},
+            "output": {"snapshots": 0, "history_rows": 5}, "run": {"threads": 1}, **more}
+
+
+def check(folder, scene, word="check", *options):
+    return expect(gneiss(word, write_scene(folder, scene), *options, environment={"GNEISS_CACHE": os.path.join(folder, "cache")}), 0)
+
+
+@fact
+def a_core_in_millimetres_without_a_scale_is_told(folder):
+    words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, with scale: 1.*" \
+            r"comes 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
+    done = check(folder, core(folder))
+    assert re.search(words, done.stdout) and "mind the warnings" in done.stdout, done.stdout
+    done = check(folder, core(folder), "run", "--out", os.path.join(folder, "out"), "--quiet")
+    assert re.search(words, done.stderr), done.stderr
+
+
+@fact
+def what_goes_together_is_not_told(folder):
+    millimetres = core(folder, depth=0.01, specimen={"scale": 0.001})
+    fast = core(folder, speed=0.5, end=10)  # 5 m in 10 s
+    other_units = core(folder, density=2.5e-9)  # t/mm3: lengths in mm, speeds in mm/s
+    for scene in (millimetres, fast, other_units):
+        assert "scale: 1" not in check(folder, scene).stdout
+    small = core(folder, size=1, depth=0.1)
+    assert "scale: 1" not in check(folder, small).stdout
+
+
+@fact
+def a_wave_that_cannot_cross_and_a_fall_that_moves_nothing_are_told(folder):
+    assert re.search(r"0\.01 s of the run are [\d.]+ steps, and a wave needs", check(folder, core(folder, speed=50)).stdout)
+    loose = core(folder, end=0.1, sets=[], gravity=[0, 0, -9.81])
+    del loose["bonds"]
+    assert "gravity moves it by no more than 0.049 m" in check(folder, loose).stdout
+
+
+@fact
+def a_test_of_a_large_file_is_told(folder):
+    test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
+    assert "it is tested as in a laboratory" in check(folder, core(folder, speed=50, end=1, test=test)).stdout
+
+
+@fact
+def packings_and_particles_of_files_are_told(folder):
+    done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
+    assert re.search(r"note: specimen\.surface: [\d.]+ m long with scale: 1", done.stdout), done.stdout
+    scene = core(folder)
+    scene["specimen"] = {"from": "p"}
+    assert re.search(r"specimen\.from: 100 m long.*pack it with scale: 0\.001", check(folder, scene).stdout)
+    scene["specimen"] = {"file": "p/packing.txt"}
+    assert re.search(r"specimen\.file: 100 m long.*; scale: 0\.001", check(folder, scene).stdout)
+
+
+@fact
+def a_mesh_of_elements_and_a_tool_are_told(folder):
+    with open(os.path.join(folder, "m.msh"), "w") as file:
+        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 50 0 0\n3 50 100 0\n4 0 100 0\n$EndNodes\n"
+                   "$Elements\n2\n1 2 2 0 1 1 2 3\n2 2 2 0 1 1 3 4\n$EndElements\n")
+    motion = {"name": "top", "box": {"min": [0, 100], "max": [50, 100]}, "motion": {"vy": -0.01}}
+    scene = {"dimension": 2, "elements": {"mesh": "m.msh", "materials": [{"young": 1e10, "poisson": 0.2, "density": 2500}],
+                                          "motions": [motion]}, "time": {"end": 0.01}, "output": {"snapshots": 0}}
+    assert re.search(r"elements\.mesh: 100 m long, elements down to [\d.]+ m high", check(folder, scene).stdout)
+    box_file(folder, "tool.stl", 300, 300, 20)
+    grain = {"dimension": 3, "specimen": {"particles": [[0.1, 0.1, 0.5, 0.01], [0.1, 0.2, 0.5, 0.01]]},
+             "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e6, "kratio": 2}],
+             "law": {"stiffness": "uniform"}, "time": {"end": 0.01}, "gravity": [0, 0, -9.81], "output": {"snapshots": 0},
+             "bodies": [{"name": "tool", "surface": "tool.stl", "origin": [0, 0, -20.1], "stiffness": 1e6}]}
+    assert re.search(r"bodies\[0\]\.surface: 300 m long, with scale: 1.*the specimen is 0\.12 m long", check(folder, grain).stdout)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
