@@ -161,6 +161,7 @@ static bool look_up(const char *path, const char *key, gn_pack_result *result, c
     *result = (gn_pack_result){0};
     if (access(path, F_OK) != 0) return false;
     gneiss_status status = gn_h5_open(path, &file, &error);
+    if (status == GNEISS_OK) status = gn_h5_check_names(file, true, &error);
     if (status == GNEISS_OK) status = get_packing(file, key, result, &error);
     gn_h5_close(file);
     if (status == GNEISS_OK) return true;

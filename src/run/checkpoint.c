@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 17 };
+enum { FORMAT = 18 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -192,7 +192,7 @@ static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *err
     return gn_checkpoint_get_arrays(file, arrays, GAUGE_ARRAYS, error);
 }
 
-static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *error) {
+static gneiss_status get_history(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_run_watch(run, error));
     gn_history *h = &run->history;
     size_t rows = 0;
@@ -203,9 +203,11 @@ static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *e
     for (size_t c = 0; status == GNEISS_OK && c < h->column_count; c++) {
         char path[160];
         snprintf(path, sizeof path, "history/%s", h->columns[c].name);
+        gn_h5_demand_finite(file, !h->columns[c].absent);
         status = gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c,
                            error);
     }
+    gn_h5_demand_finite(file, true);
     for (size_t r = 0; status == GNEISS_OK && r < rows; r++)
         status = gn_history_append(h, table + r * h->column_count, error);
     free(table);
@@ -270,10 +272,12 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     return status == GNEISS_OK ? gn_origin_shift(w, error) : status;
 }
 
-static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
-                          const gn_override *overrides, size_t count, gneiss_error *error) {
+static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_override *overrides,
+                          size_t count, gneiss_error *error) {
     gn_world *w = &run->world;
     GN_TRY(check_format(file, path, error));
+    GN_TRY(gn_h5_check_names(file, true, error));
+    gn_h5_demand_finite(file, true);
     GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));

@@ -146,6 +146,7 @@ gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_
     source s = {0};
     *from = (gn_from_run){0};
     gneiss_status status = gn_h5_open_whole(scene->specimen.from_path, &s.file, error);
+    if (status == GNEISS_OK) status = gn_h5_check_names(s.file, false, error);
     if (status == GNEISS_OK) status = read_all(scene, &s, from, error);
     if (status != GNEISS_OK)
         gn_fail_context(error, "%s: ", gn_scene_at(scene, where, "specimen.from").text);
