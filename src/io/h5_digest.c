@@ -259,6 +259,10 @@ bool gn_h5_is_sealed(hid_t file) {
     return H5Aexists_by_name(file, "/", of_attributes, H5P_DEFAULT) > 0;
 }
 
+bool gn_h5_has_digests(const gn_h5 *file) {
+    return file->digested;
+}
+
 gneiss_status gn_h5_check_names(gn_h5 *file, bool demanded, gneiss_error *error) {
     gn_h5_quiet();
     uint64_t written = 0;

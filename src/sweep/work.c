@@ -222,6 +222,7 @@ static gneiss_status prepare(const work *w, task *t, gn_child *child, gneiss_err
     GN_TRY(gn_make_directory(folder, error));
     gn_outcome_forget(folder, t->outcome.lost);
     if (t->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
+    GN_TRY(gn_outcome_set_aside(folder, error));
     child->resumed = !t->afresh && gn_newest_checkpoint(folder) >= 0;
     t->afresh = false;
     return child->resumed ? GNEISS_OK : write_scene(w, t, folder, error);
