@@ -144,7 +144,8 @@ static bool good_prescription(const gn_world *w) {
 }
 
 static bool good_patches(const gn_world *w) {
-    bool good = true;
+    const gn_membrane *m = w->dem.membrane;
+    bool good = !m || (m->bodies >= 0.0 && m->bodies <= (double)w->dem.ids + 1.0);
     for (size_t k = 0; k < w->dem.patch_count; k++) {
         double owner = w->dem.patches[k].owner;
         double body = w->dem.patches[k].body;
@@ -231,7 +232,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     if (!(d->ids >= 0 && d->ids <= INT32_MAX && d->made >= 0 && d->made <= d->ids))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
                        path, (long long)d->ids);
-    GN_TRY(gn_checkpoint_get_flow(w, file, error));
+    GN_TRY(gn_checkpoint_get_flow(w, file, path, error));
     if (w->effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
     if (w->effects & GN_FX_MEMBRANE)

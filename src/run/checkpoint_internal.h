@@ -21,7 +21,8 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
 
 /* checkpoint_flow.c */
 gneiss_status gn_checkpoint_put_flow(const gn_world *w, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char *path,
+                                     gneiss_error *error);
 
 /* events.c */
 gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);

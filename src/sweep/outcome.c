@@ -1,5 +1,6 @@
 #include "sweep/outcome.h"
 
+#include "base/printable.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -39,6 +40,7 @@ static bool parse(const char *text, const char *path, gn_outcome *o, char **resu
         o->code = (int)strtol(code->text, NULL, 10);
         if (message && message->kind == GN_NODE_SCALAR)
             snprintf(o->message, sizeof o->message, "%s", message->text);
+        gn_make_printable(o->message);
         if (digest && digest->kind == GN_NODE_SCALAR) *results = strdup(digest->text);
     }
     gn_tree_free(tree);
@@ -79,7 +81,7 @@ static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneis
 
 /* Everything that a summary reads of them. */
 static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
-                                    const char *results, gneiss_error *error) {
+                                    const char *results, bool *replaced, gneiss_error *error) {
     static const char *const groups[] = {"readings", "energy", "history"};
     char *hash = NULL, digest[24];
     GN_TRY(gn_h5_check_names(file, false, error));
@@ -89,18 +91,21 @@ static gneiss_status check_contents(gn_h5 *file, const char *path, const char *f
     for (size_t k = 0; k < sizeof groups / sizeof *groups; k++)
         GN_TRY(gn_h5_check_values(file, groups[k], error));
     GN_TRY(digest_of_results(file, digest, error));
-    if (!results || !*results || strcmp(results, digest) == 0) return GNEISS_OK;
+    *replaced = results && *results && strcmp(results, digest) != 0;
+    if (!*replaced) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s: they are not those that the run ended with",
                    path);
 }
 
 /* The disk was full, somebody took the file away or put another there, a copy was cut off. */
-static bool has_results(const char *folder, const char *results, gneiss_error *trouble) {
+static bool has_results(const char *folder, const char *results, bool *replaced,
+                        gneiss_error *trouble) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
     snprintf(path, sizeof path, "%s/results.h5", folder);
     gneiss_status status = gn_h5_open(path, &file, trouble);
-    if (status == GNEISS_OK) status = check_contents(file, path, folder, results, trouble);
+    if (status == GNEISS_OK)
+        status = check_contents(file, path, folder, results, replaced, trouble);
     gn_h5_close(file);
     return status == GNEISS_OK;
 }
@@ -162,10 +167,13 @@ gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *e
         bool known = parse(text, path, o, &results);
         free(text);
         gneiss_error trouble = {0};
-        bool lost = known && o->state == GN_RUN_DONE && !has_results(folder, results, &trouble);
+        bool replaced = false, lost = known && o->state == GN_RUN_DONE &&
+                                      !has_results(folder, results, &replaced, &trouble);
         free(results);
         if (known && !lost) return GNEISS_OK;
         if (lost) lose(o, "results", &trouble);
+        o->replaced = replaced;
+        if (replaced) return GNEISS_OK;
     }
     return look_for_checkpoints(folder, o, error);
 }

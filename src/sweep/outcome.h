@@ -17,8 +17,10 @@ enum { GN_OUTCOME_MESSAGE = 600 };
 
 typedef struct gn_outcome {
     gn_run_state state;
-    bool lost;                        /* what it left is damaged or of another run */
-    int code;                         /* exit code of the run; 128 + n: ended by signal n */
+    bool lost;     /* what it left is damaged or of another run */
+    bool replaced; /* its results are whole, but not those that it ended with: what is in its folder
+                      was computed otherwise, checkpoints as well */
+    int code;      /* exit code of the run; 128 + n: ended by signal n */
     char message[GN_OUTCOME_MESSAGE]; /* why it failed; in a summary also warnings of one that is
                                          done */
 } gn_outcome;

@@ -1,6 +1,7 @@
 #include "sweep/summary.h"
 
 #include "base/memory.h"
+#include "base/printable.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "measure/energy.h"
@@ -70,6 +71,7 @@ static void read_label(const gn_h5 *file, const char *set, const char *name, cha
     char *found = NULL;
     if (text[0] || gn_h5_get_attribute_text(file, set, name, &found, NULL) != GNEISS_OK) return;
     snprintf(text, size, "%s", found);
+    gn_make_printable(text);
     free(found);
 }
 
@@ -116,7 +118,7 @@ static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *r, doub
 static void read_warnings(const gn_h5 *file, char *text, size_t size) {
     text[0] = '\0';
     read_label(file, "/", "warnings", text, size);
-    for (char *c = text; *c; c++)
+    for (char *c = gn_make_printable(text); *c; c++)
         if (*c == '\n') *c = ';';
 }
 
