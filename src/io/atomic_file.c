@@ -57,8 +57,8 @@ bool gn_own_temporary(int descriptor, const char *path) {
 }
 
 /* An empty file under this name that nobody else writes, -1: none (errno: why). What a killed
- * process left is taken over; what another holds, or has just renamed, is not touched, nor a link or
- * pipe of that name. */
+ * process left is taken over; what another holds, or has just renamed, is not touched, nor a link
+ * or pipe of that name. */
 static int open_temporary(const char *name) {
     int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0 && (errno == ELOOP || errno == ENXIO)) errno = EWOULDBLOCK;
