@@ -28,17 +28,18 @@ gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *p
     return GNEISS_OK;
 }
 
-/* Counts, steps and numbers of things: -1 stands for none, and each is a double without rounding.
- * What may be infinite or no number bounds something and is never negative. */
+/* Counts, steps and numbers of things: below 0 are such as walls are counted by, or none, and each
+ * is a double without rounding. What may be infinite or no number bounds something and is never
+ * negative. */
 static gneiss_status check_range(const gn_h5 *file, const char *path, const gn_piece *piece,
                                  const void *data, gneiss_error *error) {
     const int64_t most = (int64_t)1 << 53;
     for (size_t k = 0; k < piece->count; k++) {
         if (piece->type == GN_I64) {
             int64_t value = ((const int64_t *)data)[k];
-            if (value < -1 || value > most)
+            if (value < INT32_MIN || value > most)
                 return gn_fail(error, GNEISS_ERROR_INPUT,
-                               "%s: %s: expected a whole number in [-1, 2^53], found %lld",
+                               "%s: %s: expected a whole number in [-2^31, 2^53], found %lld",
                                file->path, path, (long long)value);
         } else if (piece->any && ((const double *)data)[k] < 0.0) {
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s: expected a number >= 0, found %g",

@@ -25,7 +25,7 @@ static const range of_particles[] = {
     {"ref", 0, -FAR, FAR},       {"ref", 1, -FAR, FAR},     {"ref", 2, -FAR, FAR},
     {"own_share", -1, 0.0, 1.0}, {"group", -1, 0, ANY},     {"bonds0", -1, 0, ANY},
     {"slot", -1, -1, ANY},       {"pressed", -1, 0.0, ANY}, {"orientation", -1, -2.0, 2.0},
-    {"blend", -1, -1.0, 2.0},
+    {"blend", 0, -1.0, 2.0},
 };
 
 static const range of_contacts[] = {
