@@ -5,9 +5,6 @@ import random
 
 from program import *  # noqa: F403
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "tools"))
-import report_digest  # noqa: E402
-
 FLOW = os.path.join(SCENES, "flow.yaml")
 ELEMENTS = os.path.join(SCENES, "elements.yaml")
 CHANGED = "damaged or was changed"

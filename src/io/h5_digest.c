@@ -193,7 +193,9 @@ static gneiss_status check_object(const gn_h5 *file, hid_t object, const char *n
     uint64_t written;
     GN_TRY(digest_attributes(file, object, name, digest, error));
     GN_TRY(read_number(file, object, of_attributes, &written, error));
-    return written == *digest ? GNEISS_OK : changed(file, "attributes of", name, error);
+    return written == *digest
+               ? GNEISS_OK
+               : changed(file, "attributes of", strcmp(name, ".") ? name : "/", error);
 }
 
 gneiss_status gn_h5_check_attributes(const gn_h5 *file, const char *object, gneiss_error *error) {

@@ -302,9 +302,8 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
-    gneiss_error unsaid; /* checkpoints of earlier versions do not say it: counted from here on */
-    if (gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, &unsaid))
-        run->cpu_before = 0.0;
+    GN_TRY(gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, error));
+    gneiss_error unsaid;
     char *halt = NULL; /* only where the model itself ended the run */
     if (gn_h5_get_attribute_text(file, "/", "halt", &halt, &unsaid) == GNEISS_OK)
         snprintf(w->halt, sizeof w->halt, "%s", gn_make_printable(halt));
