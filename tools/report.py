@@ -16,7 +16,8 @@ from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, plot_slice, plot_surface
-from report_results import Results, Unreadable, quantity
+from report_files import Unreadable, printable
+from report_results import Results, quantity
 from report_sweep import write_sweep_report
 from report_tests import CURVES as TEST_CURVES
 from report_tests import STATES, cards_of, parameters, plot_moments, write_csv
@@ -260,13 +261,16 @@ def main(arguments):
         print("usage: report.py OUTDIR (the output folder of a run, a packing or a sweep)", file=sys.stderr)
         return 2
     try:
-        print(write_report(arguments[0]))
+        print(printable(write_report(arguments[0])))
     except Unreadable as e:
-        print(f"report: {e}", file=sys.stderr)
+        print(printable(f"report: {e}"), file=sys.stderr)
         return 2
     except OSError as e:
-        print(f"report: cannot write: {e}", file=sys.stderr)
+        print(printable(f"report: cannot write: {e}"), file=sys.stderr)
         return 3
+    except Exception as e:  # a file made by somebody can hold anything: it is refused, not traced
+        print(printable(f"report: {arguments[0]}: the results cannot be drawn: {type(e).__name__}: {e}"), file=sys.stderr)
+        return 2
     return 0
 
 

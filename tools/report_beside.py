@@ -6,6 +6,8 @@ import h5py
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
+from report_files import DAMAGE, values
+
 BODY, WALL = "#3f5f77", "#5d5b55"
 FOLD = np.cos(np.radians(20))  # edges between facets that are turned by less are not drawn
 
@@ -69,8 +71,8 @@ class Beside:
         folder, name = os.path.split(snapshot)
         try:
             with h5py.File(os.path.join(folder, name.replace("particles_", "bodies_")), "r") as file:
-                vertex = file["VTKHDF/Points"][()]
-        except (OSError, KeyError):
+                vertex = values(file, "VTKHDF/Points")
+        except DAMAGE:
             return
         if len(vertex) == len(self.vertex):
             self.vertex = self.turn(vertex)

@@ -1,4 +1,5 @@
 """Curves over strain (or time, when there is no test): stress, broken bonds, energies, quality."""
+import io
 import re
 
 import matplotlib
@@ -7,6 +8,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from report_files import write
 from report_results import scale_of
 
 INK = "#22303c"
@@ -71,7 +73,9 @@ def style_for(values):
 
 
 def save(figure, path):
-    figure.savefig(path)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png")
+    write(path, drawn.getvalue())
     plt.close(figure)
 
 

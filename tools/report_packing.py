@@ -1,6 +1,6 @@
 """The report on a packing: reads packing.h5 (docs/packing.md), draws it and how good it is."""
+import io
 import os
-import re
 
 import h5py
 import matplotlib
@@ -11,10 +11,11 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
+from report_files import Unreadable, opened, write
 from report_curves import BLUE, INK, RED, save, style_for
 from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, Surface, color_bar, cut, draw_circles, scale_bar
-from report_results import Column, Results, Unreadable, quantity, scale_of
+from report_results import Column, Results, quantity, scale_of
 
 FILE = "packing.h5"
 STAGES = (("spread", "#dbe7f3"), ("compress", "#fbe3d6"), ("decompress", "#e4efdc"), ("close", "#efe3f3"),
@@ -42,12 +43,8 @@ class Packing(Results):
     """packing.h5, read at once and checked; what it has in common with results.h5 reads the same."""
 
     def __init__(self, path):
-        try:
-            with h5py.File(path, "r") as file:
-                self._read(file)
-        except (OSError, RuntimeError, KeyError, ValueError, TypeError) as e:
-            reason = re.sub(r"\s+", " ", str(e))
-            raise Unreadable(f"{path}: damaged or not a packing file: {reason}") from None
+        with opened(path, "a packing file", "`gneiss pack` writes it anew") as file:
+            self._read(file)
         self._check(path)
 
     def _read(self, file):
@@ -417,9 +414,10 @@ def plot_overview(packing, view, path):
     for name, (plot, projection) in plots.items():
         plot(packing, figure_.add_subplot(places[name], projection=projection))
     figure_.suptitle(headline(packing), fontsize=15, fontweight="bold", x=0.01, ha="left")
-    figure_.savefig(path + ".tmp", format="png", dpi=100)
+    drawn = io.BytesIO()
+    figure_.savefig(drawn, format="png", dpi=100)
     plt.close(figure_)
-    os.replace(path + ".tmp", path)
+    write(path, drawn.getvalue())
 
 
 def headline(packing):

@@ -4,6 +4,8 @@ import html
 import os
 import re
 
+from report_files import folder_within, remove, write
+
 STYLE = """
 :root { --ink: #22303c; --soft: #5c6b76; --line: #dde3e7; --accent: #c8402f; }
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); margin: 0 auto; max-width: 1180px;
@@ -50,12 +52,10 @@ def figure(name, captions, kind=""):
 def draw(jobs, folder):
     """{name: caption} of what the jobs {name: function of a path} drew into folder/report; a job that draws
     nothing returns None. Old pictures of these names are removed."""
-    pictures = os.path.join(folder, "report")
-    os.makedirs(pictures, exist_ok=True)
+    pictures = folder_within(folder, "report")
     paths = {name: os.path.join(pictures, name + ".png") for name in jobs}
     for path in paths.values():
-        if os.path.exists(path):
-            os.remove(path)
+        remove(path)
     captions = {name: job(paths[name]) for name, job in jobs.items()}
     return {name: caption for name, caption in captions.items() if caption}
 
@@ -70,9 +70,6 @@ def embed(folder, text):
 
 
 def write_page(folder, text):
-    text = embed(folder, text)
     target = os.path.join(folder, "report.html")
-    with open(target + ".tmp", "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(target + ".tmp", target)
+    write(target, embed(folder, text))
     return target

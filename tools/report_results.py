@@ -4,9 +4,9 @@ import re
 import h5py
 import numpy as np
 
+from report_files import Unreadable, opened
 
-class Unreadable(Exception):
-    """The file is missing, damaged or not a results file; the text is for the user."""
+REMEDY = "`gneiss resume` on the folder writes the results of its last checkpoint again"
 
 
 def _text(value):
@@ -54,14 +54,8 @@ class Results:
     absent."""
 
     def __init__(self, path):
-        try:
-            with h5py.File(path, "r") as file:
-                self._read(file)
-        except FileNotFoundError:
-            raise Unreadable(f"{path}: no such file (is this the output folder of a run?)") from None
-        except (OSError, RuntimeError, KeyError, ValueError) as e:
-            reason = re.sub(r"\s+", " ", str(e))
-            raise Unreadable(f"{path}: damaged or not a results file: {reason}") from None
+        with opened(path, "a results file", REMEDY) as file:
+            self._read(file)
         if not self.history and not self.particles and not self.elements:
             raise Unreadable(f"{path}: expected groups /history and /particles, found neither")
 

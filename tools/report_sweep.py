@@ -5,7 +5,6 @@ import itertools
 import os
 import re
 
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -13,7 +12,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 import report_envelope
 from report_curves import BLUE, GREY, INK, RED, save
 from report_page import STYLE, draw, escape, table, write_page
-from report_results import Column, Unreadable, _text, quantity, scale_of
+from report_files import opened
+from report_results import Column, _text, quantity, scale_of
 
 FIRST = ("axial_strength", "indirect_tensile_strength", "flexural_strength", "shear_strength", "peak_stress", "young_modulus", "poisson_ratio", "peak_strain", "largest_stress", "energy.residual")
 MOST_READINGS, MOST_PANELS, MOST_MAPS, MOST_LINES = 8, 4, 3, 7
@@ -52,14 +52,8 @@ class Parameter:
 
 class Sweep:
     def __init__(self, path):
-        try:
-            with h5py.File(path, "r") as file:
-                self._read(file)
-        except FileNotFoundError:
-            raise Unreadable(f"{path}: no such file") from None
-        except (OSError, RuntimeError, KeyError, ValueError) as e:
-            reason = re.sub(r"\s+", " ", str(e))
-            raise Unreadable(f"{path}: damaged or not of a sweep: {reason}") from None
+        with opened(path, "of a sweep", "`gneiss sweep` with --collect writes it anew") as file:
+            self._read(file)
 
     def _read(self, file):
         self.attributes = {name: _text(value) for name, value in file.attrs.items()}

@@ -1,10 +1,10 @@
 """What a laboratory test by name shows in its report: the readings that belong to it as tiles, its curves, when and where
 bonds broke, the specimen before, at and after the peak."""
+import io
 import json
 import os
 import re
 
-import h5py
 import matplotlib
 
 matplotlib.use("Agg")
@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, plot_force_over, save, style_for
+from report_files import opened, remove, values as values_of, write
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
 from report_results import quantity, scale_of
 
@@ -230,9 +231,10 @@ def snapshots(folder):
     try:
         with open(os.path.join(folder, "particles.hdf.series"), encoding="utf-8") as file:
             entries = json.load(file)["files"]
-    except (OSError, ValueError, KeyError):
+        named = [(float(e["time"]), os.path.join(folder, os.path.basename(e["name"]))) for e in entries]
+    except (OSError, ValueError, KeyError, TypeError):
         return []
-    return [(e["time"], os.path.join(folder, e["name"])) for e in entries if os.path.exists(os.path.join(folder, e["name"]))]
+    return [(time, path) for time, path in named if os.path.isfile(path)]
 
 
 class At:
@@ -240,12 +242,12 @@ class At:
 
     def __init__(self, results, path):
         self._results = results
-        with h5py.File(path, "r") as file:
-            grid = file["VTKHDF"]
-            self._found = {"position": grid["Points"][()]}
+        self._found = {}
+        with opened(path, "a snapshot", "without particles.hdf.series the report does without snapshots") as file:
+            self._found["position"] = values_of(file, "VTKHDF/Points")
             for name in ("radius", "displacement", "damage", "removed"):
-                if "PointData/" + name in grid:
-                    self._found[name] = grid["PointData/" + name][()]
+                if "PointData/" + name in file["VTKHDF"]:
+                    self._found[name] = values_of(file, "VTKHDF/PointData/" + name)
 
     def particle(self, name):
         return self._found.get(name)
@@ -401,8 +403,9 @@ def write_columns(path, columns):
         for k in range(values.shape[1]):
             heads.append(f"{name}{'_' + 'xyz'[k] if values.shape[1] > 1 else ''} [{column.unit}]")
             table.append(values[:, k])
-    np.savetxt(path + ".tmp", np.stack(table, axis=1), delimiter=",", header=",".join(heads), comments="", fmt="%.10g")
-    os.replace(path + ".tmp", path)
+    text = io.StringIO()
+    np.savetxt(text, np.stack(table, axis=1), delimiter=",", header=",".join(heads), comments="", fmt="%.10g")
+    write(path, text.getvalue())
 
 
 def write_csv(results, folder):
@@ -412,8 +415,8 @@ def write_csv(results, folder):
         path = os.path.join(folder, name + ".csv")
         if any(np.size(column.value) for column in columns.values()):
             write_columns(path, columns)
-        elif os.path.exists(path):
-            os.remove(path)
+        else:
+            remove(path)
 
 
 __all__ = ["CURVES", "STATES", "cards_of", "parameters", "plot_moments", "write_csv"]

@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include "base/printable.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -10,6 +12,7 @@ gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *for
         error->status = status;
         vsnprintf(error->message, sizeof error->message, format, args);
         va_end(args);
+        gn_make_printable(error->message); /* it may quote a file of somebody */
     }
     return status;
 }
@@ -25,6 +28,7 @@ gneiss_status gn_fail_context(gneiss_error *error, const char *format, ...) {
     if (used < 0) used = 0;
     if ((size_t)used < sizeof error->message)
         snprintf(error->message + used, sizeof error->message - (size_t)used, "%s", inner);
+    gn_make_printable(error->message);
     return error->status;
 }
 

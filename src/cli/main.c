@@ -261,7 +261,9 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
             error, GNEISS_ERROR_IO,
             "report.py is neither in ../share/gneiss nor in ../tools nor in tools beside "
             "the program (GNEISS_REPORT names another place)");
-    execl("/usr/bin/python3", "python3", script, o->target, (char *)NULL);
+    /* By its first argument Python finds its modules: a bare name would lead to a virtual
+     * environment that is active. */
+    execl("/usr/bin/python3", "/usr/bin/python3", script, o->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
 

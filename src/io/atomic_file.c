@@ -52,13 +52,16 @@ bool gn_own_temporary(int descriptor, const char *path) {
     struct stat mine, there;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
     return fstat(descriptor, &mine) == 0 && lstat(path, &there) == 0 &&
-           mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+           mine.st_dev == there.st_dev && mine.st_ino == there.st_ino && S_ISREG(mine.st_mode) &&
+           mine.st_nlink == 1;
 }
 
 /* An empty file under this name that nobody else writes, -1: none (errno: why). What a killed
- * process left is taken over; what another holds, or has just renamed, is not touched. */
+ * process left is taken over; what another holds, or has just renamed, is not touched, nor a link
+ * or pipe of that name. */
 static int open_temporary(const char *name) {
-    int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW);
+    int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
+    if (descriptor < 0 && (errno == ELOOP || errno == ENXIO)) errno = EWOULDBLOCK;
     if (descriptor < 0) return -1;
     if (!gn_own_temporary(descriptor, name))
         errno = EWOULDBLOCK;

@@ -10,6 +10,7 @@
 
 void gn_h5_quiet(void) {
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    (void)H5PLset_loading_state(0); /* a file cannot ask for code of a plugin */
 }
 
 typedef struct failure {
@@ -103,6 +104,10 @@ static hid_t image_access(gn_h5_image *image) {
     return -1;
 }
 
+void gn_h5_omit_digests(gn_h5 *file) {
+    file->digested = false;
+}
+
 static gn_h5 *new_handle(const char *path, gneiss_error *error) {
     gn_h5 *file = calloc(1, sizeof *file);
     char *copy = strdup(path);
@@ -125,7 +130,7 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     if (!file) return GNEISS_ERROR_MEMORY;
     gneiss_status status = gn_atomic_create(&file->target, path, error);
     if (status == GNEISS_OK) {
-        file->writing = true;
+        file->writing = file->digested = true;
         hid_t access = image_access(&file->image);
         /* HDF5 would first read whatever has the name; a file within a file cannot be there. */
         char *name = gn_text_format("%s/image", file->target.temporary);
@@ -225,6 +230,7 @@ static gneiss_status open_with(gneiss_status (*way)(gn_h5 *, gneiss_error *), co
     if (!file) return GNEISS_ERROR_MEMORY;
     gneiss_status status = check_signature(file, error);
     if (status == GNEISS_OK) status = way(file, error);
+    if (status == GNEISS_OK) file->digested = gn_h5_is_sealed(file->id);
     if (status != GNEISS_OK) {
         gn_h5_close(file);
         return status;
@@ -247,6 +253,8 @@ gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *
     if (!file->writing || file->failed)
         status = gn_fail(error, GNEISS_ERROR_INTERNAL, "%s: not committed: %s", file->path,
                          file->writing ? "a write into it failed" : "it was opened for reading");
+    else if (file->digested && (status = gn_h5_seal(file, error)) != GNEISS_OK)
+        file->failed = true;
     /* The flush brings the image to its full size, the close marks it as closed. */
     else if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");

@@ -11,6 +11,8 @@ typedef struct gn_h5 gn_h5;
 /* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. The
  * contents are held in memory until then. */
 gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
+/* Leaves out the digests of the file (h5_digest.c): of one that programs of others read. */
+void gn_h5_omit_digests(gn_h5 *file);
 /* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that
  * cannot be opened (not there, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which
  * gn_h5_create writes, is taken: its headers have checksums. */
@@ -33,8 +35,8 @@ gneiss_status gn_h5_put(gn_h5 *file, const char *name, gn_type type, size_t rows
                         size_t stride, const void *data, const char *unit, const char *text,
                         gneiss_error *error);
 gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gneiss_error *error);
-/* From now on gn_h5_put refuses real numbers that are not finite (GNEISS_ERROR_UNSTABLE), or takes
- * any again, as at the beginning. Returns what held before. */
+/* From now on gn_h5_put (GNEISS_ERROR_UNSTABLE) and gn_h5_get (GNEISS_ERROR_INPUT) refuse real
+ * numbers that are not finite, or take any again, as at the beginning. Returns what held before. */
 bool gn_h5_demand_finite(gn_h5 *file, bool demanded);
 /* Attributes of the group or data set `object` ("/" is the root; groups are made as needed). */
 gneiss_status gn_h5_attribute_text(gn_h5 *file, const char *object, const char *name,
@@ -54,7 +56,16 @@ typedef struct gn_h5_attribute {
 gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attribute *list,
                                size_t count, gneiss_error *error);
 
+/* That the file has the objects and attributes that were written, no more and no less, by their
+ * digests; values are held against theirs when they are read. A file of an earlier version has no
+ * digests: refused if they are `demanded`, otherwise taken as it is. */
+gneiss_status gn_h5_check_names(gn_h5 *file, bool demanded, gneiss_error *error);
+bool gn_h5_has_digests(const gn_h5 *file);
+/* The values of all data sets of a group (none: it is not there) as well. */
+gneiss_status gn_h5_check_values(const gn_h5 *file, const char *group, gneiss_error *error);
+
 /* Reading. Shapes are checked against what is expected and mismatches are GNEISS_ERROR_INPUT. */
+/* Whether the file itself has it: a link to elsewhere counts as nothing. */
 bool gn_h5_has(const gn_h5 *file, const char *name);
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error);
 /* Fills `data` (stride as in gn_h5_put); rows, components and type must match. */

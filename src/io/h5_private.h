@@ -19,8 +19,9 @@ struct gn_h5 {
     hid_t id;
     char *path;
     bool writing;
-    bool finite; /* real numbers that are not are refused */
-    bool failed; /* a write failed: the file must not be committed */
+    bool finite;   /* real numbers that are not are refused, written or read */
+    bool failed;   /* a write failed: the file must not be committed */
+    bool digested; /* has digests, or gets them; what is read is held against them */
     gn_atomic_file target;
     gn_h5_image image;
 };
@@ -56,8 +57,28 @@ gneiss_status gn_h5_put_shape(gn_h5 *file, const char *name, gn_type type, gn_h5
 gneiss_status gn_h5_get_shape(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                               size_t stride, void *data, gneiss_error *error);
 
+/* As the last, whatever gn_h5_demand_finite asks for. */
+gneiss_status gn_h5_get_any(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
+                            size_t stride, void *data, gneiss_error *error);
+gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type type,
+                                 gn_h5_shape shape, size_t bytes, const void *data,
+                                 gneiss_error *error);
+
 /* That the data set is there, has this type and shape, and that all its bytes are in the file. */
 gneiss_status gn_h5_check(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                           gneiss_error *error);
+
+/* Digests (h5_digest.c). Of bytes; of the values of a data set, with its name, type and shape. */
+uint64_t gn_h5_digest(const void *bytes, size_t size, uint64_t seed);
+uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, size_t size);
+/* Writes that of a data set that was just written; holds one that was just read against its own. */
+gneiss_status gn_h5_put_digest(gn_h5 *file, const char *name, hid_t set, const void *bytes,
+                               size_t size, gneiss_error *error);
+gneiss_status gn_h5_check_digest(const gn_h5 *file, const char *name, hid_t set, const void *bytes,
+                                 size_t size, gneiss_error *error);
+gneiss_status gn_h5_check_attributes(const gn_h5 *file, const char *object, gneiss_error *error);
+/* Writes the digests of attributes and names, when all else is written. */
+gneiss_status gn_h5_seal(gn_h5 *file, gneiss_error *error);
+bool gn_h5_is_sealed(hid_t file);
 
 #endif

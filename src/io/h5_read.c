@@ -32,6 +32,26 @@ static const char *shape_text(int rank, const hsize_t *size, char out[96]) {
     return out;
 }
 
+/* All values are in the file itself, and no code but HDF5's own decodes them. */
+static gneiss_status check_storage(const gn_h5 *file, const char *name, hid_t set,
+                                   gneiss_error *error) {
+    hid_t list = H5Dget_create_plist(set);
+    bool own = list >= 0 && H5Pget_layout(list) != H5D_VIRTUAL && H5Pget_external_count(list) == 0;
+    int filters = own ? H5Pget_nfilters(list) : 0;
+    for (int k = 0; k < filters && own; k++) {
+        size_t values = 0;
+        unsigned flags, config;
+        own = H5Pget_filter2(list, (unsigned)k, &flags, &values, NULL, 0, NULL, &config) <
+              H5Z_FILTER_RESERVED;
+    }
+    if (list >= 0) H5Pclose(list);
+    if (own) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: data set %s: expected values in the file itself, found them stored in "
+                   "another file or by a filter of another program",
+                   file->path, name);
+}
+
 static gneiss_status open_set(const gn_h5 *file, const char *name, hid_t *set,
                               gneiss_error *error) {
     *set = -1;
@@ -41,8 +61,11 @@ static gneiss_status open_set(const gn_h5 *file, const char *name, hid_t *set,
     if (!gn_h5_has(file, name))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: data set %s is missing", file->path, name);
     *set = H5Dopen2(file->id, name, H5P_DEFAULT);
-    if (*set >= 0) return GNEISS_OK;
-    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "%s is not a readable data set", name);
+    if (*set < 0)
+        return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "%s is not a readable data set", name);
+    gneiss_status status = check_storage(file, name, *set, error);
+    if (status != GNEISS_OK) H5Dclose(*set);
+    return status;
 }
 
 static gneiss_status check_type(const gn_h5 *file, const char *name, hid_t set, gn_type expected,
@@ -113,8 +136,9 @@ static gneiss_status read_set(const gn_h5 *file, const char *name, hid_t set, hi
     return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "data set %s is damaged", name);
 }
 
-gneiss_status gn_h5_get_shape(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
-                              size_t stride, void *data, gneiss_error *error) {
+static gneiss_status get_values(const gn_h5 *file, const char *name, gn_type type,
+                                gn_h5_shape shape, size_t stride, void *data, bool any,
+                                gneiss_error *error) {
     gn_h5_quiet();
     hid_t set;
     GN_TRY(open_checked(file, name, type, shape, &set, error));
@@ -128,15 +152,84 @@ gneiss_status gn_h5_get_shape(const gn_h5 *file, const char *name, gn_type type,
                          file->path, name);
     else if (bytes > 0)
         status = read_set(file, name, set, gn_h5_memory_type(type), buffer, error);
+    if (status == GNEISS_OK) status = gn_h5_check_digest(file, name, set, buffer, bytes, error);
+    if (status == GNEISS_OK && !any)
+        status = gn_h5_check_finite(file, name, type, shape, bytes, buffer, error);
     if (!packed && status == GNEISS_OK) gn_h5_move_rows(data, stride, buffer, row, row, rows);
     if (!packed) gn_free(buffer);
     H5Dclose(set);
     return status;
 }
 
+gneiss_status gn_h5_get_shape(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
+                              size_t stride, void *data, gneiss_error *error) {
+    return get_values(file, name, type, shape, stride, data, false, error);
+}
+
+gneiss_status gn_h5_get_any(const gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
+                            size_t stride, void *data, gneiss_error *error) {
+    return get_values(file, name, type, shape, stride, data, true, error);
+}
+
 gneiss_status gn_h5_get(const gn_h5 *file, const char *name, gn_type type, size_t rows,
                         size_t components, size_t stride, void *data, gneiss_error *error) {
     return gn_h5_get_shape(file, name, type, gn_h5_table(rows, components), stride, data, error);
+}
+
+/* Reads a data set of any type and shape, as it is stored, for its digest alone. */
+static gneiss_status check_values(const gn_h5 *file, const char *name, gneiss_error *error) {
+    hid_t set;
+    GN_TRY(open_set(file, name, &set, error));
+    hid_t type = H5Dget_type(set), space = H5Dget_space(set);
+    hssize_t points = space < 0 ? -1 : H5Sget_simple_extent_npoints(space);
+    size_t bytes = 0, item = type < 0 || H5Tis_variable_str(type) != 0 ? 0 : H5Tget_size(type);
+    bool there = points >= 0 && item && !__builtin_mul_overflow((size_t)points, item, &bytes) &&
+                 H5Dget_storage_size(set) >= bytes;
+    void *buffer = there ? gn_alloc(bytes + 1) : NULL;
+    gneiss_status status = GNEISS_OK;
+    if (!there)
+        status = gn_fail(error, GNEISS_ERROR_INPUT,
+                         "%s: data set %s: part of it is not in the file", file->path, name);
+    else if (!buffer)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to read data set %s",
+                         file->path, name);
+    else if (bytes)
+        status = read_set(file, name, set, type, buffer, error);
+    if (status == GNEISS_OK) status = gn_h5_check_digest(file, name, set, buffer, bytes, error);
+    gn_free(buffer);
+    if (space >= 0) H5Sclose(space);
+    if (type >= 0) H5Tclose(type);
+    H5Dclose(set);
+    return status;
+}
+
+typedef struct looked {
+    const gn_h5 *file;
+    const char *group;
+    gneiss_status status;
+    gneiss_error *error;
+} looked;
+
+static herr_t check_link(hid_t group, const char *name, const H5L_info_t *info, void *data) {
+    (void)group, (void)info;
+    looked *l = data;
+    char *path = gn_text_format("%s/%s", l->group, name);
+    l->status = path ? check_values(l->file, path, l->error)
+                     : gn_fail(l->error, GNEISS_ERROR_MEMORY, "no memory for a name");
+    free(path);
+    return l->status == GNEISS_OK ? 0 : -1;
+}
+
+gneiss_status gn_h5_check_values(const gn_h5 *file, const char *group, gneiss_error *error) {
+    gn_h5_quiet();
+    looked l = {.file = file, .group = group, .error = error};
+    if (!gn_h5_has(file, group)) return GNEISS_OK;
+    hid_t id = H5Gopen2(file->id, group, H5P_DEFAULT);
+    herr_t ended =
+        id < 0 ? -1 : H5Literate(id, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, check_link, &l);
+    if (id >= 0) H5Gclose(id);
+    if (l.status != GNEISS_OK || ended >= 0) return l.status;
+    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "group %s is damaged", group);
 }
 
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error) {
@@ -166,7 +259,7 @@ static char *text_buffer(const gn_h5 *file, const char *name, hid_t type, hsize_
     return text;
 }
 
-/* Attribute `fnv1a` of the texts that HDF5 keeps without a checksum. */
+/* Attribute `fnv1a` that earlier versions gave the texts that HDF5 keeps without a checksum. */
 static bool hash_agrees(hid_t set, const char *text) {
     if (H5Aexists(set, "fnv1a") <= 0) return true;
     int64_t stored = 0;
@@ -192,6 +285,8 @@ gneiss_status gn_h5_get_text(const gn_h5 *file, const char *name, char **text,
         buffer = text_buffer(file, name, type, read_shape(set, size) == 0, error);
     if (!buffer && error) status = error->status;
     if (buffer) status = read_set(file, name, set, type, buffer, error);
+    if (buffer && status == GNEISS_OK)
+        status = gn_h5_check_digest(file, name, set, buffer, H5Tget_size(type), error);
     if (buffer && status == GNEISS_OK && !hash_agrees(set, buffer))
         status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: text %s is damaged", file->path, name);
     if (type >= 0) H5Tclose(type);
@@ -212,6 +307,7 @@ static gneiss_status open_attribute(const gn_h5 *file, const char *object, const
     if (H5Aexists_by_name(file->id, object, name, H5P_DEFAULT) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: attribute %s of %s is missing", file->path,
                        name, object);
+    GN_TRY(gn_h5_check_attributes(file, object, error));
     *id = H5Aopen_by_name(file->id, object, name, H5P_DEFAULT, H5P_DEFAULT);
     if (*id >= 0) return GNEISS_OK;
     return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "attribute %s of %s cannot be read", name,

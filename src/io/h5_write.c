@@ -96,16 +96,17 @@ static double real_at(gn_type type, const void *data, size_t k) {
     return type == GN_F64 ? ((const double *)data)[k] : (double)((const float *)data)[k];
 }
 
-/* What goes wrong in a run and is not seen at once must not end as a result. */
-static gneiss_status check_finite(const gn_h5 *file, const char *name, gn_type type,
-                                  gn_h5_shape shape, size_t bytes, const void *data,
-                                  gneiss_error *error) {
+/* What goes wrong in a run and is not seen at once must not end as a result, and no run goes on
+ * from it. */
+gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type type,
+                                 gn_h5_shape shape, size_t bytes, const void *data,
+                                 gneiss_error *error) {
     if (!file->finite || (type != GN_F64 && type != GN_F32)) return GNEISS_OK;
     size_t count = bytes / gn_type_size(type), columns = shape.rank == 2 ? shape.size[1] : 1;
     for (size_t k = 0; k < count; k++) {
         double value = real_at(type, data, k);
         if (!isfinite(value))
-            return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+            return gn_fail(error, file->writing ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                            "%s: %s: expected finite numbers, found %g in row %zu, column %zu (base "
                            "0)",
                            file->path, name, value, k / columns, k % columns);
@@ -116,7 +117,7 @@ static gneiss_status check_finite(const gn_h5 *file, const char *name, gn_type t
 static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                                 size_t bytes, const void *data, const char *unit, const char *text,
                                 gneiss_error *error) {
-    GN_TRY(check_finite(file, name, type, shape, bytes, data, error));
+    GN_TRY(gn_h5_check_finite(file, name, type, shape, bytes, data, error));
     hid_t space = H5Screate_simple(shape.rank, shape.size, NULL);
     hid_t creation = creation_list(type, shape, bytes), links = link_list();
     hid_t set =
@@ -128,6 +129,7 @@ static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_
         status =
             gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "data set %s cannot be written", name);
     }
+    if (status == GNEISS_OK) status = gn_h5_put_digest(file, name, set, data, bytes, error);
     if (status == GNEISS_OK && unit) status = put_text_attribute(file, set, "unit", unit, error);
     if (status == GNEISS_OK && text)
         status = put_text_attribute(file, set, "description", text, error);
@@ -166,12 +168,6 @@ gneiss_status gn_h5_put(gn_h5 *file, const char *name, gn_type type, size_t rows
                            text, error);
 }
 
-/* Long texts cannot be compact; their checksum is an attribute. */
-static gneiss_status put_text_hash(gn_h5 *file, hid_t set, const char *text, gneiss_error *error) {
-    int64_t hash = (int64_t)gn_hash_bytes(text, strlen(text), GN_HASH_SEED);
-    return put_attribute(file, set, "fnv1a", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, &hash, error);
-}
-
 gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gneiss_error *error) {
     gn_h5_quiet();
     GN_TRY(check_writing(file, name, error));
@@ -186,7 +182,9 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
         file->failed = true;
         status = gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "text %s cannot be written", name);
     }
-    if (status == GNEISS_OK && !compact) status = put_text_hash(file, set, text, error);
+    size_t length = strlen(text);
+    if (status == GNEISS_OK) /* of an empty text, HDF5 keeps one zero byte */
+        status = gn_h5_put_digest(file, name, set, text, length ? length : 1, error);
     if (set >= 0) H5Dclose(set);
     if (creation >= 0) H5Pclose(creation);
     if (links >= 0) H5Pclose(links);
@@ -195,17 +193,23 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
     return status;
 }
 
-/* Every link on the way has to be asked for: H5Lexists fails where a group before it is missing. */
+/* Every link on the way has to be asked for: H5Lexists fails where a group before it is missing.
+ * Symbolic links and those into other files are not followed: a file could have any other file of
+ * its reader's shown. */
 bool gn_h5_has(const gn_h5 *file, const char *name) {
     gn_h5_quiet();
     char part[512];
     size_t length = strlen(name);
+    if (strcmp(name, "/") == 0) return true;
     if (length >= sizeof part) return false;
     for (size_t k = 1; k <= length; k++) {
         if (name[k] != '/' && name[k] != '\0') continue;
         memcpy(part, name, k);
         part[k] = '\0';
-        if (H5Lexists(file->id, part, H5P_DEFAULT) <= 0) return strcmp(name, "/") == 0;
+        H5L_info_t link;
+        if (H5Lexists(file->id, part, H5P_DEFAULT) <= 0) return false;
+        if (H5Lget_info(file->id, part, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD)
+            return false;
     }
     return true;
 }

@@ -4,6 +4,7 @@
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
+#include "base/printable.h"
 
 #include <locale.h>
 #include <stdio.h>
@@ -164,6 +165,7 @@ static gneiss_status take_name(gn_mesh_source *in, char name[GN_MESH_NAME_SIZE])
                               GN_MESH_NAME_SIZE - 1, length);
     memcpy(name, in->bytes + start + 1, length);
     name[length] = '\0';
+    gn_make_printable(name);
     in->at = last + 1;
     return GNEISS_OK;
 }

@@ -7,6 +7,7 @@
 #include "pack/store.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -109,6 +110,23 @@ static gneiss_status get_trace(const gn_h5 *file, gn_pack_result *r, gneiss_erro
     return gn_h5_get(file, "trace/overlap_max", GN_F64, n, 1, stride, &s->overlap_max, error);
 }
 
+static gneiss_status check_spheres(const gn_pack_result *r, gneiss_error *error) {
+    if (!(r->packing.count > 0 && r->packing.count <= INT32_MAX && r->volume > 0.0))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected particles in a volume, found %zu in %g m3", r->packing.count,
+                       r->volume);
+    for (size_t k = 0; k < r->packing.count; k++) {
+        const double *sphere = r->packing.sphere + 4 * k;
+        if (!(sphere[3] > 0.0 && sphere[3] < 1e30 && fabs(sphere[0]) < 1e30 &&
+              fabs(sphere[1]) < 1e30 && fabs(sphere[2]) < 1e30))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "data set sphere: expected a place and a radius > 0, found %g %g %g %g "
+                           "in row %zu",
+                           sphere[0], sphere[1], sphere[2], sphere[3], k);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_result *r,
                                  gneiss_error *error) {
     char *found = NULL;
@@ -124,6 +142,7 @@ static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_res
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "volume", &r->volume, 1, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &r->seconds, 1, error));
     r->in_time = r->from_cache = true;
+    GN_TRY(check_spheres(r, error));
     return get_trace(file, r, error);
 }
 
@@ -162,6 +181,8 @@ static bool look_up(const char *path, const char *key, gn_pack_result *result, c
     *result = (gn_pack_result){0};
     if (access(path, F_OK) != 0) return false;
     gneiss_status status = gn_h5_open(path, &file, &error);
+    if (status == GNEISS_OK) status = gn_h5_check_names(file, true, &error);
+    if (status == GNEISS_OK) gn_h5_demand_finite(file, true);
     if (status == GNEISS_OK) status = get_packing(file, key, result, &error);
     gn_h5_close(file);
     if (status == GNEISS_OK) return true;

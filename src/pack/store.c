@@ -2,12 +2,15 @@
 
 #include "base/memory.h"
 #include "base/version.h"
+#include "io/atomic_file.h"
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- packing.h5 ---- */
 
@@ -147,6 +150,9 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *p,
     return status;
 }
 
+/* packing.h5 says that the folder is complete: that of an earlier packing goes first and the new
+ * one comes last, so that a call that is killed leaves no files of two packings beside each other.
+ */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
                                    const gn_pack_result *result, const gn_pack_quality *quality,
                                    gneiss_error *error) {
@@ -154,9 +160,13 @@ gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
     snprintf(header, sizeof header,
              "%zu particles, porosity %.4f, %.2f contacts each at gaps up to 1 %%; gneiss %s",
              result->packing.count, quality->porosity, quality->coordination_1, gn_version());
+    snprintf(path, sizeof path, "%s/packing.h5", directory);
+    if (unlink(path) != 0 && errno != ENOENT)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be replaced: %s", path, strerror(errno));
+    gn_sync_folder_of(path);
     snprintf(path, sizeof path, "%s/packing.txt", directory);
     GN_TRY(gn_packing_write(path, (int)scene->dimension, &result->packing, header, error));
+    GN_TRY(write_snapshot(directory, &result->packing, error));
     snprintf(path, sizeof path, "%s/packing.h5", directory);
-    GN_TRY(gn_pack_write(path, scene, result, quality, error));
-    return write_snapshot(directory, &result->packing, error);
+    return gn_pack_write(path, scene, result, quality, error);
 }

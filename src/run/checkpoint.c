@@ -2,11 +2,13 @@
  * parts of the world have theirs (checkpoint_dem.c, checkpoint_boundary.c, checkpoint_elements.c).
  */
 #include "base/memory.h"
+#include "base/printable.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "run/run.h"
+#include "run/stages.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
@@ -16,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 17 };
+enum { FORMAT = 18 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -192,7 +194,7 @@ static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *err
     return gn_checkpoint_get_arrays(file, arrays, GAUGE_ARRAYS, error);
 }
 
-static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *error) {
+static gneiss_status get_history(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_run_watch(run, error));
     gn_history *h = &run->history;
     size_t rows = 0;
@@ -203,9 +205,11 @@ static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *e
     for (size_t c = 0; status == GNEISS_OK && c < h->column_count; c++) {
         char path[160];
         snprintf(path, sizeof path, "history/%s", h->columns[c].name);
+        gn_h5_demand_finite(file, !h->columns[c].absent);
         status = gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c,
                            error);
     }
+    gn_h5_demand_finite(file, true);
     for (size_t r = 0; status == GNEISS_OK && r < rows; r++)
         status = gn_history_append(h, table + r * h->column_count, error);
     free(table);
@@ -241,6 +245,24 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
                           "%s: expected positive steps and intervals, found others", path);
 }
 
+/* Rows of the history that stages begin with rise, and what ended one is known. */
+static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    double least = 0.0;
+    for (size_t k = 0; k < w->given.stage_count && k <= w->stage; k++) {
+        const gn_stage_state *s = &w->stages[k];
+        bool good = s->row >= least && s->row <= (double)run->history.row_count && s->step >= 0.0 &&
+                    s->step <= (double)w->step && s->ended >= 0.0 && s->ended <= GN_STAGE_PRESSED;
+        least = s->row;
+        if (!good)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: arrays/stages: expected steps, rows of the history and causes of "
+                           "an end in row %zu, found %g, %g, %g",
+                           path, k, s->step, s->row, s->ended);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path,
                                 gneiss_error *error) {
     int64_t stage = 0;
@@ -263,26 +285,28 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     gneiss_status status = gn_h5_get_attribute_text(file, "/", "scene_file", &source, error);
     if (status == GNEISS_OK)
         status = gn_scene_parse_saved(text, path, overrides, count, &w->given, error);
-    if (status == GNEISS_OK) snprintf(w->given.source, sizeof w->given.source, "%s", source);
+    if (status == GNEISS_OK)
+        snprintf(w->given.source, sizeof w->given.source, "%s", gn_make_printable(source));
     free(text);
     free(source);
     if (status == GNEISS_OK) status = get_stages(w, file, path, error);
     return status == GNEISS_OK ? gn_origin_shift(w, error) : status;
 }
 
-static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
-                          const gn_override *overrides, size_t count, gneiss_error *error) {
+static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_override *overrides,
+                          size_t count, gneiss_error *error) {
     gn_world *w = &run->world;
     GN_TRY(check_format(file, path, error));
+    GN_TRY(gn_h5_check_names(file, true, error));
+    gn_h5_demand_finite(file, true);
     GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
-    gneiss_error unsaid; /* checkpoints of earlier versions do not say it: counted from here on */
-    if (gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, &unsaid))
-        run->cpu_before = 0.0;
+    GN_TRY(gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, error));
+    gneiss_error unsaid;
     char *halt = NULL; /* only where the model itself ended the run */
     if (gn_h5_get_attribute_text(file, "/", "halt", &halt, &unsaid) == GNEISS_OK)
-        snprintf(w->halt, sizeof w->halt, "%s", halt);
+        snprintf(w->halt, sizeof w->halt, "%s", gn_make_printable(halt));
     free(halt);
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(check_numbers(run, path, error));
@@ -292,9 +316,11 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(gn_elements_load(w, file, path, error));
     GN_TRY(check_gauge(w, path, error));
     GN_TRY(get_history(run, file, error));
+    GN_TRY(check_stages(run, path, error));
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(w, error));
     GN_TRY(gn_world_restore(w, error));
+    GN_TRY(gn_world_check_duration(w, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));
     if (hash != gn_world_hash(w))

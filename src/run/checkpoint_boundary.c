@@ -83,6 +83,10 @@ static bool good_contacts(const gn_world *w) {
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->boundary.body_vertex_count &&
                q->wall[c] >= 0 && (size_t)q->wall[c] < w->scene.wall_count;
     const gn_body_pairs *p = &w->boundary.pairs;
+    const double named[] = {p->deepest.first, p->deepest.second, p->pushed.first, p->pushed.second};
+    for (size_t k = 0; k < 4; k++)
+        good = good && named[k] >= 0.0 && named[k] <= (double)w->scene.body_count &&
+               (named[k] < (double)w->scene.body_count || named[k] == 0.0);
     for (size_t k = 0; k < p->count; k++)
         good = good && p->pair[k].first >= 0.0 && p->pair[k].first < p->pair[k].second &&
                p->pair[k].second < (double)w->scene.body_count;

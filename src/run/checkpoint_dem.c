@@ -125,7 +125,8 @@ static bool good_particles(const gn_world *w) {
     for (size_t p = 0; p < q->soa.count; p++) {
         good = good && q->id[p] >= 0 && q->id[p] < w->dem.ids && q->material[p] >= 0 &&
                (size_t)q->material[p] < w->scene.material_count;
-        if (q->slot) good = good && q->slot[p] < (int32_t)w->dem.prescribed.count;
+        if (q->slot)
+            good = good && q->slot[p] >= -1 && q->slot[p] < (int32_t)w->dem.prescribed.count;
     }
     return good;
 }
@@ -143,7 +144,8 @@ static bool good_prescription(const gn_world *w) {
 }
 
 static bool good_patches(const gn_world *w) {
-    bool good = true;
+    const gn_membrane *m = w->dem.membrane;
+    bool good = !m || (m->bodies >= 0.0 && m->bodies <= (double)w->dem.ids + 1.0);
     for (size_t k = 0; k < w->dem.patch_count; k++) {
         double owner = w->dem.patches[k].owner;
         double body = w->dem.patches[k].body;
@@ -153,9 +155,20 @@ static bool good_patches(const gn_world *w) {
     return good;
 }
 
+static gneiss_status check_records(const gn_dem *d, const char *path, gneiss_error *error) {
+    const gn_particles *q = &d->particles;
+    GN_TRY(gn_checkpoint_check_record("particles", &gn_particle_record, q, path, error));
+    GN_TRY(
+        gn_checkpoint_check_numbers("particles", q->id, q->soa.count, (size_t)d->ids, path, error));
+    GN_TRY(gn_checkpoint_check_record("bonds", &gn_contact_record, &d->bonds, path, error));
+    GN_TRY(gn_checkpoint_check_record("pairs", &gn_contact_record, &d->pairs, path, error));
+    return gn_checkpoint_check_record("prepared", &gn_contact_record, &d->prepared, path, error);
+}
+
 static gneiss_status check(const gn_world *w, const char *path, gneiss_error *error) {
     const gn_dem *d = &w->dem;
     size_t n = d->particles.soa.count;
+    GN_TRY(check_records(d, path, error));
     if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift) &&
           isfinite(d->verlet.closed)))
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -219,7 +232,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     if (!(d->ids >= 0 && d->ids <= INT32_MAX && d->made >= 0 && d->made <= d->ids))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
                        path, (long long)d->ids);
-    GN_TRY(gn_checkpoint_get_flow(w, file, error));
+    GN_TRY(gn_checkpoint_get_flow(w, file, path, error));
     if (w->effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
     if (w->effects & GN_FX_MEMBRANE)

@@ -1,8 +1,8 @@
 /* The part of a checkpoint that finite elements have: the mesh, from which the solid is made again,
  * and the state that is put into it. */
 #include "base/memory.h"
-#include "io/h5_pieces.h"
 #include "mesh/h5_mesh.h"
+#include "run/checkpoint_internal.h"
 #include "run/parts.h"
 
 #include <math.h>
@@ -51,7 +51,7 @@ gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *err
 
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
  */
-static bool indices_are_good(const gn_fem_solid *b) {
+static bool indices_are_good(const gn_fem_solid *b, int32_t materials) {
     const gn_elements *e = &b->elements;
     bool good = true;
     for (int a = 0; a <= b->dimension; a++)
@@ -61,10 +61,24 @@ static bool indices_are_good(const gn_fem_solid *b) {
         }
     const size_t all = (b->dimension == 3 ? &b->mesh.tetrahedra : &b->mesh.triangles)->count;
     for (size_t k = 0; k < e->soa.count; k++)
-        good = good && e->material[k] >= 0 && e->id[k] >= 0 && (size_t)e->id[k] < all;
+        good = good && e->material[k] >= 0 && e->material[k] < materials && e->id[k] >= 0 &&
+               (size_t)e->id[k] < all;
     for (size_t n = 0; n < b->nodes.soa.count; n++)
-        good = good && b->nodes.slot[n] < (int64_t)b->prescribed.count;
+        good = good && b->nodes.slot[n] >= -1 && b->nodes.slot[n] < (int64_t)b->prescribed.count;
     return good;
+}
+
+static gneiss_status check_records(size_t solid, const gn_fem_solid *b, const char *path,
+                                   gneiss_error *error) {
+    const size_t all = (b->dimension == 3 ? &b->mesh.tetrahedra : &b->mesh.triangles)->count;
+    char at[GN_ELEMENT_PATH];
+    gn_elements_path(solid, "mesh_nodes", at);
+    GN_TRY(gn_checkpoint_check_record(at, &gn_particle_record, &b->nodes, path, error));
+    GN_TRY(gn_checkpoint_check_numbers(at, b->nodes.id, b->nodes.soa.count, b->mesh.node_count,
+                                       path, error));
+    gn_elements_path(solid, "mesh_elements", at);
+    GN_TRY(gn_checkpoint_check_record(at, &gn_element_record, &b->elements, path, error));
+    return gn_checkpoint_check_numbers(at, b->elements.id, b->elements.soa.count, all, path, error);
 }
 
 /* Puts the saved records in the place of those made from the mesh; same counts, same order. */
@@ -88,6 +102,9 @@ static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *fi
                        "%s: expected %zu nodes and %zu elements as in its mesh, found others", path,
                        b->nodes.soa.count, b->elements.soa.count);
     }
+    int32_t materials = 0;
+    for (size_t k = 0; k < b->elements.soa.count; k++)
+        materials = b->elements.material[k] < materials ? materials : b->elements.material[k] + 1;
     gn_soa_destroy(&gn_particle_record, &b->nodes);
     gn_soa_destroy(&gn_element_record, &b->elements);
     b->nodes = nodes;
@@ -95,7 +112,9 @@ static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *fi
     gn_particles_set_null(&b->nodes, 1.0);
     gn_elements_pad(&b->elements, &b->nodes);
     gn_fem_to_single(b);
-    if (indices_are_good(b)) return fewer ? gn_fem_elements_changed(b, error) : GNEISS_OK;
+    GN_TRY(check_records(solid, b, path, error));
+    if (indices_are_good(b, materials))
+        return fewer ? gn_fem_elements_changed(b, error) : GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected nodes below %zu and elements below %zu, found others", path,
                    b->nodes.soa.count, b->elements.soa.count);
@@ -110,6 +129,11 @@ static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *f
         gn_h5_get_pieces(file, gn_elements_path(solid, "elements", at), pieces, PIECES, q, error));
     GN_TRY(gn_h5_get(file, gn_elements_path(solid, "elements/culprits", at), GN_I64, 3, 1, 0,
                      culprits, error));
+    for (int k = 0; k < 3; k++)
+        if (culprits[k] < -1 || culprits[k] > INT32_MAX)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: %s: expected whole numbers in [-1, 2^31), found %lld", path, at,
+                           (long long)culprits[k]);
     q->limit.bound_element = (int32_t)culprits[0];
     q->limit.sharp_element = (int32_t)culprits[1];
     q->limit.iterations = (int)culprits[2];

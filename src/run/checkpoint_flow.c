@@ -31,9 +31,34 @@ gneiss_status gn_checkpoint_put_flow(const gn_world *world, gn_h5 *file, gneiss_
     return gn_checkpoint_put_arrays(file, arrays, list_arrays(w, arrays), error);
 }
 
-gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, gneiss_error *error) {
+static bool is_count(double value) {
+    return value >= 0.0 && value <= 0x1p53;
+}
+
+static gneiss_status check_flow(const gn_world *w, const char *path, gneiss_error *error) {
+    const gn_flow *f = &w->dem.flow;
+    bool good = true, flows = gn_scene_flows(&w->scene);
+    for (size_t k = 0; k < f->lost_count; k++)
+        good = good && f->lost[k].id >= 0.0 && f->lost[k].id < (double)w->dem.ids;
+    for (size_t k = 0; flows && k < w->scene.source_count; k++) {
+        const gn_source_state *s = &f->sources[k];
+        good = good && is_count(s->number) && is_count(s->sizes) && is_count(s->places) &&
+               is_count(s->full) && s->mass >= 0.0 && s->radius >= 0.0;
+    }
+    for (size_t k = 0; flows && k < w->scene.sink_count; k++)
+        good = good && is_count(f->sinks[k].number) && f->sinks[k].mass >= 0.0;
+    return good ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: arrays/lost, sources, sinks: expected numbers of particles, found "
+                          "others",
+                          path);
+}
+
+gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char *path,
+                                     gneiss_error *error) {
     gn_checkpoint_array arrays[ARRAYS_MOST];
     GN_TRY(gn_h5_rows(file, "arrays/lost", &w->dem.flow.lost_count, error));
     w->dem.flow.lost_room = w->dem.flow.lost_count;
-    return gn_checkpoint_get_arrays(file, arrays, list_arrays(w, arrays), error);
+    GN_TRY(gn_checkpoint_get_arrays(file, arrays, list_arrays(w, arrays), error));
+    return check_flow(w, path, error);
 }

@@ -21,10 +21,18 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
 
 /* checkpoint_flow.c */
 gneiss_status gn_checkpoint_put_flow(const gn_world *w, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char *path,
+                                     gneiss_error *error);
 
 /* events.c */
 gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error);
+
+/* checkpoint_ranges.c: that values of a record that index, count or bound are within their ranges;
+ * that numbers below `most` (ids) are there once. GNEISS_ERROR_INPUT names the data set. */
+gneiss_status gn_checkpoint_check_record(const char *group, const gn_record *record,
+                                         const void *soa, const char *path, gneiss_error *error);
+gneiss_status gn_checkpoint_check_numbers(const char *group, const int32_t *number, size_t count,
+                                          size_t most, const char *path, gneiss_error *error);
 
 #endif

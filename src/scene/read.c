@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/names.h"
+#include "base/printable.h"
 
 #include <errno.h>
 #include <math.h>
@@ -163,15 +164,10 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
     /* What counts as left out when it is empty is left out, or it is a slip. */
     if (!length && key->type == GN_KEY_TEXT && key->presence == GN_PRESENT_TEXT && node->key)
         return unexpected(reader, node, "a name, or the key left out", "");
+    if (key->type == GN_KEY_TEXT && gn_has_control(node->text))
+        return unexpected(reader, node, "text without control characters", "");
     memcpy(text, node->text, length + 1);
     return GNEISS_OK;
-}
-
-/* Control characters of Unicode: C0, DEL and, in UTF-8, C1 (0xc2 0x80 to 0xc2 0x9f). */
-static bool has_control(const char *text) {
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-        if (*c < 0x20 || *c == 0x7f || (*c == 0xc2 && c[1] < 0xa0)) return true;
-    return false;
 }
 
 /* A name must be fit to stand in an override (walls.top.motion.vz) and in the path of a data set of
@@ -182,7 +178,7 @@ static gneiss_status read_name(const gn_reader *reader, const gn_key *key, const
     char *rest;
     (void)strtod(name, &rest);
     /* Nothing is left of a number, nor of an empty name. */
-    if (*rest && !strpbrk(name, "./[]=") && !has_control(name)) return GNEISS_OK;
+    if (*rest && !strpbrk(name, "./[]=\n\t") && !gn_has_control(name)) return GNEISS_OK;
     return unexpected(reader, node,
                       "a name (not empty, not a number, without . / [ ] = and control characters)",
                       "");

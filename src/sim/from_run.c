@@ -3,8 +3,11 @@
 #include "base/memory.h"
 #include "io/h5.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+static const double light = 299792458.0, far = 1e30; /* m/s, m: bounds of what a file may hold */
 
 /* What the file has of all particles; those that were removed are left out of *from. */
 typedef struct source {
@@ -29,6 +32,14 @@ static gneiss_status take(source *s, const char *name, size_t components, double
     return GNEISS_OK;
 }
 
+/* A row of a data set that a particle, a bond or a volume cannot have. */
+static gneiss_status refuse(const char *name, const char *expected, double found, size_t row,
+                            gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "data set %s: expected %s, found %g in row %zu (base 0)", name, expected, found,
+                   row);
+}
+
 static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
     GN_TRY(gn_h5_rows(s->file, "particles/position", &s->all, error));
     s->removed = gn_alloc(s->all + 1);
@@ -39,6 +50,12 @@ static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
         GN_TRY(gn_h5_get(s->file, "particles/removed", GN_U8, s->all, 1, 0, s->removed, error));
     else
         memset(s->removed, 0, s->all);
+    if (s->all > INT32_MAX)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected fewer than 2^31 particles, found %zu",
+                       s->all);
+    for (size_t p = 0; p < s->all; p++)
+        if (s->removed[p] > 1)
+            return refuse("particles/removed", "0 or 1", s->removed[p], p, error);
     for (size_t p = 0; p < s->all; p++) s->place[p] = s->removed[p] ? -1 : (int32_t)from->count++;
     return GNEISS_OK;
 }
@@ -47,6 +64,11 @@ static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *err
     from->motion = gn_alloc_array(from->count + 1, 6 * sizeof *from->motion);
     if (!from->motion) return no_memory(error);
     GN_TRY(take(s, "particles/velocity", 3, from->motion, 6, 0, error));
+    for (size_t p = 0; p < from->count; p++)
+        for (size_t a = 0; a < 3; a++)
+            if (!(fabs(from->motion[6 * p + a]) < light))
+                return refuse("particles/velocity", "less than the speed of light",
+                              from->motion[6 * p + a], p, error);
     if (!gn_h5_has(s->file, "particles/spin")) return GNEISS_OK;
     return take(s, "particles/spin", 3, from->motion, 6, 3, error);
 }
@@ -54,6 +76,19 @@ static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *err
 /* Bonds that hold, those that have softened or yielded included. */
 static bool holds(int32_t state) {
     return state == 0 || state == 4 || state == 5;
+}
+
+static gneiss_status check_bond(const source *s, int32_t *const ends[3], const double *rest,
+                                size_t b, gneiss_error *error) {
+    static const char *const names[] = {"bonds/i", "bonds/j"};
+    for (int k = 0; k < 2; k++)
+        if (ends[k][b] < 0 || (size_t)ends[k][b] >= s->all)
+            return refuse(names[k], "the place of a particle", ends[k][b], b, error);
+    if (ends[0][b] == ends[1][b])
+        return refuse("bonds/j", "another particle than that of bonds/i", ends[1][b], b, error);
+    if (holds(ends[2][b]) && !(rest[b] > 0.0))
+        return refuse("bonds/rest_length", "a length > 0", rest[b], b, error);
+    return GNEISS_OK;
 }
 
 static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *error) {
@@ -72,11 +107,10 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
     if (status == GNEISS_OK)
         status = gn_h5_get(s->file, "bonds/rest_length", GN_F64, s->bonds, 1, 0, rest, error);
     for (size_t b = 0; status == GNEISS_OK && b < s->bonds; b++) {
-        bool known = ends[0][b] >= 0 && (size_t)ends[0][b] < s->all && ends[1][b] >= 0 &&
-                     (size_t)ends[1][b] < s->all;
-        if (!known || !holds(ends[2][b])) continue;
+        status = check_bond(s, ends, rest, b, error);
+        if (status != GNEISS_OK || !holds(ends[2][b])) continue;
         int32_t i = s->place[ends[0][b]], j = s->place[ends[1][b]];
-        if (i < 0 || j < 0 || i == j) continue;
+        if (i < 0 || j < 0) continue;
         from->bond[from->bonds][0] = i;
         from->bond[from->bonds][1] = j;
         from->rest_length[from->bonds++] = rest[b];
@@ -100,7 +134,16 @@ static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *er
     from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
     if (!from->sphere) return no_memory(error);
     GN_TRY(take(s, "particles/position", 3, from->sphere, 4, 0, error));
-    return take(s, "particles/radius", 1, from->sphere, 4, 3, error);
+    GN_TRY(take(s, "particles/radius", 1, from->sphere, 4, 3, error));
+    for (size_t p = 0; p < from->count; p++) {
+        const double *sphere = from->sphere + 4 * p;
+        for (size_t a = 0; a < 3; a++)
+            if (!(fabs(sphere[a]) < far))
+                return refuse("particles/position", "a place within 1e30 m", sphere[a], p, error);
+        if (!(sphere[3] > 0.0 && sphere[3] < far))
+            return refuse("particles/radius", "a radius > 0", sphere[3], p, error);
+    }
+    return GNEISS_OK;
 }
 
 /* All of its particles are there, at rest. */
@@ -118,6 +161,9 @@ static gneiss_status read_packing(const gn_scene *scene, source *s, gn_from_run 
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected a packing, found another file");
     GN_TRY(check_dimension(scene, s, "packing", error));
     GN_TRY(gn_h5_get_attribute_f64(s->file, "/", "volume", &from->volume, 1, error));
+    if (!(from->volume > 0.0 && from->volume < INFINITY))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "attribute volume: expected a volume > 0, found %g", from->volume);
     GN_TRY(number(s, from, error));
     return take_spheres(s, from, error);
 }
@@ -146,6 +192,8 @@ gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_
     source s = {0};
     *from = (gn_from_run){0};
     gneiss_status status = gn_h5_open_whole(scene->specimen.from_path, &s.file, error);
+    if (status == GNEISS_OK) status = gn_h5_check_names(s.file, false, error);
+    if (status == GNEISS_OK) gn_h5_demand_finite(s.file, true);
     if (status == GNEISS_OK) status = read_all(scene, &s, from, error);
     if (status != GNEISS_OK)
         gn_fail_context(error, "%s: ", gn_scene_at(scene, where, "specimen.from").text);

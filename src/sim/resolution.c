@@ -523,8 +523,11 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
 
 const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
     const gn_resolution *r = &w->dem.resolution;
-    int64_t walls = (int64_t)w->scene.wall_count, k = -1 - r->second;
-    if (r->first < 0 && k >= walls)
+    int64_t walls = (int64_t)w->scene.wall_count, bodies = (int64_t)w->scene.body_count,
+            k = -1 - r->second;
+    if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))
+        snprintf(text, size, "nothing that has a name"); /* none, or from a file */
+    else if (r->first < 0 && k >= walls)
         snprintf(text, size, "bodies '%.60s' and '%.60s'", w->scene.bodies[-1 - r->first].name,
                  w->scene.bodies[k - walls].name);
     else if (r->first < 0)
@@ -535,7 +538,7 @@ const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
     else if (k < walls)
         snprintf(text, size, "particle %lld and wall '%.60s'", (long long)r->first,
                  w->scene.walls[k].name);
-    else if (k - walls < (int64_t)w->scene.body_count)
+    else if (k - walls < bodies)
         snprintf(text, size, "particle %lld and body '%.60s'", (long long)r->first,
                  w->scene.bodies[k - walls].name);
     else

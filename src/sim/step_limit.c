@@ -164,6 +164,18 @@ static double step_of_bodies(const gn_world *w) {
     return w->step > 0 && isfinite(step) ? fmin(step, w->dt) : step;
 }
 
+/* A step that is lost in the digits of the time would never come to an end. At the start,
+ * gn_world_check_duration asks for more. */
+static gneiss_status check_advance(const gn_world *w, gneiss_error *error) {
+    char text[160];
+    if (w->step == 0 || w->time + w->dt > w->time) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
+        "(set by %s): stiffnesses and masses do not go together",
+        (long long)w->step, w->time, w->dt, culprit(w, text, sizeof text));
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     char text[160], bound[96] = "";
     if (w->scene.step == 0.0) {
@@ -175,7 +187,7 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
         if (w->step > 0) w->dt_lowered++;
         set_step(w, wanted);
-        return GNEISS_OK;
+        return check_advance(w, error);
     }
     set_step(w, w->scene.step);
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
@@ -209,7 +221,7 @@ static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
     bool shorter;
     GN_TRY(gn_dem_resolve_listed(w, &shorter, error));
     if (shorter) lower(w, w->dem.resolution.step);
-    return GNEISS_OK;
+    return check_advance(w, error);
 }
 
 static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
@@ -295,7 +307,7 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     if (!*fine) GN_TRY(look_at_whole(w, fine, error));
     /* To two hundredths less, so that the next lists need not lower it again. */
     if (!*fine) lower(w, 0.98 * w->dem.listed);
-    return GNEISS_OK;
+    return check_advance(w, error);
 }
 
 gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {

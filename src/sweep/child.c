@@ -16,10 +16,12 @@
 
 /* ---- starting ---- */
 
+/* A new file, whatever has the name: a link of somebody's is not followed. */
 static int open_log(const char *folder, const char *name) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    return open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (unlink(path) != 0 && errno != ENOENT) return -1;
+    return open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
 /* In the child, between fork and exec: system calls only. A process group of its own keeps the
@@ -95,7 +97,7 @@ static void read_tail(const char *folder, const char *name, char *text, size_t s
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     text[0] = '\0';
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    int descriptor = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) return;
     off_t end = lseek(descriptor, 0, SEEK_END), from = end - (off_t)(size - 1);
     ssize_t got = pread(descriptor, text, size - 1, from > 0 ? from : 0);
@@ -131,7 +133,7 @@ static void last_words(const char *folder, char *message, size_t size) {
             from = at + 8;
     size_t used = 0;
     for (; from && *from && used + 1 < size; from++)
-        message[used++] = (unsigned char)*from < 0x20 ? ' ' : *from;
+        message[used++] = (unsigned char)*from < 0x20 || *from == 0x7f ? ' ' : *from;
     while (used && message[used - 1] == ' ') used--;
     message[used] = '\0';
 }

@@ -2,6 +2,7 @@
 #include "sweep/expand.h"
 
 #include "base/memory.h"
+#include "base/printable.h"
 #include "base/version.h"
 #include "io/files.h"
 #include "soa/field.h"
@@ -63,7 +64,7 @@ const char *gn_sweep_label(const gn_sweep *s, size_t run, bool seed, char *text,
     }
     if (seed && s->seed_count && used < size)
         snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "", s->runs[run].seed);
-    return text;
+    return gn_make_printable(text);
 }
 
 /* ---- messages ---- */

@@ -1,5 +1,6 @@
 #include "sweep/outcome.h"
 
+#include "base/printable.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -24,12 +25,13 @@ static void outcome_path(const char *folder, char *path, size_t size) {
     snprintf(path, size, "%s/outcome.json", folder);
 }
 
-/* JSON is YAML. */
-static bool parse(const char *text, const char *path, gn_outcome *o) {
+/* JSON is YAML. *results (malloc'ed, NULL: not said) is the digest of the results it ended with. */
+static bool parse(const char *text, const char *path, gn_outcome *o, char **results) {
     gn_tree *tree = NULL;
     if (gn_tree_read(text, strlen(text), path, &tree, NULL) != GNEISS_OK) return false;
     const gn_node *root = gn_tree_root(tree), *state = gn_node_child(root, "status"),
-                  *code = gn_node_child(root, "code"), *message = gn_node_child(root, "message");
+                  *code = gn_node_child(root, "code"), *message = gn_node_child(root, "message"),
+                  *digest = gn_node_child(root, "results");
     bool known = state && code && state->kind == GN_NODE_SCALAR && code->kind == GN_NODE_SCALAR;
     bool done = known && strcmp(state->text, names[GN_RUN_DONE]) == 0;
     known = done || (known && strcmp(state->text, names[GN_RUN_FAILED]) == 0);
@@ -38,54 +40,165 @@ static bool parse(const char *text, const char *path, gn_outcome *o) {
         o->code = (int)strtol(code->text, NULL, 10);
         if (message && message->kind == GN_NODE_SCALAR)
             snprintf(o->message, sizeof o->message, "%s", message->text);
+        gn_make_printable(o->message);
+        if (digest && digest->kind == GN_NODE_SCALAR) *results = strdup(digest->text);
     }
     gn_tree_free(tree);
     return known;
 }
 
-/* The disk was full, somebody took the file away, a copy was cut off. */
-static bool has_results(const char *folder, gneiss_error *trouble) {
-    char path[GN_PATH_SIZE + 32], *hash = NULL;
-    snprintf(path, sizeof path, "%s/results.h5", folder);
-    gneiss_status status = gn_h5_peek_text(path, "/", "state_hash", &hash, trouble);
+/* The end of the path of its scene says which run of a sweep wrote a file: FOLDER/scene.yaml. */
+static bool of_folder(const char *scene_file, const char *folder) {
+    const char *slash = strrchr(folder, '/'), *own = slash ? slash + 1 : folder;
+    char tail[GN_PATH_SIZE];
+    snprintf(tail, sizeof tail, "%.200s/scene.yaml", own);
+    size_t length = strlen(scene_file), behind = strlen(tail);
+    if (length < behind || strcmp(scene_file + length - behind, tail) != 0) return false;
+    return length == behind || scene_file[length - behind - 1] == '/';
+}
+
+static gneiss_status check_owner(const gn_h5 *file, const char *path, const char *folder,
+                                 gneiss_error *error) {
+    char *scene = NULL;
+    GN_TRY(gn_h5_get_attribute_text(file, "/", "scene_file", &scene, error));
+    gneiss_status status = of_folder(scene, folder)
+                               ? GNEISS_OK
+                               : gn_fail(error, GNEISS_ERROR_INPUT,
+                                         "%.200s: it is of another run (%.200s)", path, scene);
+    free(scene);
+    return status;
+}
+
+/* "": results of a version that wrote no digests. */
+static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneiss_error *error) {
+    int64_t value = 0;
+    digest[0] = '\0';
+    if (!gn_h5_has_digests(file)) return GNEISS_OK;
+    GN_TRY(gn_h5_get_attribute_i64(file, "/", "digest_of_names", &value, 1, error));
+    snprintf(digest, 24, "%016" PRIx64, (uint64_t)value);
+    return GNEISS_OK;
+}
+
+/* Everything that a summary reads of them. */
+static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
+                                    const char *results, bool *replaced, gneiss_error *error) {
+    static const char *const groups[] = {"readings", "energy", "history"};
+    char *hash = NULL, digest[24];
+    GN_TRY(gn_h5_check_names(file, false, error));
+    GN_TRY(gn_h5_get_attribute_text(file, "/", "state_hash", &hash, error));
     free(hash);
+    GN_TRY(check_owner(file, path, folder, error));
+    for (size_t k = 0; k < sizeof groups / sizeof *groups; k++)
+        GN_TRY(gn_h5_check_values(file, groups[k], error));
+    GN_TRY(digest_of_results(file, digest, error));
+    *replaced = results && *results && strcmp(results, digest) != 0;
+    if (!*replaced) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s: they are not those that the run ended with",
+                   path);
+}
+
+/* The disk was full, somebody took the file away or put another there, a copy was cut off. */
+static bool has_results(const char *folder, const char *results, bool *replaced,
+                        gneiss_error *trouble) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    gneiss_status status = gn_h5_open(path, &file, trouble);
+    if (status == GNEISS_OK)
+        status = check_contents(file, path, folder, results, replaced, trouble);
+    gn_h5_close(file);
     return status == GNEISS_OK;
 }
 
-/* Its results are to be computed again: from its last checkpoint, if there is one. */
-static void lose(gn_outcome *o, const gneiss_error *trouble) {
+/* What it left is of no use: it is computed again, from its last checkpoint if there is one. */
+static void lose(gn_outcome *o, const char *what, const gneiss_error *trouble) {
     *o = (gn_outcome){.lost = true};
-    snprintf(o->message, sizeof o->message, "its results cannot be read: %.500s", trouble->message);
+    snprintf(o->message, sizeof o->message, "its %s cannot be read: %.500s", what,
+             trouble->message);
+}
+
+/* One that cannot be read is for `resume` to judge. */
+static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) {
+    char *path = NULL, *scene = NULL;
+    if (gn_checkpoint_path(folder, step, &path, NULL) != GNEISS_OK) return false;
+    bool read = gn_h5_peek_text(path, "/", "scene_file", &scene, NULL) == GNEISS_OK;
+    bool foreign = read && !of_folder(scene, folder);
+    if (foreign)
+        gn_fail(trouble, GNEISS_ERROR_INPUT, "%.200s: it is of another run (%.200s)", path, scene);
+    free(scene);
+    free(path);
+    return foreign;
+}
+
+enum { CHECKPOINTS_MOST = 16 };
+
+gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
+    int64_t step[CHECKPOINTS_MOST];
+    size_t count = 0;
+    gneiss_error trouble;
+    GN_TRY(gn_checkpoint_list(folder, step, CHECKPOINTS_MOST, &count, error));
+    for (size_t k = 0; k < count; k++)
+        if (is_foreign(folder, step[k], &trouble))
+            GN_TRY(gn_checkpoint_set_aside(folder, step[k], error));
+    return GNEISS_OK;
+}
+
+/* Whether there is one to go on from; of another run there is none. */
+static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gneiss_error *error) {
+    int64_t step[CHECKPOINTS_MOST];
+    size_t count = 0;
+    gneiss_error trouble = {0};
+    if (access(folder, F_OK) != 0) return GNEISS_OK;
+    GN_TRY(gn_checkpoint_list(folder, step, CHECKPOINTS_MOST, &count, error));
+    for (size_t k = 0; k < count; k++) {
+        if (!is_foreign(folder, step[k], &trouble))
+            o->state = GN_RUN_INTERRUPTED;
+        else if (!o->lost)
+            lose(o, "checkpoint", &trouble);
+    }
+    return GNEISS_OK;
 }
 
 gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
-    char path[GN_PATH_SIZE + 32], *text = NULL;
-    int64_t step;
-    size_t checkpoints = 0;
+    char path[GN_PATH_SIZE + 32], *text = NULL, *results = NULL;
     *o = (gn_outcome){0};
     outcome_path(folder, path, sizeof path);
     if (access(path, F_OK) == 0 && gn_read_text_file(path, 1 << 16, &text, NULL) == GNEISS_OK) {
-        bool known = parse(text, path, o);
+        bool known = parse(text, path, o, &results);
         free(text);
         gneiss_error trouble = {0};
-        bool lost = known && o->state == GN_RUN_DONE && !has_results(folder, &trouble);
+        bool replaced = false, lost = known && o->state == GN_RUN_DONE &&
+                                      !has_results(folder, results, &replaced, &trouble);
+        free(results);
         if (known && !lost) return GNEISS_OK;
-        if (lost) lose(o, &trouble);
+        if (lost) lose(o, "results", &trouble);
+        o->replaced = replaced;
+        if (replaced) return GNEISS_OK;
     }
-    if (access(folder, F_OK) != 0) return GNEISS_OK;
-    GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
-    if (checkpoints) o->state = GN_RUN_INTERRUPTED;
-    return GNEISS_OK;
+    return look_for_checkpoints(folder, o, error);
+}
+
+/* "" where they cannot be read, which the next call finds. */
+static void digest_in_folder(const char *folder, char digest[24]) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    digest[0] = '\0';
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    if (gn_h5_open(path, &file, NULL) != GNEISS_OK) return;
+    if (digest_of_results(file, digest, NULL) != GNEISS_OK) digest[0] = '\0';
+    gn_h5_close(file);
 }
 
 /* Not synced: where a power cut takes it, the run is taken up from its last checkpoint, at its end.
  */
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_error *error) {
-    char path[GN_PATH_SIZE + 32];
+    char path[GN_PATH_SIZE + 32], digest[24] = "";
+    if (o->state == GN_RUN_DONE) digest_in_folder(folder, digest);
     gn_json *j = gn_json_begin();
     gn_json_text(j, "status", names[o->state]);
     gn_json_integer(j, "code", o->code);
     gn_json_text(j, "message", o->message);
+    if (*digest) gn_json_text(j, "results", digest);
     char *text = gn_json_finish(j, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for outcome.json");
     outcome_path(folder, path, sizeof path);

@@ -1,10 +1,12 @@
 #include "sweep/summary.h"
 
 #include "base/memory.h"
+#include "base/printable.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
+#include "run/folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -69,23 +71,29 @@ static void read_label(const gn_h5 *file, const char *set, const char *name, cha
     char *found = NULL;
     if (text[0] || gn_h5_get_attribute_text(file, set, name, &found, NULL) != GNEISS_OK) return;
     snprintf(text, size, "%s", found);
+    gn_make_printable(text);
     free(found);
 }
 
-/* The last number of a column. */
-static double read_last(const gn_h5 *file, const char *set) {
+/* The last number of a column; NaN: it has no rows. */
+static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
+                               gneiss_error *error) {
     size_t rows = 0;
-    double last = NAN, *column;
-    if (gn_h5_rows(file, set, &rows, NULL) != GNEISS_OK || rows == 0) return NAN;
-    column = gn_alloc_array(rows, sizeof *column);
-    if (column && gn_h5_get(file, set, GN_F64, rows, 1, 0, column, NULL) == GNEISS_OK)
-        last = column[rows - 1];
+    *last = NAN;
+    GN_TRY(gn_h5_rows(file, set, &rows, error));
+    if (rows == 0) return GNEISS_OK;
+    double *column = gn_alloc_array(rows, sizeof *column);
+    if (!column) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows", rows);
+    gneiss_status status = gn_h5_get(file, set, GN_F64, rows, 1, 0, column, error);
+    if (status == GNEISS_OK) *last = column[rows - 1];
     gn_free(column);
-    return last;
+    return status;
 }
 
-/* NaN: the file has none; the same of `rest`. */
-static double read_reading(const gn_h5 *file, gn_summary_reading *r, double *rest) {
+/* NaN: the file has none; the same of `rest`. One that is there and cannot be read is no reading
+ * that is absent. */
+static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *r, double *value,
+                                  double *rest, gneiss_error *error) {
     char set[GN_NAME_SIZE + 32];
     bool of_energy = strncmp(r->name, "energy.", 7) == 0,
          of_history = strncmp(r->name, "history.", 8) == 0;
@@ -96,21 +104,21 @@ static double read_reading(const gn_h5 *file, gn_summary_reading *r, double *res
              r->name + (of_energy    ? 7
                         : of_history ? 8
                                      : 0));
-    if (!gn_h5_has(file, set)) return NAN;
+    if (!gn_h5_has(file, set)) return GNEISS_OK;
     read_label(file, set, "unit", r->unit, sizeof r->unit);
     read_label(file, set, "description", r->text, sizeof r->text);
     double besides;
     if (!of_energy && !of_history &&
         gn_h5_get_attribute_f64(file, set, "error_besides_scatter", &besides, 1, NULL) == GNEISS_OK)
         *rest = besides;
-    return read_last(file, set);
+    return read_last(file, set, value, error);
 }
 
 /* What a run that was done has to say against its numbers, in one line. */
 static void read_warnings(const gn_h5 *file, char *text, size_t size) {
     text[0] = '\0';
     read_label(file, "/", "warnings", text, size);
-    for (char *c = text; *c; c++)
+    for (char *c = gn_make_printable(text); *c; c++)
         if (*c == '\n') *c = ';';
 }
 
@@ -133,9 +141,10 @@ static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneis
         snprintf(run->state_hash, sizeof run->state_hash, "%s", hash);
         snprintf(run->build, sizeof run->build, "%s", build);
         read_warnings(file, run->outcome.message, sizeof run->outcome.message);
-        for (size_t r = 0; r < m->reading_count; r++)
-            m->value[k * m->reading_count + r] =
-                read_reading(file, &m->readings[r], &m->rest[k * m->reading_count + r]);
+    }
+    for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++) {
+        size_t place = k * m->reading_count + r;
+        status = read_reading(file, &m->readings[r], &m->value[place], &m->rest[place], error);
     }
     free(hash);
     free(build);
@@ -258,9 +267,10 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
     snprintf(path, sizeof path, "%s/sweep.h5", directory);
     if (access(path, F_OK) == 0) {
         gneiss_status status = gn_h5_peek_text(path, "/", "kind", &kind, NULL);
-        bool ours = status == GNEISS_OK && strcmp(kind, "sweep") == 0;
+        bool ours =
+            status == GNEISS_OK ? strcmp(kind, "sweep") == 0 : gn_folder_holds_sweep(directory);
         free(kind);
-        if (ours) return GNEISS_OK;
+        if (ours) return GNEISS_OK; /* a damaged one is written anew from the folders of the runs */
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected no file or that of a sweep: choose another folder with "
                        "--out, or --force replaces it",

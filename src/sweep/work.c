@@ -83,7 +83,7 @@ static gneiss_status list_tasks(work *w, gneiss_error *error) {
         task *t = &w->tasks[w->task_count++];
         *t = (task){.run = k, .outcome = outcome[k]};
         t->over = !w->way->force && gn_outcome_stands(&t->outcome);
-        t->afresh = w->way->force;
+        t->afresh = w->way->force || outcome[k].replaced;
         w->found += t->over;
         w->done += t->over && t->outcome.state == GN_RUN_DONE;
         w->failed += t->over && t->outcome.state == GN_RUN_FAILED;
@@ -219,9 +219,16 @@ static bool varies_threads(const gn_sweep *s) {
 /* The folder as the run wants it: what is of no use is gone, its scene is there. */
 static gneiss_status prepare(const work *w, task *t, gn_child *child, gneiss_error *error) {
     const char *folder = child->folder;
+    char target[8];
+    if (readlink(folder, target, sizeof target) >= 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a folder for a run, found a symbolic link, which is not "
+                       "followed: remove it",
+                       folder);
     GN_TRY(gn_make_directory(folder, error));
     gn_outcome_forget(folder, t->outcome.lost);
     if (t->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
+    GN_TRY(gn_outcome_set_aside(folder, error));
     child->resumed = !t->afresh && gn_newest_checkpoint(folder) >= 0;
     t->afresh = false;
     return child->resumed ? GNEISS_OK : write_scene(w, t, folder, error);
