@@ -2,6 +2,7 @@
  * and what particles do to the nodes joins their forces as contacts with walls join those of
  * particles. */
 #include "base/memory.h"
+#include "sim/element_bodies.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -49,6 +50,7 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     GN_TRY(status);
     s.facets = (gn_facet_set){q->solid.dimension, count, q->contact.corner, q->solid.nodes.pos};
     GN_TRY(make_rows(q, &s.facets, error));
+    GN_TRY(gn_element_bodies_find(q, error));
     GN_TRY(gn_boundary_add_surface(w, &s, error));
     q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
     return GNEISS_OK;
@@ -102,5 +104,7 @@ void gn_element_contact_free(gn_element_contact *k) {
     gn_soa_destroy(&gn_wall_contact_record, &k->rows);
     gn_free(k->first);
     gn_free(k->corner);
+    gn_free(k->body);
+    gn_free(k->bodies);
     *k = (gn_element_contact){0};
 }

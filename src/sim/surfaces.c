@@ -1,5 +1,6 @@
 /* Contacts of particles with surfaces, worked on particle by particle. */
 #include "base/memory.h"
+#include "sim/element_bodies.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 #include "surfaces/facet.h"
@@ -232,6 +233,17 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     return inverse;
 }
 
+/* 1/kg of a particle and of the body of finite elements that it hits, both as wholes, for the
+ * dashpot: single nodes would let a heavy particle rebound undamped. 0: none of them gives way, or
+ * the surface is rigid. A particle that is driven counts with its own mass, beyond which the step
+ * limit knows of no dashpot. */
+static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
+    if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
+    double own = gn_inverse_mass_along(g->w, g->particle, s->n);
+    double whole = gn_element_body_inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
+    return fmax(own + whole, g->w->dem.particles.vel[4 * g->particle + 3]);
+}
+
 /* Relative motion at a contact whose normal, overlap and arm are known. */
 static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                          const double arm[3]) {
@@ -242,6 +254,8 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     memcpy(s.n, k->n, sizeof s.n);
     s.inverse_mass =
         gn_inverse_mass_along(g->w, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
+    if (g->w->effects & GN_FX_CONTACT_DAMPING)
+        s.whole = inverse_mass_as_wholes(g, &minima[k->member], &s);
     if (spin) {
         gn_cross3(spin, arm, turn);
         s.twist = gn_dot3(spin, s.n);
@@ -289,6 +303,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         s.closeness = q->closeness + own;
     }
     s.inverse_mass /= k->part;
+    s.whole /= k->part;
     if (q->roll) take_roll(g, roll, couple, &s);
     double total =
         gn_touch_force(g->w, &law, own, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
@@ -349,6 +364,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     double couple[3];
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
+    s.whole /= m->part;
     double total = gn_touch_force(g->w, &law, m->row, &s, q->fd ? &m->fd : NULL,
                                   q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
@@ -434,6 +450,7 @@ size_t gn_surface_presses(const gn_world *w, size_t begin, size_t end, const dou
         gn_touch s = touch_of(&g, minima, &now[k], now[k].arm);
         const gn_touch_side law = gn_surface_side(w, g.s, g.particle, now[k].part);
         s.inverse_mass /= now[k].part;
+        s.whole /= now[k].part;
         double total = gn_linear_press(&step, &law, &s);
         for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
     }
