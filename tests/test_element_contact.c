@@ -165,6 +165,72 @@ static void the_limit_knows_of_contacts_with_nodes(void **state) {
     world_end(w);
 }
 
+/* --- restitution --- */
+
+enum { BOUNCE_HELD, BOUNCE_ROLLER, BOUNCE_FREE };
+
+/* Speed after over before of a grain of radius r (m) on a block of 20 mm with cells of 2 mm, which
+ * is held at its base, along its normal alone, or free; a restitution of 0.5 is asked for. */
+static double rebound(int dimension, double r, int hold, bool hertz, bool platen) {
+    const char *rest = dimension == 3 ? "[10.6e-3, 10.4e-3" : "[10.6e-3";
+    char motion[128] = "", top[256];
+    const char axis = dimension == 3 ? 'z' : 'y';
+    if (hold != BOUNCE_FREE)
+        snprintf(motion, sizeof motion,
+                 "motions: [{name: b, group: %c_lower, motion: {%sv%c: 0}}], ", axis,
+                 hold == BOUNCE_ROLLER ? ""
+                 : dimension == 3      ? "vx: 0, vy: 0, "
+                                       : "vx: 0, ",
+                 axis);
+    if (platen) /* every node is held: as a wall */
+        snprintf(motion, sizeof motion,
+                 "motions: [{name: a, group: z_upper, motion: {vx: 0, vy: 0, vz: 0}}], ");
+    snprintf(top, sizeof top, "%s",
+             dimension == 3 ? "box: {size: [20e-3, 20e-3, 10e-3], cells: [10, 10, 5]}"
+                            : "rectangle: {size: [20e-3, 10e-3], cells: [10, 5]}");
+    gn_world *w = world_of(
+        "dimension: %d\nelements: {%s, %smaterials: [{young: 30e9, poisson: 0.2, density: 2400}], "
+        "contact: {%s}}\nspecimen: {particles: [%s, %.17g, %.17g]], group: 0}\n"
+        "materials: [{name: g, density: 2500, %s}]\nlaw: {stiffness: %s}\n"
+        "damping: {contact: {restitution: 0.5}}\n"
+        "sets: [{name: s, select: {all: true}, initial_velocity: [0, %s-0.5]}]\n"
+        "domain: {min: [-9, -9%s], max: [9, 9%s]}\ntime: {end: 1}\nrun: {threads: 1}\n",
+        dimension, top, motion, hertz ? "material: g" : "stiffness: 1.2e6", rest, 10.002e-3 + r, r,
+        hertz ? "young: 5e8, poisson: 0.2" : "normal_stiffness: 1e9, kratio: 2",
+        hertz ? "hertz" : "uniform", dimension == 3 ? "0, " : "", dimension == 3 ? ", -9" : "",
+        dimension == 3 ? ", 9" : "");
+    const size_t up = (size_t)dimension - 1;
+    for (int n = 0; n < 40000; n++) {
+        run_steps(w, 20);
+        if (vel_of(w, 0)[up] > 0.0 && pos_of(w, 0)[up] > 10.001e-3 + r) break;
+    }
+    double e = vel_of(w, 0)[up] / 0.5;
+    world_end(w);
+    return e;
+}
+
+/* The dashpot goes by the mass of the block, not by those of the nodes that are hit. */
+static void restitution_does_not_depend_on_the_mesh(void **state) {
+    (void)state;
+    const double radius[] = {0.5e-3, 2e-3, 6e-3};
+    for (int k = 0; k < 3; k++) {
+        assert_near(rebound(3, radius[k], BOUNCE_HELD, false, false), 0.5, 0.01);
+        assert_near(rebound(3, radius[k], BOUNCE_HELD, true, false), 0.5, 0.01);
+        assert_near(rebound(2, radius[k], BOUNCE_HELD, false, false), 0.5, 0.01);
+    }
+    assert_near(rebound(3, 2e-3, BOUNCE_ROLLER, false, false), 0.5, 0.01);
+    assert_near(rebound(3, 2e-3, BOUNCE_HELD, false, true), 0.5, 0.005);
+}
+
+/* A block that nothing holds moves away: at its centre as a free mass. */
+static void a_free_block_of_elements_is_hit_as_a_whole(void **state) {
+    (void)state;
+    const double m = 2500.0 * M_PI * 1e-6, mass = 2400.0 * 20e-3 * 10e-3;
+    const double lever = 0.6e-3, inertia = mass * (4e-4 + 1e-4) / 12.0;
+    const double give = 1.0 / m + 1.0 / mass + lever * lever / inertia;
+    assert_near(rebound(2, 1e-3, BOUNCE_FREE, false, false), 1.5 / (m * give) - 1.0, 0.003);
+}
+
 /* --- the same bits --- */
 
 static void threads_and_resume_give_the_same_bits(void **state) {
@@ -272,12 +338,14 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(particles_and_nodes_keep_momentum),
         cmocka_unit_test(threads_and_resume_give_the_same_bits),
+        cmocka_unit_test(a_free_block_of_elements_is_hit_as_a_whole),
         cmocka_unit_test(errors_say_where_and_what),
         cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
     };
     const struct CMUnitTest long_tests[] = {
         cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
         cmocka_unit_test(the_ledger_of_particles_and_elements_closes),
+        cmocka_unit_test(restitution_does_not_depend_on_the_mesh),
     };
     return run_part(argc, tests, long_tests);
 }
