@@ -26,6 +26,22 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     return GNEISS_OK;
 }
 
+/* m, mean over facets at the start: lengths, of triangles the side of a square cut in two. */
+static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
+    double sum = 0.0;
+    for (size_t k = 0; k < f->count; k++) {
+        const int32_t *corner = f->corner + (size_t)f->corners * k;
+        double side[2][3] = {{0}}, normal[3];
+        for (int c = 1; c < f->corners; c++)
+            for (int a = 0; a < 3; a++)
+                side[c - 1][a] = b->nodes.start[4 * (int64_t)corner[c] + a] -
+                                 b->nodes.start[4 * (int64_t)corner[0] + a];
+        gn_cross3(side[0], side[1], normal);
+        sum += sqrt(f->corners == 3 ? sqrt(gn_dot3(normal, normal)) : gn_dot3(side[0], side[0]));
+    }
+    return f->count ? sum / (double)f->count : 0.0;
+}
+
 static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error *error) {
     const gn_element_contact_def *def = &q->def->contact;
     gn_surface s = {.body = -1,
@@ -49,6 +65,7 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     }
     GN_TRY(status);
     s.facets = (gn_facet_set){q->solid.dimension, count, q->contact.corner, q->solid.nodes.pos};
+    s.facet_size = facet_size(&q->solid, &s.facets);
     GN_TRY(make_rows(q, &s.facets, error));
     GN_TRY(gn_element_bodies_find(q, error));
     GN_TRY(gn_boundary_add_surface(w, &s, error));

@@ -5,7 +5,7 @@
 #include "base/vec3.h"
 #include "io/packing.h"
 #include "sim/world.h"
-#include "surfaces/facet.h"
+#include "surfaces/patch.h"
 
 #include <math.h>
 
@@ -188,13 +188,15 @@ size_t gn_surface_presses(const gn_world *world, size_t begin, size_t end, const
 void gn_surfaces_sum(gn_world *world);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present
  * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
- * distance up to that far from the particle, each for itself. */
-enum { GN_SURFACE_CONTACTS = GN_FACET_TOUCHES };
+ * distance up to that far from the particle, each for itself, or of a patch the facets up to that
+ * far, with parts of the stiffness that add up to all of it. */
+enum { GN_SURFACE_CONTACTS = GN_PATCH_FACETS };
 typedef struct gn_surface_contact {
     const gn_surface *surface;
     size_t particle;
     gn_facet_contact contact;
-    int parts; /* of a surface whose vertices move by themselves */
+    bool patch; /* see gn_surface_patched */
+    int parts;  /* of a surface whose vertices move by themselves */
     int32_t vertex[3];
     double weight[3];
 } gn_surface_contact;

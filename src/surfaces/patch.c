@@ -112,6 +112,16 @@ static void weigh_corners(double x[3][3], const double normal[3], double area2,
     }
 }
 
+/* Whether a triangle is farther from the foot than the circle, for sure. */
+static bool is_far(double corner[3][2], double circle) {
+    double middle[2] = {0.0, 0.0}, reach = 0.0;
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 2; k++) middle[k] += corner[c][k] / 3.0;
+    for (int c = 0; c < 3; c++)
+        reach = fmax(reach, hypot(corner[c][0] - middle[0], corner[c][1] - middle[1]));
+    return hypot(middle[0], middle[1]) > circle + reach;
+}
+
 static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
                            gn_patch_facet *facet) {
     double e[2][3], normal[3], n[3], first[3], second[3], corner[3][2];
@@ -132,6 +142,7 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
         corner[c][0] = gn_dot3(x[c], first);
         corner[c][1] = gn_dot3(x[c], second);
     }
+    if (is_far(corner, d.circle)) return false;
     /* Counter-clockwise about n: backwards where the facet looks the other way. */
     integrals sum = {0};
     for (int c = 0; c < 3; c++) {
@@ -216,14 +227,16 @@ double gn_patch_share(double cosine) {
     return x > 0.0 ? x * x * (3.0 - 2.0 * x) : 0.0;
 }
 
-/* With V forces and U potentials over k, of all that belong together, the overlap is D = 2 U/V, so
+/* With forces V and potentials U over k, of all that belong together, the overlap is D = 2 U/V, so
  * that parts V_i/D of the stiffness have both. By Hertz's law the potential goes with the power 5/4
- * of U: the forces are (2 U)^(1/4)/k of those of the linear one. */
+ * of U: the forces are (2 U)^(1/4) of those of the linear one. Where the surface has taken the
+ * shape of the particle, V is more than D. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts) {
+    const double least = 1e-6; /* D/V: below, D is nothing but rounding */
     for (size_t i = 0; i < count; i++) {
         gn_facet_contact *out = &contacts[i];
-        *out = (gn_facet_contact){.crowd = 1.0, .member = (int)i};
+        *out = (gn_facet_contact){.member = (int)i};
         for (int k = 0; k < 3; k++) {
             out->arm[k] = near[i].away[k];
             out->n[k] = near[i].away[k] / near[i].distance;
@@ -236,10 +249,10 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
             force += share * facet[j].force;
             potential += share * facet[j].potential;
         }
-        /* Of overlaps near the rounding of coordinates the potential is rounding alone. */
-        const double overlap = fmax(2.0 * potential / force, 0.5 * force);
+        const double overlap = fmax(2.0 * potential / force, least * force);
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
+        contacts[i].crowd = fmax(1.0, force / overlap);
         if (hertz) contacts[i].part *= sqrt(sqrt(2.0 * potential) / overlap);
     }
 }
