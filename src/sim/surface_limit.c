@@ -317,16 +317,49 @@ static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t ve
     return false;
 }
 
-/* A patch that grows from anywhere within reach: at first it is all on one vertex, and never more.
- */
+/* What of a patch acts on a vertex: the sum of shape functions, by parts, over facets. */
+static double part_on(const gn_surface_contact *found, size_t count, int32_t vertex) {
+    double sum = 0.0;
+    for (size_t k = 0; k < count; k++)
+        for (int v = 0; v < found[k].parts; v++)
+            if (found[k].vertex[v] == vertex) sum += found[k].contact.part * found[k].weight[v];
+    return sum;
+}
+
+/* The facet that is nearest to the particle, and its shape functions there. */
+static size_t find_nearest(const gn_world *w, const gn_surface_contact *found, size_t count,
+                           gn_facet_near *nearest) {
+    const gn_facet_set *f = &found->surface->facets;
+    size_t which = 0;
+    nearest->distance = INFINITY;
+    for (size_t k = 0; k < count; k++) {
+        const double *x[3] = {0};
+        gn_facet_near near;
+        for (int v = 0; v < f->corners; v++) x[v] = f->pos + 4 * (int64_t)found[k].vertex[v];
+        gn_facet_nearest(f->corners, x, w->dem.particles.pos + 4 * found->particle, &near);
+        if (!(near.distance < nearest->distance)) continue;
+        *nearest = near;
+        which = k;
+    }
+    return which;
+}
+
+/* A patch is at a point when it begins, the nearest; when it has grown, a stiffness belongs to its
+ * rim, which is twice as much on a vertex as over the area at most. */
 static void add_patch(const gn_world *w, const gn_surface_contact *found, size_t count,
                       rate_sums *sums) {
     const gn_law_spring s = law_spring(w, found, 1.0);
+    gn_facet_near nearest;
+    const gn_surface_contact *first = found + find_nearest(w, found, count, &nearest);
     for (size_t k = 0; k < count; k++)
         for (int v = 0; v < found[k].parts; v++) {
-            if (has_vertex(found, k, found[k].vertex[v])) continue;
-            sums->stiff[found[k].vertex[v]] += fmax(s.kn, s.kt);
-            sums->damp[found[k].vertex[v]] += s.cn;
+            const int32_t vertex = found[k].vertex[v];
+            if (has_vertex(found, k, vertex)) continue;
+            double part = fmin(1.0, 2.0 * part_on(found + k, count - k, vertex));
+            for (int c = 0; c < first->parts; c++)
+                if (first->vertex[c] == vertex) part = fmax(part, nearest.weight[c]);
+            sums->stiff[vertex] += part * fmax(s.kn, s.kt);
+            sums->damp[vertex] += part * s.cn;
         }
 }
 
