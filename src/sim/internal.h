@@ -202,6 +202,8 @@ typedef struct gn_surface_contact {
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
+/* That there is room for all facets that a particle presses at once (patch.h). */
+gneiss_status gn_surfaces_check_patches(const gn_world *world, gneiss_error *error);
 /* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
  * components do not. */
 double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);

@@ -44,6 +44,7 @@ gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_sprin
     *count = 0;
     if (!w->boundary.surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(w, error));
+    GN_TRY(gn_surfaces_check_patches(w, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];

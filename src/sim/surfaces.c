@@ -353,15 +353,19 @@ static group group_at(const gn_world *w, size_t begin, size_t end) {
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add
- * up to k at least. */
+ * up to k at least. Of more facets than there is room for the nearest are enough for a bound. */
 static size_t patch_near(const group *g, double skin, gn_facet_near *near,
                          gn_facet_contact *contacts) {
     const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
-    const size_t count = patch_within(g, radius + skin, false, near, contacts);
-    double sum = 0.0;
+    double reach = skin, sum = 0.0;
+    size_t count = patch_within(g, radius + reach, false, near, contacts);
+    for (int k = 0; k < 20 && count == GN_PATCH_FACETS; k++) {
+        reach *= 0.5;
+        count = patch_within(g, radius + reach, false, near, contacts);
+    }
     for (size_t k = 0; k < count; k++) sum += contacts[k].part;
     for (size_t k = 0; k < count; k++) {
-        contacts[k].overlap += skin;
+        contacts[k].overlap += reach;
         if (sum < 1.0) contacts[k].part /= sum;
     }
     return count;
@@ -396,6 +400,24 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
         }
     }
     return g.end;
+}
+
+gneiss_status gn_surfaces_check_patches(const gn_world *w, gneiss_error *error) {
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    for (size_t c = 0; c < w->boundary.contacts.soa.count;) {
+        size_t count = 0;
+        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, 0.0, found, &count);
+        if (count < GN_PATCH_FACETS) continue;
+        return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                       "particle %d: expected fewer than %d facets of the elements in it at once, "
+                       "found more (larger elements, or stiffer contacts)",
+                       (int)w->dem.particles.id[found->particle], GN_PATCH_FACETS);
+    }
+    return GNEISS_OK;
 }
 
 /* As contacts that open and close, but with what they keep handed on from facet to facet. */
