@@ -364,6 +364,13 @@ static void add_patch(const gn_world *w, const gn_surface_contact *found, size_t
         }
 }
 
+/* Whether every component of a vertex is prescribed. */
+static bool is_held(const gn_surface *s, size_t vertex) {
+    const int32_t slot = s->prescribed->count ? s->slot[vertex] : -1;
+    const unsigned all = (1U << s->facets.corners) - 1U;
+    return slot >= 0 && (s->prescribed->mask[slot] & all) == all;
+}
+
 /* Vertices: the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it, and
  * the weights of a contact add up to one. */
 static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
@@ -372,6 +379,7 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
         return rate_of(largest(sums->body.stiff) + sums->pairs,
                        largest(sums->body.damp) + sums->walls);
     for (size_t v = 0; v < s->vertices; v++) {
+        if (is_held(s, v)) continue;
         double inverse = s->velocity[4 * v + 3];
         most = fmax(most, rate_of(sums->stiff[v] * inverse, sums->damp[v] * inverse));
     }

@@ -233,7 +233,7 @@ double gn_patch_share(double cosine) {
  * shape of the particle, V is more than D. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts) {
-    const double least = 1e-6; /* D/V: below, D is nothing but rounding */
+    const double least = 1e-9; /* of the radius: there U is rounding of coordinates */
     for (size_t i = 0; i < count; i++) {
         gn_facet_contact *out = &contacts[i];
         *out = (gn_facet_contact){.member = (int)i};
@@ -249,7 +249,7 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
             force += share * facet[j].force;
             potential += share * facet[j].potential;
         }
-        const double overlap = fmax(2.0 * potential / force, least * force);
+        const double overlap = fmax(2.0 * potential / force, least * near[i].distance);
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
         contacts[i].crowd = fmax(1.0, force / overlap);
