@@ -13,7 +13,7 @@ typedef struct gn_touch_memory {
     double n[3], fd, closeness;
     double part;              /* of the stiffness that it had */
     double shear[3], roll[3]; /* where the contacts have them */
-    bool taken, still; /* still: shear and roll are 0 in every contact */
+    bool taken, still;        /* still: shear and roll are 0 in every contact */
 } gn_touch_memory;
 
 /* Takes the histories out of the rows and empties them. `old` has room for one more than
