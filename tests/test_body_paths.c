@@ -72,6 +72,25 @@ static void no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius(void **
 
 /* What falls freely where nothing is near is right to rounding at whatever steps, lowered ones too:
  * g t^2/2. */
+/* A gate that leaves grains at 20 m/s: its corner passes the one that leans on it in many steps. */
+static void a_fast_gate_keeps_the_ledger(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 2\nbodies: [{name: gate, polygon: [[0, 0], [10e-3, 0], [10e-3, 0.1], [0, "
+        "0.1]], "
+        "stiffness: 1e4, motion: {vy: [[0, 0], [1e-3, 0], [1.1e-3, 20]]}}]\n"
+        "walls: [{name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e4}]\n"
+        "specimen: {particles: [[-1.9e-3, 2e-3, 2e-3], [-5.9e-3, 2e-3, 2e-3], [-3.9e-3, 5.5e-3, "
+        "2e-3]], group: 0}\n"
+        "materials: [{name: g, density: 2500, normal_stiffness: 1e4, kratio: 2, friction: 0.3}]\n"
+        "law: {stiffness: uniform}\ngravity: [0, -9.81]\n"
+        "domain: {min: [-9, -9], max: [9, 9]}\ntime: {end: 4e-3}\nrun: {threads: 1}\n");
+    run_until(w, 4e-3);
+    const gn_energy e = measured_step(w);
+    assert_true(fabs(gn_energy_residual(&e)) < 0.01);
+    world_end(w);
+}
+
 static void a_long_fall_is_exact(void **state) {
     (void)state;
     gn_world *w = world_of("%s", moving[0]);
@@ -243,6 +262,7 @@ static void spins_beyond_light_are_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
+        cmocka_unit_test(a_fast_gate_keeps_the_ledger),
         cmocka_unit_test(a_long_fall_is_exact),
         cmocka_unit_test(a_resumed_run_lowers_its_step_alike),
         cmocka_unit_test(a_body_alone_has_a_step),

@@ -21,7 +21,8 @@ static void finish(shape *s) {
     assert_int_equal(gn_convex_make(&s->set, s->vertices, &s->convex, &error), GNEISS_OK);
 }
 
-static shape *box(double x, double y, double z) {
+/* `cut`: along which diagonal faces are cut into triangles, 0 or 1. */
+static shape *box_cut(double x, double y, double z, int cut) {
     static const int32_t side[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     shape *s = calloc(1, sizeof *s);
@@ -31,14 +32,18 @@ static shape *box(double x, double y, double z) {
         s->pos[k][2] = (k & 4 ? z : -z);
     }
     for (int k = 0; k < 6; k++) {
-        const int32_t f[6] = {side[k][0], side[k][1], side[k][2],
-                              side[k][0], side[k][2], side[k][3]};
+        const int32_t *c = side[k];
+        const int32_t f[6] = {c[cut], c[1 + cut], c[2 + cut], c[cut], c[2 + cut], c[(3 + cut) % 4]};
         memcpy(s->corner + 6 * k, f, sizeof f);
     }
     s->vertices = 8;
     s->set = (gn_facet_set){.corners = 3, .count = 12};
     finish(s);
     return s;
+}
+
+static shape *box(double x, double y, double z) {
+    return box_cut(x, y, z, 0);
 }
 
 /* A polygon of so many corners on a circle, in turn `sense` +-1. */
@@ -341,6 +346,21 @@ static void derivatives_are_those_of_the_depth(void **state) {
     assert_true(bend < 2.0 && turned < 2.0); /* what src/sim/body_pairs.c takes */
 }
 
+/* Friction that turns goes by the spread, and has to be the same for the same bodies. */
+static void the_spread_does_not_depend_on_how_faces_are_cut(void **state) {
+    (void)state;
+    shape *floor = box(1.0, 1.0, 0.5),
+          *cut[2] = {box_cut(0.5, 0.4, 0.3, 0), box_cut(0.5, 0.4, 0.3, 1)};
+    const gn_convex_pose down = pose(0, 0, 0, 0, 0, 0);
+    const gn_convex_pose up = pose(0.1, 0.2, 0.79, 0.02, 0.015, 0.4);
+    gn_convex_overlap o[2];
+    for (int k = 0; k < 2; k++) assert_true(meet(floor, &down, cut[k], &up, &o[k]));
+    assert_close(o[1].depth, o[0].depth, 1e-12);
+    for (int a = 0; a < 9; a++) assert_near(o[1].spread[a], o[0].spread[a], 1e-12);
+    for (int k = 0; k < 2; k++) shape_end(cut[k]);
+    shape_end(floor);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_are_found_whatever_the_sense_of_facets),
@@ -350,6 +370,7 @@ int main(void) {
         cmocka_unit_test(sides_in_line_leave_no_gaps),
         cmocka_unit_test(a_box_within_another_one),
         cmocka_unit_test(derivatives_are_those_of_the_depth),
+        cmocka_unit_test(the_spread_does_not_depend_on_how_faces_are_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

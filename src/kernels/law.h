@@ -83,6 +83,8 @@ typedef struct gn_touch {
     double relative[3];  /* m/s, the same across n, at the point of contact */
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
+    double whole;        /* 1/kg, the same with a surface that deforms taken as the body behind it,
+                            for the dashpot; 0: inverse_mass */
     double other;        /* m/s2, of the gap, by all but this contact; where it may cross only */
     double most;         /* m, overlap up to which the step was looked at; with GN_FX_HERTZ */
     double *closeness;   /* m^-1/2, of the last step, then of this one; with it and a shear force */
@@ -100,6 +102,11 @@ typedef struct gn_touch_step {
     bool damping, space, spins;
     bool pulls; /* Hertz: the dashpot may */
 } gn_touch_step;
+
+/* 1/kg, of the mass that a dashpot belongs to. */
+static inline double gn_touch_damped(const gn_touch *t) {
+    return t->whole > 0.0 ? t->whole : t->inverse_mass;
+}
 
 /* Whether it closed or opened within the step, when its gap grew by `path`. */
 static inline bool gn_touch_crosses(const gn_touch *t, double path) {

@@ -169,9 +169,10 @@ double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double sh
 
 static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *t,
                             const gn_hertz_press *p) {
-    if (!(t->inverse_mass > 0.0)) return 0.0;
-    double c = side->hertz.damping / sqrt(t->inverse_mass);
-    double lag = 0.25 * c * step->dt * t->inverse_mass, path = t->speed * step->dt;
+    const double inverse = gn_touch_damped(t);
+    if (!(inverse > 0.0)) return 0.0;
+    double c = side->hertz.damping / sqrt(inverse);
+    double lag = 0.25 * c * step->dt * inverse, path = t->speed * step->dt;
     double coefficient = gn_hertz_dashpot(c, lag, p->stiffness);
     if (gn_touch_crosses(t, path)) {
         double most = gn_hertz_dashpot(c, lag, kn_of(side) * sqrt(fabs(path)));

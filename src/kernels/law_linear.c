@@ -325,7 +325,8 @@ static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *t, 
 double gn_linear_press(const gn_touch_step *step, const gn_touch_side *side,
                        const gn_touch *touch) {
     double path = touch->speed * step->dt, kn = side->part * side->stiffness, cn = 0.0;
-    if (step->damping) cn = gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt);
+    if (step->damping)
+        cn = gn_dashpot(kn, gn_touch_damped(touch), step->damping_fraction, step->dt);
     gn_linear_crossing normal = touch_normal(kn, cn, touch, path, step->dt);
     return normal.normal + normal.share * cn * touch->speed;
 }
@@ -335,8 +336,9 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
                        gn_contact_sums *sums) {
     bool touching = touch->gap < -touch->rounding;
     double path = touch->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
-    double cn =
-        step->damping ? gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt) : 0.0;
+    double cn = step->damping
+                    ? gn_dashpot(kn, gn_touch_damped(touch), step->damping_fraction, step->dt)
+                    : 0.0;
     gn_linear_crossing normal = touch_normal(kn, cn, touch, path, step->dt);
     double total = normal.normal;
     if (step->damping) {

@@ -2,6 +2,7 @@
  * and what particles do to the nodes joins their forces as contacts with walls join those of
  * particles. */
 #include "base/memory.h"
+#include "sim/element_bodies.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -23,6 +24,22 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     q->solid.contacts = &k->rows;
     q->solid.contact_first = k->first;
     return GNEISS_OK;
+}
+
+/* m, mean over facets at the start: lengths, of triangles the side of a square cut in two. */
+static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
+    double sum = 0.0;
+    for (size_t k = 0; k < f->count; k++) {
+        const int32_t *corner = f->corner + (size_t)f->corners * k;
+        double side[2][3] = {{0}}, normal[3];
+        for (int c = 1; c < f->corners; c++)
+            for (int a = 0; a < 3; a++)
+                side[c - 1][a] = b->nodes.start[4 * (int64_t)corner[c] + a] -
+                                 b->nodes.start[4 * (int64_t)corner[0] + a];
+        gn_cross3(side[0], side[1], normal);
+        sum += sqrt(f->corners == 3 ? sqrt(gn_dot3(normal, normal)) : gn_dot3(side[0], side[0]));
+    }
+    return f->count ? sum / (double)f->count : 0.0;
 }
 
 static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error *error) {
@@ -48,7 +65,9 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     }
     GN_TRY(status);
     s.facets = (gn_facet_set){q->solid.dimension, count, q->contact.corner, q->solid.nodes.pos};
+    s.facet_size = facet_size(&q->solid, &s.facets);
     GN_TRY(make_rows(q, &s.facets, error));
+    GN_TRY(gn_element_bodies_find(q, error));
     GN_TRY(gn_boundary_add_surface(w, &s, error));
     q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
     return GNEISS_OK;
@@ -102,5 +121,7 @@ void gn_element_contact_free(gn_element_contact *k) {
     gn_soa_destroy(&gn_wall_contact_record, &k->rows);
     gn_free(k->first);
     gn_free(k->corner);
+    gn_free(k->body);
+    gn_free(k->bodies);
     *k = (gn_element_contact){0};
 }

@@ -17,6 +17,8 @@ typedef struct gn_element_contact {
     gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
     int32_t *first;        /* [nodes + 1] */
     double travel;         /* m, as gn_rigid.travel */
+    int32_t *body;         /* [nodes] of `bodies` */
+    struct gn_element_body *bodies;
 } gn_element_contact;
 
 /* A solid. */

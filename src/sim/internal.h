@@ -5,7 +5,7 @@
 #include "base/vec3.h"
 #include "io/packing.h"
 #include "sim/world.h"
-#include "surfaces/facet.h"
+#include "surfaces/patch.h"
 
 #include <math.h>
 
@@ -188,18 +188,22 @@ size_t gn_surface_presses(const gn_world *world, size_t begin, size_t end, const
 void gn_surfaces_sum(gn_world *world);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present
  * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
- * distance up to that far from the particle, each for itself. */
-enum { GN_SURFACE_CONTACTS = GN_FACET_TOUCHES };
+ * distance up to that far from the particle, each for itself, or of a patch the facets up to that
+ * far, with parts of the stiffness that add up to all of it. */
+enum { GN_SURFACE_CONTACTS = GN_PATCH_FACETS };
 typedef struct gn_surface_contact {
     const gn_surface *surface;
     size_t particle;
     gn_facet_contact contact;
-    int parts; /* of a surface whose vertices move by themselves */
+    bool patch; /* see gn_surface_patched */
+    int parts;  /* of a surface whose vertices move by themselves */
     int32_t vertex[3];
     double weight[3];
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
+/* That there is room for all facets that a particle presses at once (patch.h). */
+gneiss_status gn_surfaces_check_patches(const gn_world *world, gneiss_error *error);
 /* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
  * components do not. */
 double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);

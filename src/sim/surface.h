@@ -39,8 +39,16 @@ typedef struct gn_surface {
     struct gn_element_model *elements;
     int32_t first; /* place of its first facet among all facets */
     double stiffness, kratio, friction;
+    double facet_size; /* m, mean at the start, where vertices move by themselves; 0 */
     gn_facet_tree tree;
     size_t vertices;
 } gn_surface;
+
+/* Whether a particle of this radius is pressed by all of the surface that is in it (patch.h): one
+ * that is smaller touches facets at their nearest points, between which it hardly is at once. */
+static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
+    const double facets = 3.0;
+    return surface->body < 0 && radius > facets * surface->facet_size;
+}
 
 #endif

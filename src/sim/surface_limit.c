@@ -8,16 +8,17 @@
 #include <math.h>
 #include <string.h>
 
-/* The largest stiffness of one contact before the lists are made again. */
-static gn_law_spring law_spring(const gn_world *w, const gn_surface_contact *c) {
-    gn_touch_side side = gn_surface_side(w, c->surface, c->particle, 1.0);
-    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * c->particle + 3],
+/* The largest stiffness of one contact before the lists are made again; of a facet of a patch that
+ * of a part of it, with as much of the particle behind it. */
+static gn_law_spring law_spring(const gn_world *w, const gn_surface_contact *c, double part) {
+    gn_touch_side side = gn_surface_side(w, c->surface, c->particle, part);
+    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * c->particle + 3] / part,
                            gn_touch_reach(w, c->particle, fmax(-c->contact.overlap, 0.0)));
 }
 
 static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
-    gn_law_spring s = law_spring(w, c);
+    gn_law_spring s = law_spring(w, c, c->patch ? k->part : 1.0);
     /* Of a surface that yields the dashpot is weaker. */
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = s.kn, .kt = s.kt, .cn = s.cn};
     memcpy(e.n, k->n, sizeof e.n);
@@ -29,7 +30,7 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c,
     /* Contacts that share resist in every direction in which one of them does: with the normals M
      * by M f^-1 M^T, of which the largest eigenvalue never exceeded the sum of min(1, 2/crowd) over
      * 60 000 random sets of normals of all spreads. */
-    if (k->part < 1.0) {
+    if (!c->patch && k->part < 1.0) {
         e.kn *= fmin(1.0, 2.0 / k->crowd);
         e.kt += e.kn;
     }
@@ -43,6 +44,7 @@ gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_sprin
     *count = 0;
     if (!w->boundary.surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(w, error));
+    GN_TRY(gn_surfaces_check_patches(w, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
@@ -55,7 +57,8 @@ gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_sprin
         c = gn_surface_contacts_at(w, c, reach, found, &many);
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
-            (*springs)[(*count)++] = spring_of(w, &found[k], reach > 0.0 && many > 1 && k == 0);
+            (*springs)[(*count)++] =
+                spring_of(w, &found[k], reach > 0.0 && many > 1 && k == 0 && !found[k].patch);
     }
     return GNEISS_OK;
 }
@@ -179,7 +182,7 @@ static void add_rolling(const gn_world *w, const gn_surface_contact *c, double k
 static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
     const gn_rigid *b = &w->boundary.bodies[c->surface->body];
     const double *x = w->dem.particles.pos + 4 * c->particle;
-    gn_law_spring s = law_spring(w, c);
+    gn_law_spring s = law_spring(w, c, 1.0);
     double k = fmax(s.kn, s.kt), at[3], row[6];
     double mass = 1.0 / w->dem.particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
@@ -299,12 +302,73 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
         add_contact(w, c, &sums->body);
         return;
     }
-    gn_law_spring s = law_spring(w, c);
+    gn_law_spring s = law_spring(w, c, 1.0);
     double k = fmax(s.kn, s.kt), damp = s.cn;
     for (int v = 0; v < c->parts; v++) {
         sums->stiff[c->vertex[v]] += k * c->weight[v];
         sums->damp[c->vertex[v]] += damp * c->weight[v];
     }
+}
+
+/* Whether a facet of those before has a vertex. */
+static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t vertex) {
+    for (size_t k = 0; k < count; k++)
+        for (int v = 0; v < found[k].parts; v++)
+            if (found[k].vertex[v] == vertex) return true;
+    return false;
+}
+
+/* What of a patch acts on a vertex: the sum of shape functions, by parts, over facets. */
+static double part_on(const gn_surface_contact *found, size_t count, int32_t vertex) {
+    double sum = 0.0;
+    for (size_t k = 0; k < count; k++)
+        for (int v = 0; v < found[k].parts; v++)
+            if (found[k].vertex[v] == vertex) sum += found[k].contact.part * found[k].weight[v];
+    return sum;
+}
+
+/* The facet that is nearest to the particle, and its shape functions there. */
+static size_t find_nearest(const gn_world *w, const gn_surface_contact *found, size_t count,
+                           gn_facet_near *nearest) {
+    const gn_facet_set *f = &found->surface->facets;
+    size_t which = 0;
+    nearest->distance = INFINITY;
+    for (size_t k = 0; k < count; k++) {
+        const double *x[3] = {0};
+        gn_facet_near near;
+        for (int v = 0; v < f->corners; v++) x[v] = f->pos + 4 * (int64_t)found[k].vertex[v];
+        gn_facet_nearest(f->corners, x, w->dem.particles.pos + 4 * found->particle, &near);
+        if (!(near.distance < nearest->distance)) continue;
+        *nearest = near;
+        which = k;
+    }
+    return which;
+}
+
+/* A patch is at a point when it begins, the nearest; when it has grown, a stiffness belongs to its
+ * rim, which is twice as much on a vertex as over the area at most. */
+static void add_patch(const gn_world *w, const gn_surface_contact *found, size_t count,
+                      rate_sums *sums) {
+    const gn_law_spring s = law_spring(w, found, 1.0);
+    gn_facet_near nearest;
+    const gn_surface_contact *first = found + find_nearest(w, found, count, &nearest);
+    for (size_t k = 0; k < count; k++)
+        for (int v = 0; v < found[k].parts; v++) {
+            const int32_t vertex = found[k].vertex[v];
+            if (has_vertex(found, k, vertex)) continue;
+            double part = fmin(1.0, 2.0 * part_on(found + k, count - k, vertex));
+            for (int c = 0; c < first->parts; c++)
+                if (first->vertex[c] == vertex) part = fmax(part, nearest.weight[c]);
+            sums->stiff[vertex] += part * fmax(s.kn, s.kt);
+            sums->damp[vertex] += part * s.cn;
+        }
+}
+
+/* Whether every component of a vertex is prescribed. */
+static bool is_held(const gn_surface *s, size_t vertex) {
+    const int32_t slot = s->prescribed->count ? s->slot[vertex] : -1;
+    const unsigned all = (1U << s->facets.corners) - 1U;
+    return slot >= 0 && (s->prescribed->mask[slot] & all) == all;
 }
 
 /* Vertices: the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it, and
@@ -315,6 +379,7 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
         return rate_of(largest(sums->body.stiff) + sums->pairs,
                        largest(sums->body.damp) + sums->walls);
     for (size_t v = 0; v < s->vertices; v++) {
+        if (is_held(s, v)) continue;
         double inverse = s->velocity[4 * v + 3];
         most = fmax(most, rate_of(sums->stiff[v] * inverse, sums->damp[v] * inverse));
     }
@@ -339,7 +404,10 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
             continue;
         }
         c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
-        for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
+        if (many && found[0].patch)
+            add_patch(w, found, many, &sums);
+        else
+            for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
     }
     if (s->body >= 0) {
         sums.walls = add_walls(w, s->body, &sums.body);

@@ -1,95 +1,14 @@
 /* Contacts of particles with surfaces, worked on particle by particle. */
 #include "base/memory.h"
-#include "sim/internal.h"
+#include "sim/element_bodies.h"
+#include "sim/surface_contacts.h"
 #include "sim/touch.h"
-#include "surfaces/facet.h"
 
 #include <math.h>
 #include <string.h>
 
 static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
     return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
-}
-
-/* --- history --- */
-
-/* A contact of the last step. */
-typedef struct memory {
-    size_t row;
-    double n[3], fd, closeness;
-    double part;              /* of the stiffness that it had */
-    double shear[3], roll[3]; /* where the contacts have them */
-    bool taken;
-} memory;
-
-/* Rows hold the normal times the part; one of a contact that shared nothing is left as it is. */
-static void split_normal(memory *m, double size) {
-    m->part = 1.0;
-    if (fabs(size - 1.0) < 1e-12) return;
-    m->part = size;
-    for (int a = 0; a < 3; a++) m->n[a] /= size;
-}
-
-static void take_columns(double *column, size_t stride, double out[3]) {
-    for (size_t a = 0; a < 3; a++) {
-        out[a] = column[a * stride];
-        column[a * stride] = 0.0;
-    }
-}
-
-/* Takes the histories out of the rows and empties them. `old` has room for one more than
- * GN_FACET_TOUCHES, where what is beyond them goes. */
-static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
-    size_t count = 0, stride = q->soa.capacity;
-    for (size_t c = begin; c < end; c++) {
-        memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
-        double *n = q->normal + c, x = n[0], y = n[stride], z = n[2 * stride];
-        if (x == 0.0 && y == 0.0 && z == 0.0) continue;
-        memory *m = &old[count < GN_FACET_TOUCHES ? count++ : GN_FACET_TOUCHES];
-        m->row = c;
-        m->taken = false;
-        take_columns(n, stride, m->n);
-        split_normal(m, sqrt(x * x + y * y + z * z));
-        if (q->shear) take_columns(q->shear + c, stride, m->shear);
-        if (q->roll) take_columns(q->roll + c, stride, m->roll);
-        m->fd = q->fd ? q->fd[c] : 0.0;
-        if (q->fd) q->fd[c] = 0.0;
-        m->closeness = q->closeness ? q->closeness[c] : 0.0;
-        if (q->closeness) q->closeness[c] = 0.0;
-    }
-    return count;
-}
-
-/* Which contact of the last step a contact goes on from: the pairs whose normals agree best, one
- * after the other. -1: none within 60 degrees. */
-static void match(const gn_facet_contact *now, size_t contacts, memory *old, size_t count,
-                  int *from) {
-    for (size_t k = 0; k < contacts; k++) from[k] = -1;
-    for (;;) {
-        double best = 0.5;
-        size_t contact = 0;
-        int which = -1;
-        for (size_t k = 0; k < contacts; k++)
-            for (size_t m = 0; from[k] < 0 && m < count; m++) {
-                double cosine = gn_dot3(now[k].n, old[m].n);
-                if (old[m].taken || !(cosine > best)) continue;
-                best = cosine;
-                contact = k;
-                which = (int)m;
-            }
-        if (which < 0) return;
-        from[contact] = which;
-        old[which].taken = true;
-    }
-}
-
-/* Turns a force with the normal: the shortest rotation from one unit vector to the other. */
-static void follow_normal(const double from[3], const double to[3], double force[3]) {
-    double axis[3], once[3], twice[3], c = gn_dot3(from, to);
-    gn_cross3(from, to, axis);
-    gn_cross3(axis, force, once);
-    gn_cross3(axis, once, twice);
-    for (int a = 0; a < 3; a++) force[a] += once[a] + twice[a] / (1.0 + c);
 }
 
 /* --- contacts --- */
@@ -177,6 +96,40 @@ static size_t minima_within(const group *g, double reach, gn_facet_near *minima)
     return count;
 }
 
+/* Facets of a surface that deforms of which a part is within `radius` of the centre, in the order
+ * of the rows. */
+static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_near *near,
+                           gn_facet_contact *contacts) {
+    const gn_facet_set *f = &g->s->facets;
+    const double *centre = g->w->dem.particles.pos + 4 * g->particle;
+    gn_patch_facet facet[GN_PATCH_FACETS];
+    size_t count = 0;
+    for (size_t c = g->begin; c < g->end && count < GN_PATCH_FACETS; c++) {
+        const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, c);
+        const double *x[3] = {0};
+        near[count] = (gn_facet_near){.corner = {-1, -1, -1}, .row = c};
+        for (int k = 0; k < f->corners; k++) {
+            near[count].corner[k] = corner[k];
+            x[k] = f->pos + 4 * (int64_t)corner[k];
+        }
+        count += gn_patch_press(f->corners, x, centre, radius, &near[count], &facet[count]);
+    }
+    gn_patch_contacts(near, facet, count, hertz, contacts);
+    return count;
+}
+
+static bool is_patch(const group *g) {
+    return gn_surface_patched(g->s, g->w->dem.particles.pos[4 * g->particle + 3]);
+}
+
+/* Contacts that press now, and where they are. */
+static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    if (is_patch(g)) return patch_within(g, radius, g->w->effects & GN_FX_HERTZ, near, contacts);
+    const size_t count = minima_within(g, radius, near);
+    return gn_facet_contacts(near, count, radius, contacts);
+}
+
 /* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
 static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
     double at[3], turn[3];
@@ -232,6 +185,17 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     return inverse;
 }
 
+/* 1/kg of a particle and of the body of finite elements that it hits, both as wholes, for the
+ * dashpot: single nodes would let a heavy particle rebound undamped. 0: none of them gives way, or
+ * the surface is rigid. A particle that is driven counts with its own mass, beyond which the step
+ * limit knows of no dashpot. */
+static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
+    if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
+    double own = gn_inverse_mass_along(g->w, g->particle, s->n);
+    double whole = gn_element_body_inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
+    return fmax(own + whole, g->w->dem.particles.vel[4 * g->particle + 3]);
+}
+
 /* Relative motion at a contact whose normal, overlap and arm are known. */
 static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                          const double arm[3]) {
@@ -242,6 +206,8 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     memcpy(s.n, k->n, sizeof s.n);
     s.inverse_mass =
         gn_inverse_mass_along(g->w, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
+    if (g->w->effects & GN_FX_CONTACT_DAMPING)
+        s.whole = inverse_mass_as_wholes(g, &minima[k->member], &s);
     if (spin) {
         gn_cross3(spin, arm, turn);
         s.twist = gn_dot3(spin, s.n);
@@ -262,9 +228,16 @@ static void take_roll(const group *g, double *roll, double *couple, gn_touch *s)
     s->couple = couple;
 }
 
+/* Of the mass behind a contact, so that the dashpots of those that share add up to one: of a patch
+ * by what they bear, whatever their stiffnesses add up to. */
+static double mass_share(const group *g, const gn_facet_contact *k) {
+    return is_patch(g) ? k->part / (k->crowd * k->crowd) : k->part;
+}
+
 /* One contact: force and history into its row. */
 static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
-                    const gn_facet_contact *k, const memory *before, gn_contact_sums *sums) {
+                    const gn_facet_contact *k, const gn_touch_memory *before,
+                    gn_contact_sums *sums) {
     size_t stride = q->soa.capacity, own = minima[k->member].row;
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
@@ -274,11 +247,11 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     double old[3] = {0, 0, 0}, roll[3] = {0, 0, 0}, couple[3] = {0, 0, 0};
     if (before && q->shear) {
         memcpy(old, before->shear, sizeof old);
-        follow_normal(before->n, k->n, old);
+        gn_touch_follow(before->n, k->n, old);
     }
     if (before && q->roll) {
         memcpy(roll, before->roll, sizeof roll);
-        follow_normal(before->n, k->n, roll);
+        gn_touch_follow(before->n, k->n, roll);
     }
     gn_touch s = touch_of(g, minima, k, arm);
     /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
@@ -289,6 +262,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         s.closeness = q->closeness + own;
     }
     s.inverse_mass /= k->part;
+    s.whole /= mass_share(g, k);
     if (q->roll) take_roll(g, roll, couple, &s);
     double total =
         gn_touch_force(g->w, &law, own, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
@@ -297,7 +271,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         q->row[8 * own + a] = force[a];
         q->touch[own + a * stride] = x[a] + arm[a];
     }
-    /* Along one facet's normal the spring has no lever. */
+    /* Along one facet's normal, and to one point of many, the spring has no lever. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {
@@ -312,7 +286,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
 
 /* Where a particle that let go of the surface is nearest to it now, in the direction of the contact
  * that it had; false: nowhere within half its radius. */
-static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
+static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near *near) {
     gn_facet_near minima[GN_FACET_TOUCHES];
     size_t count = minima_within(g, 1.5 * g->w->dem.particles.pos[4 * g->particle + 3], minima);
     double best = 0.5;
@@ -328,7 +302,8 @@ static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
 /* A contact that opened in this step: its spring across and its dashpot let go, and what the last
  * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
  * open. */
-static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_contact_sums *sums) {
+static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m,
+                         gn_contact_sums *sums) {
     double t[3];
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     gn_facet_near near;
@@ -349,6 +324,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     double couple[3];
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
+    s.whole /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
     double total = gn_touch_force(g->w, &law, m->row, &s, q->fd ? &m->fd : NULL,
                                   q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
@@ -376,22 +352,48 @@ static group group_at(const gn_world *w, size_t begin, size_t end) {
     return (group){w, s, body_of(w, s), (size_t)q->i[begin], begin, past};
 }
 
+/* Contacts of a particle that presses all that is within reach, each with its part of k, which add
+ * up to k at least. Of more facets than there is room for the nearest are enough for a bound. */
+static size_t patch_near(const group *g, double skin, gn_facet_near *near,
+                         gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    double reach = skin, sum = 0.0;
+    size_t count = patch_within(g, radius + reach, false, near, contacts);
+    for (int k = 0; k < 20 && count == GN_PATCH_FACETS; k++) {
+        reach *= 0.5;
+        count = patch_within(g, radius + reach, false, near, contacts);
+    }
+    for (size_t k = 0; k < count; k++) sum += contacts[k].part;
+    for (size_t k = 0; k < count; k++) {
+        contacts[k].overlap += reach;
+        if (sum < 1.0) contacts[k].part /= sum;
+    }
+    return count;
+}
+
+/* Minima up to `skin` from the particle, each for itself. */
+static size_t singles_near(const group *g, double skin, gn_facet_near *near,
+                           gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    if (is_patch(g)) return patch_near(g, skin, near, contacts);
+    const size_t count = minima_within(g, radius + skin, near);
+    for (size_t k = 0; k < count; k++) gn_facet_single(near, k, radius, &contacts[k]);
+    return count;
+}
+
 size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count) {
     group g = group_at(w, begin, w->boundary.contacts.soa.count);
-    gn_facet_near minima[GN_FACET_TOUCHES];
-    gn_facet_contact now[GN_FACET_TOUCHES];
-    double r = w->dem.particles.pos[4 * g.particle + 3];
-    size_t near = minima_within(&g, r + skin, minima);
-    *count = skin > 0.0 ? near : gn_facet_contacts(minima, near, r, now);
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
+    *count = skin > 0.0 ? singles_near(&g, skin, near, now) : contacts_of(&g, near, now);
     for (size_t k = 0; k < *count; k++) {
         vertex_part part[3];
         gn_surface_contact *out = &contacts[k];
-        *out = (gn_surface_contact){.surface = g.s, .particle = g.particle};
-        if (skin > 0.0) gn_facet_single(minima, k, r, &now[k]);
-        out->contact = now[k];
+        *out = (gn_surface_contact){
+            .surface = g.s, .particle = g.particle, .contact = now[k], .patch = is_patch(&g)};
         if (g.body) continue;
-        out->parts = vertex_parts(&minima[now[k].member], part);
+        out->parts = vertex_parts(&near[now[k].member], part);
         for (int v = 0; v < out->parts; v++) {
             out->vertex[v] = part[v].vertex;
             out->weight[v] = part[v].weight;
@@ -400,21 +402,51 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
     return g.end;
 }
 
+gneiss_status gn_surfaces_check_patches(const gn_world *w, gneiss_error *error) {
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    for (size_t c = 0; c < w->boundary.contacts.soa.count;) {
+        size_t count = 0;
+        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, 0.0, found, &count);
+        if (count < GN_PATCH_FACETS) continue;
+        return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                       "particle %d: expected fewer than %d facets of the elements in it at once, "
+                       "found more (larger elements, or stiffer contacts)",
+                       (int)w->dem.particles.id[found->particle], GN_PATCH_FACETS);
+    }
+    return GNEISS_OK;
+}
+
+/* As contacts that open and close, but with what they keep handed on from facet to facet. */
+static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet_near *near,
+                          const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                          size_t remembered, gn_contact_sums *sums) {
+    gn_touch_memory before[GN_PATCH_FACETS], opened;
+    gn_touch_hand_over(now, contacts, old, remembered, before);
+    for (size_t k = 0; k < contacts; k++) contact(g, rows, near, &now[k], &before[k], sums);
+    while (gn_touch_gather(old, remembered, &opened)) open_contact(g, rows, &opened, sums);
+}
+
 size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
     gn_wall_contacts *rows = &w->boundary.contacts;
     group g = group_at(w, begin, end);
-    double r = w->dem.particles.pos[4 * g.particle + 3];
-    memory old[GN_FACET_TOUCHES + 1];
-    gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t remembered = recall(rows, begin, g.end, old);
-    size_t count = minima_within(&g, r, minima);
-    if (!remembered && !count) return g.end;
-    gn_facet_contact now[GN_FACET_TOUCHES];
+    gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
+    size_t remembered = gn_touch_recall(rows, begin, g.end, old);
+    size_t contacts = contacts_of(&g, near, now);
+    if (!remembered && !contacts) return g.end;
+    if (is_patch(&g)) {
+        work_on_patch(&g, rows, near, now, contacts, old, remembered, sums);
+        return g.end;
+    }
     int from[GN_FACET_TOUCHES];
-    size_t contacts = gn_facet_contacts(minima, count, r, now);
-    match(now, contacts, old, remembered, from);
+    gn_touch_match(now, contacts, old, remembered, from);
     for (size_t k = 0; k < contacts; k++)
-        contact(&g, rows, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
+        contact(&g, rows, near, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
     for (size_t m = 0; m < remembered; m++)
         if (!old[m].taken) open_contact(&g, rows, &old[m], sums);
     return g.end;
@@ -423,17 +455,16 @@ size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contac
 size_t gn_surface_presses(const gn_world *w, size_t begin, size_t end, const double *but,
                           double force[3]) {
     group g = group_at(w, begin, end);
-    gn_facet_near minima[GN_FACET_TOUCHES];
-    gn_facet_contact now[GN_FACET_TOUCHES];
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
     const gn_touch_step step = gn_touch_step_of(w);
-    double r = w->dem.particles.pos[4 * g.particle + 3];
-    size_t count = minima_within(&g, r, minima);
-    count = gn_facet_contacts(minima, count, r, now);
+    const size_t count = contacts_of(&g, near, now);
     for (size_t k = 0; k < count; k++) {
         if (but && gn_dot3(but, now[k].n) > cos(GN_FACET_SHARE)) continue;
-        gn_touch s = touch_of(&g, minima, &now[k], now[k].arm);
+        gn_touch s = touch_of(&g, near, &now[k], now[k].arm);
         const gn_touch_side law = gn_surface_side(w, g.s, g.particle, now[k].part);
         s.inverse_mass /= now[k].part;
+        s.whole /= mass_share(&g, &now[k]);
         double total = gn_linear_press(&step, &law, &s);
         for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
     }

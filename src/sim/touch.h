@@ -50,14 +50,22 @@ static inline gn_touch_side gn_surface_side(const gn_world *w, const gn_surface 
     size_t bodies = w->scene.body_count;
     size_t place = w->scene.wall_count + (surface->body >= 0 ? (size_t)surface->body : bodies);
     const int32_t material = w->dem.particles.material[particle];
-    return (gn_touch_side){.stiffness = surface->stiffness,
-                           .kratio = surface->kratio,
-                           .friction = surface->friction,
-                           .part = part,
-                           .radius = w->dem.particles.pos[4 * particle + 3],
-                           .hertz = gn_touch_hertz(w, place, material),
-                           .rolling = gn_touch_rolling(w, place, material, false),
-                           .twisting = gn_touch_rolling(w, place, material, true)};
+    const double radius = w->dem.particles.pos[4 * particle + 3];
+    gn_touch_side side = {.stiffness = surface->stiffness,
+                          .kratio = surface->kratio,
+                          .friction = surface->friction,
+                          .part = part,
+                          .radius = radius,
+                          .hertz = gn_touch_hertz(w, place, material),
+                          .rolling = gn_touch_rolling(w, place, material, false),
+                          .twisting = gn_touch_rolling(w, place, material, true)};
+    if (!gn_surface_patched(surface, radius)) return side;
+    /* Facets of a patch add up across as well. */
+    side.part = 1.0;
+    side.stiffness *= part;
+    side.hertz.modulus *= part;
+    side.hertz.shear_modulus *= part;
+    return side;
 }
 
 /* m: how far a particle may be pressed into a wall or surface before the lists are made again, from

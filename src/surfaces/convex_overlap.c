@@ -249,6 +249,26 @@ static double depth_of(const work *w, const double plane[4], const double x[3]) 
     return plane[3] - gn_dot3(plane, w->origin) - gn_dot3(plane, x);
 }
 
+/* The second moment of a triangle of spots, weighed by depth: of the third order, so that corners
+ * and the middle count as well (exact up to there). With the middles of sides alone it depended on
+ * how faces are cut into triangles. */
+static void add_second(const work *w, const double plane[4], const spot spots[3], double sum[9]) {
+    double x[7][3];
+    for (int a = 0; a < 3; a++) {
+        const double all = spots[0].x[a] + spots[1].x[a] + spots[2].x[a];
+        for (int m = 0; m < 3; m++) {
+            x[m][a] = spots[m].x[a];
+            x[3 + m][a] = all - 2.0 * spots[m].x[a];
+        }
+        x[6][a] = all / 3.0;
+    }
+    for (int m = 0; m < 7; m++) {
+        const double weight = m < 3 ? 2.0 / 15.0 : m < 6 ? 1.0 / 20.0 : 9.0 / 20.0;
+        const double part = 3.0 * weight * spots[0].area * depth_of(w, plane, x[m]);
+        for (int a = 0; a < 9; a++) sum[a] += part * x[m][a / 3] * x[m][a % 3];
+    }
+}
+
 /* A part of such a face, of which plane `p` of the other body is the nearest. */
 static void add_part(const work *w, int mine, const face *f, const double *point, size_t count,
                      size_t p, sums *s) {
@@ -264,8 +284,8 @@ static void add_part(const work *w, int mine, const face *f, const double *point
             add_swept(s->by_whole, n, x, sign * part);
             s->weight += part;
             for (int a = 0; a < 3; a++) s->first[a] += part * x[a];
-            for (int a = 0; a < 9; a++) s->second[a] += part * x[a / 3] * x[a % 3];
         }
+        add_second(w, q, spots, s->second);
     }
 }
 

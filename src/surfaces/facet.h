@@ -44,7 +44,8 @@ typedef struct gn_facet_contact {
     double overlap; /* m, negative */
     double arm[3];  /* m, from the centre to the point of contact, on the surface */
     double part;  /* of the surface's stiffness that it has: lambda/d, 1 where nothing is shared */
-    double crowd; /* sum of f over all that press, its own 1 included */
+    double crowd; /* sum of f over all that press, its own 1 included; of a patch (patch.h) the sum
+                     of parts, 1 at least */
     int member;   /* place among the minima */
 } gn_facet_contact;
 

@@ -1,0 +1,258 @@
+#include "surfaces/patch.h"
+
+#include "base/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* --- in space --- */
+
+/* Integrals over the part of a triangle that is in the particle, in its plane with the foot of the
+ * centre as origin. */
+typedef struct integrals {
+    double angle;     /* solid angle, int y/s^3 dA */
+    double across[2]; /* int x/s^3 dA */
+    double inverse;   /* m, int dA/s */
+    double area;      /* m2 */
+} integrals;
+
+typedef struct disc {
+    double radius, y, circle; /* m: of the particle, of the plane from the centre, of the cut */
+} disc;
+
+/* An arc of the circle, from the direction of a to that of b, negative backwards. */
+static void add_arc(const disc *d, const double a[2], const double b[2], integrals *sum) {
+    const double size_a = hypot(a[0], a[1]), size_b = hypot(b[0], b[1]);
+    const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    if (!(size_a > 0.0) || !(size_b > 0.0)) return;
+    sum->angle += turn * (1.0 - d->y / d->radius);
+    sum->inverse += turn * (d->radius - d->y);
+    sum->area += 0.5 * turn * d->circle * d->circle;
+    sum->across[0] -= d->circle / d->radius * (b[1] / size_b - a[1] / size_a);
+    sum->across[1] += d->circle / d->radius * (b[0] / size_b - a[0] / size_a);
+}
+
+/* A straight piece of the boundary, with what lies between it and the foot. */
+static void add_piece(const disc *d, const double a[2], const double b[2], integrals *sum) {
+    const double side[2] = {b[0] - a[0], b[1] - a[1]}, length = hypot(side[0], side[1]);
+    if (!(length > 0.0)) return;
+    const double along[2] = {side[0] / length, side[1] / length};
+    const double q = a[0] * along[1] - a[1] * along[0], off = hypot(q, d->y);
+    const double t[2] = {a[0] * along[0] + a[1] * along[1], b[0] * along[0] + b[1] * along[1]};
+    const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    double lean = 0.0;
+    for (int k = 0; k < 2 && q != 0.0; k++)
+        lean += (k ? 1.0 : -1.0) * atan(t[k] * d->y / (q * hypot(off, t[k])));
+    const double reach = asinh(t[1] / off) - asinh(t[0] / off);
+    sum->angle += turn - lean;
+    sum->inverse += q * reach + d->y * (lean - turn);
+    sum->area += 0.5 * q * length;
+    sum->across[0] -= along[1] * reach;
+    sum->across[1] += along[0] * reach;
+}
+
+/* The side from p to q of a triangle, cut where it leaves the circle. */
+static void add_side(const disc *d, const double p[2], const double q[2], integrals *sum) {
+    const double side[2] = {q[0] - p[0], q[1] - p[1]};
+    const double length2 = side[0] * side[0] + side[1] * side[1];
+    const double half = p[0] * side[0] + p[1] * side[1];
+    const double inside = d->circle * d->circle - p[0] * p[0] - p[1] * p[1];
+    const double root2 = half * half + length2 * inside;
+    if (!(length2 > 0.0)) return;
+    double begin = 1.0, end = 0.0;
+    if (root2 > 0.0) {
+        begin = fmax(0.0, (-half - sqrt(root2)) / length2);
+        end = fmin(1.0, (-half + sqrt(root2)) / length2);
+    }
+    if (!(begin < end)) {
+        add_arc(d, p, q, sum);
+        return;
+    }
+    const double a[2] = {p[0] + begin * side[0], p[1] + begin * side[1]};
+    const double b[2] = {end < 1.0 ? p[0] + end * side[0] : q[0],
+                         end < 1.0 ? p[1] + end * side[1] : q[1]};
+    if (begin > 0.0) add_arc(d, p, a, sum);
+    add_piece(d, a, b, sum);
+    if (end < 1.0) add_arc(d, b, q, sum);
+}
+
+/* Two unit vectors across a unit vector, by which a third turns into right-handed ones. */
+static void find_across(const double n[3], double first[3], double second[3]) {
+    int least = 0;
+    double unit[3] = {0.0, 0.0, 0.0};
+    for (int k = 1; k < 3; k++)
+        if (fabs(n[k]) < fabs(n[least])) least = k;
+    unit[least] = 1.0;
+    gn_cross3(n, unit, first);
+    const double size = sqrt(gn_dot3(first, first));
+    for (int k = 0; k < 3; k++) first[k] /= size;
+    gn_cross3(n, first, second);
+}
+
+/* Barycentric coordinates of a point of the plane, relative to the centre as the corners are. */
+static void weigh_corners(double x[3][3], const double normal[3], double area2,
+                          gn_facet_near *near) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double a[3], b[3], part[3];
+        for (int k = 0; k < 3; k++) {
+            a[k] = x[(c + 1) % 3][k] - near->away[k];
+            b[k] = x[(c + 2) % 3][k] - near->away[k];
+        }
+        gn_cross3(a, b, part);
+        near->weight[c] = fmax(0.0, gn_dot3(part, normal) / area2);
+        sum += near->weight[c];
+    }
+    for (int c = 0; c < 3; c++) near->weight[c] /= sum;
+    for (int k = 0; k < 3; k++) {
+        near->away[k] = 0.0;
+        for (int c = 0; c < 3; c++) near->away[k] += near->weight[c] * x[c][k];
+    }
+}
+
+/* Whether a triangle is farther from the foot than the circle, for sure. */
+static bool is_far(double corner[3][2], double circle) {
+    double middle[2] = {0.0, 0.0}, reach = 0.0;
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 2; k++) middle[k] += corner[c][k] / 3.0;
+    for (int c = 0; c < 3; c++)
+        reach = fmax(reach, hypot(corner[c][0] - middle[0], corner[c][1] - middle[1]));
+    return hypot(middle[0], middle[1]) > circle + reach;
+}
+
+static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
+                           gn_patch_facet *facet) {
+    double e[2][3], normal[3], n[3], first[3], second[3], corner[3][2];
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = x[1][k] - x[0][k];
+        e[1][k] = x[2][k] - x[0][k];
+    }
+    gn_cross3(e[0], e[1], normal);
+    const double area2 = gn_dot3(normal, normal), size = sqrt(area2);
+    if (!(size > 0.0)) return false;
+    const double away = gn_dot3(x[0], normal) / size, sign = away < 0.0 ? -1.0 : 1.0;
+    const disc d = {radius, fmax(fabs(away), 1e-12 * radius),
+                    sqrt(fmax(0.0, radius * radius - away * away))};
+    if (!(d.circle > 0.0)) return false;
+    for (int k = 0; k < 3; k++) n[k] = sign * normal[k] / size;
+    find_across(n, first, second);
+    for (int c = 0; c < 3; c++) {
+        corner[c][0] = gn_dot3(x[c], first);
+        corner[c][1] = gn_dot3(x[c], second);
+    }
+    if (is_far(corner, d.circle)) return false;
+    /* Counter-clockwise about n: backwards where the facet looks the other way. */
+    integrals sum = {0};
+    for (int c = 0; c < 3; c++) {
+        const int from = sign > 0.0 ? c : (c + 1) % 3, to = sign > 0.0 ? (c + 1) % 3 : c;
+        add_side(&d, corner[from], corner[to], &sum);
+    }
+    if (!(sum.angle > 0.0) || !(sum.area > 0.0)) return false;
+    for (int k = 0; k < 3; k++)
+        near->away[k] =
+            d.y * (n[k] + (sum.across[0] * first[k] + sum.across[1] * second[k]) / sum.angle);
+    weigh_corners(x, normal, area2, near);
+    facet->force = radius / (2.0 * pi) *
+                   sqrt(sum.angle * sum.angle +
+                        gn_dot3(sum.across, (double[3]){sum.across[0], sum.across[1], 0.0}));
+    facet->potential = fmax(0.0, (radius * sum.inverse - sum.area) / (2.0 * pi));
+    return facet->force > 0.0;
+}
+
+/* --- in the plane --- */
+
+/* Antiderivatives along a line at the distance y, at the place t from the foot. */
+static void add_end(double radius, double y, double t, double sign, double force[2],
+                    double *potential) {
+    const double half2 = radius * radius - y * y, v = sqrt(fmax(0.0, half2 - t * t));
+    const double turn = atan2(t, v); /* as rounded as v, so that both cancel where v is small */
+    const double normal = radius * atan2(t * radius, y * v) - y * turn;
+    const double depth = radius * atanh(v / radius) - v; /* pi G */
+    force[0] += sign * normal / pi;
+    force[1] += sign * (v - radius * atanh(v / radius)) / pi;
+    *potential += sign * (t * depth + 0.5 * (t * v + half2 * turn) - y * normal) / pi;
+}
+
+static bool press_segment(double x[3][3], double radius, gn_facet_near *near,
+                          gn_patch_facet *facet) {
+    double along[3], n[3], force[2] = {0.0, 0.0};
+    for (int k = 0; k < 3; k++) along[k] = x[1][k] - x[0][k];
+    const double length = sqrt(gn_dot3(along, along));
+    if (!(length > 0.0)) return false;
+    for (int k = 0; k < 3; k++) along[k] /= length;
+    const double place = gn_dot3(x[0], along);
+    for (int k = 0; k < 3; k++) n[k] = x[0][k] - place * along[k];
+    const double y = fmax(sqrt(gn_dot3(n, n)), 1e-12 * radius);
+    if (!(y < radius)) return false;
+    const double half = sqrt(radius * radius - y * y);
+    const double begin = fmax(-half, place), end = fmin(half, place + length);
+    if (!(begin < end)) return false;
+    facet->potential = 0.0;
+    add_end(radius, y, end, 1.0, force, &facet->potential);
+    add_end(radius, y, begin, -1.0, force, &facet->potential);
+    if (!(force[0] > 0.0)) return false;
+    const double at = fmax(begin, fmin(end, y * force[1] / force[0]));
+    near->weight[1] = (at - place) / length;
+    near->weight[0] = 1.0 - near->weight[1];
+    near->weight[2] = 0.0;
+    for (int k = 0; k < 3; k++)
+        near->away[k] = near->weight[0] * x[0][k] + near->weight[1] * x[1][k];
+    facet->force = hypot(force[0], force[1]);
+    facet->potential = fmax(0.0, facet->potential);
+    return facet->force > 0.0;
+}
+
+/* --- all of them --- */
+
+bool gn_patch_press(int corners, const double *const x[3], const double centre[3], double radius,
+                    gn_facet_near *near, gn_patch_facet *facet) {
+    double relative[3][3] = {{0.0}};
+    for (int c = 0; c < corners; c++)
+        for (int k = 0; k < 3; k++) relative[c][k] = x[c][k] - centre[k];
+    const bool inside = corners == 3 ? press_triangle(relative, radius, near, facet)
+                                     : press_segment(relative, radius, near, facet);
+    if (!inside) return false;
+    near->distance = sqrt(gn_dot3(near->away, near->away));
+    near->feature = corners == 3 ? 7U : 3U;
+    memset(near->along, 0, sizeof near->along);
+    return near->distance > 0.0;
+}
+
+double gn_patch_share(double cosine) {
+    static const double none = 0.5;
+    const double x = (cosine - none) / (cos(GN_FACET_SHARE) - none);
+    if (x >= 1.0) return 1.0;
+    return x > 0.0 ? x * x * (3.0 - 2.0 * x) : 0.0;
+}
+
+/* With forces V and potentials U over k, of all that belong together, the overlap is D = 2 U/V, so
+ * that parts V_i/D of the stiffness have both. By Hertz's law the potential goes with the power 5/4
+ * of U: the forces are (2 U)^(1/4) of those of the linear one. Where the surface has taken the
+ * shape of the particle, V is more than D. */
+void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
+                       bool hertz, gn_facet_contact *contacts) {
+    const double least = 1e-9; /* of the radius: there U is rounding of coordinates */
+    for (size_t i = 0; i < count; i++) {
+        gn_facet_contact *out = &contacts[i];
+        *out = (gn_facet_contact){.member = (int)i};
+        for (int k = 0; k < 3; k++) {
+            out->arm[k] = near[i].away[k];
+            out->n[k] = near[i].away[k] / near[i].distance;
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        double force = 0.0, potential = 0.0;
+        for (size_t j = 0; j < count; j++) {
+            const double share = gn_patch_share(gn_dot3(contacts[i].n, contacts[j].n));
+            force += share * facet[j].force;
+            potential += share * facet[j].potential;
+        }
+        const double overlap = fmax(2.0 * potential / force, least * near[i].distance);
+        contacts[i].overlap = -overlap;
+        contacts[i].part = facet[i].force / overlap;
+        contacts[i].crowd = fmax(1.0, force / overlap);
+        if (hertz) contacts[i].part *= sqrt(sqrt(2.0 * potential) / overlap);
+    }
+}

@@ -1,0 +1,155 @@
+/* Pressure over a surface that deforms: a plane as one contact, and a potential. */
+#include "surface_helpers.h"
+
+#include "surfaces/patch.h"
+
+enum { CELLS = 12, CORNERS = CELLS + 1 };
+
+/* A square (2D: line) of side 2 m about the origin, cut at random; heights up to `rough`. */
+typedef struct sheet {
+    int corners;
+    size_t facets;
+    double vertex[CORNERS * CORNERS][3];
+    int facet[2 * CELLS * CELLS][3];
+} sheet;
+
+static void make_sheet(int corners, double rough, uint64_t seed, sheet *s) {
+    const double h = 2.0 / CELLS;
+    uint64_t at = seed;
+    s->corners = corners;
+    s->facets = 0;
+    for (int j = 0; j < (corners == 3 ? CORNERS : 1); j++)
+        for (int i = 0; i < CORNERS; i++) {
+            double *x = s->vertex[CORNERS * j + i];
+            x[0] = -1.0 + h * i + uniform(&at, -0.3 * h, 0.3 * h);
+            x[1] = corners == 3 ? -1.0 + h * j + uniform(&at, -0.3 * h, 0.3 * h) : 0.0;
+            x[2] = 0.0;
+            x[corners - 1] = uniform(&at, -rough, rough);
+        }
+    for (int j = 0; j < (corners == 3 ? CELLS : 1); j++)
+        for (int i = 0; i < CELLS; i++) {
+            const int a = CORNERS * j + i;
+            const int first[3] = {a, a + 1, a + CORNERS + 1},
+                      second[3] = {a + CORNERS + 1, a + CORNERS, a};
+            memcpy(s->facet[s->facets++], first, sizeof first);
+            if (corners == 3) memcpy(s->facet[s->facets++], second, sizeof second);
+        }
+}
+
+/* Over k: the force on the surface, the potential, and forces on vertices (NULL: not asked for). */
+static double press(const sheet *s, const double centre[3], double radius, double force[3],
+                    double (*on)[3]) {
+    double sum = 0.0;
+    memset(force, 0, 3 * sizeof *force);
+    for (size_t f = 0; f < s->facets; f++) {
+        const double *x[3];
+        gn_facet_near near;
+        gn_patch_facet part;
+        for (int c = 0; c < s->corners; c++) x[c] = s->vertex[s->facet[f][c]];
+        if (!gn_patch_press(s->corners, x, centre, radius, &near, &part)) continue;
+        sum += part.potential;
+        for (int a = 0; a < 3; a++) {
+            const double value = part.force * near.away[a] / near.distance;
+            force[a] += value;
+            for (int c = 0; on && c < s->corners; c++)
+                on[s->facet[f][c]][a] += near.weight[c] * value;
+        }
+    }
+    return sum;
+}
+
+static void a_plane_however_it_is_cut_is_one_contact(void **state) {
+    (void)state;
+    for (int corners = 2; corners <= 3; corners++)
+        for (int k = 0; k < 200; k++) {
+            uint64_t at = 100 + (uint64_t)k;
+            static sheet s;
+            make_sheet(corners, 0.0, 7 + (uint64_t)k, &s);
+            const double radius = uniform(&at, 1.0, 5.0);
+            const double depth = radius * pow(10.0, uniform(&at, -6.0, -2.0));
+            const int up = corners - 1;
+            double centre[3] = {uniform(&at, -0.3, 0.3), uniform(&at, -0.3, 0.3), 0.0}, force[3];
+            centre[up] = (k % 2 ? 1.0 : -1.0) * (radius - depth);
+            const double potential = press(&s, centre, radius, force, NULL);
+            assert_near(fabs(force[up]), depth, 1e-12 * radius);
+            assert_true(force[up] * centre[up] < 0.0);
+            for (int a = 0; a < up; a++) assert_near(force[a], 0.0, 1e-12 * radius);
+            assert_near(potential, 0.5 * depth * depth, 1e-15 * radius * radius);
+        }
+}
+
+/* The force is the gradient of the potential, for the particle; and for vertices along the normal
+ * but for what stretches the surface. */
+static void the_force_is_that_of_the_potential(void **state) {
+    (void)state;
+    const double step = 1e-6;
+    for (int corners = 2; corners <= 3; corners++)
+        for (int k = 0; k < 50; k++) {
+            uint64_t at = 300 + (uint64_t)k;
+            static sheet s;
+            static double on[CORNERS * CORNERS][3];
+            double centre[3] = {uniform(&at, -1.0, 1.0), uniform(&at, -1.0, 1.0), 0.0};
+            double force[3], unused[3];
+            const int up = corners - 1;
+            make_sheet(corners, 0.02, 17 + (uint64_t)k, &s);
+            centre[up] = 1.95;
+            memset(on, 0, sizeof on);
+            press(&s, centre, 2.0, force, on);
+            for (int a = 0; a < corners; a++) {
+                double moved[3] = {centre[0], centre[1], centre[2]};
+                moved[a] += step;
+                double slope = press(&s, moved, 2.0, unused, NULL);
+                moved[a] -= 2.0 * step;
+                slope = (slope - press(&s, moved, 2.0, unused, NULL)) / (2.0 * step);
+                assert_near(slope, force[a], 1e-7);
+            }
+            for (int v = 0; v < (corners == 3 ? CORNERS * CORNERS : CORNERS); v += 7) {
+                double *x = &s.vertex[v][up];
+                *x += step;
+                double slope = press(&s, centre, 2.0, unused, NULL);
+                *x -= 2.0 * step;
+                slope = (slope - press(&s, centre, 2.0, unused, NULL)) / (2.0 * step);
+                *x += step;
+                assert_near(slope, -on[v][up], 0.02 * fabs(force[up]));
+            }
+        }
+}
+
+/* Contacts made of facets hold together what the facets do. */
+static void contacts_share_force_and_potential(void **state) {
+    (void)state;
+    static sheet s;
+    static gn_facet_near near[2 * CELLS * CELLS];
+    static gn_patch_facet part[2 * CELLS * CELLS];
+    static gn_facet_contact contact[2 * CELLS * CELLS];
+    const double centre[3] = {0.1, -0.2, 1.95};
+    for (int hertz = 0; hertz < 2; hertz++) {
+        size_t count = 0;
+        double potential = 0.0, stored = 0.0;
+        make_sheet(3, 0.02, 5, &s);
+        for (size_t f = 0; f < s.facets; f++) {
+            const double *x[3];
+            for (int c = 0; c < 3; c++) x[c] = s.vertex[s.facet[f][c]];
+            if (!gn_patch_press(3, x, centre, 2.0, &near[count], &part[count])) continue;
+            potential += part[count++].potential;
+        }
+        gn_patch_contacts(near, part, count, hertz, contact);
+        for (size_t k = 0; k < count; k++) {
+            const double overlap = -contact[k].overlap, share = contact[k].part;
+            const double factor = hertz ? sqrt(sqrt(2.0 * potential)) : 1.0;
+            const double force = hertz ? share * pow(overlap, 1.5) : share * overlap;
+            assert_near(force, factor * part[k].force, 1e-3 * potential);
+            stored += (hertz ? 0.4 : 0.5) * force * overlap;
+        }
+        assert_close(stored, hertz ? 0.4 * pow(2.0 * potential, 1.25) : potential, 1e-9);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plane_however_it_is_cut_is_one_contact),
+        cmocka_unit_test(the_force_is_that_of_the_potential),
+        cmocka_unit_test(contacts_share_force_and_potential),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
