@@ -256,13 +256,13 @@ READ(added_kinetic, gn_dem_added_kinetic(w))
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-/* Those that left with removed particles or were dissolved are neither. */
+/* Bonds that left with removed particles or were dissolved are neither intact nor broken. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
     for (size_t c = 0;
          (w->dem.lost || w->scene.stage_count || w->scene.sink_count) && c < w->dem.bonds.soa.count;
          c++)
-        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT;
+        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT && w->dem.bonds.cause[c] != GN_BOND_NEVER;
     return (double)left;
 }
 READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))

@@ -149,10 +149,10 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     if (!count) return;
     gn_warning *to = add(list, "bonds_too_long");
     snprintf(to->text, sizeof to->text,
-             "%zu of %zu bonds hold more elastic energy at their tensile strength than they may "
+             "%zu of %lld bonds hold more elastic energy at their tensile strength than they may "
              "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
              "less strength would let them soften",
-             count, b->soa.count);
+             count, (long long)run->world.dem.bonds_at_start);
 }
 
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
@@ -379,6 +379,33 @@ static void warn_of_control(const gn_run *run, gn_warnings *list) {
         c->response);
 }
 
+static double first_row(const gn_run *run, const char *column) {
+    const double *rows = gn_history_column(&run->history, column);
+    return rows && run->history.row_count ? rows[0] : 0.0;
+}
+
+/* Particles at rest that overlap under stress, and whose contacts do not balance each other, spring
+ * apart in the first steps. A specimen that another run brought to rest under load is in balance.
+ */
+static void warn_of_burst(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const double balanced = 0.1, stored = first_row(run, "energy_elastic_normal") +
+                                          first_row(run, "energy_elastic_shear") +
+                                          first_row(run, "energy_elastic_bending") +
+                                          first_row(run, "energy_elastic_wall");
+    const double moving = first_row(run, "energy_kinetic");
+    if (!w->scene.has_specimen || !(first_row(run, "unbalanced") > balanced)) return;
+    if (!(stored > moving) || !gn_stored_matters(w, stored)) return;
+    gn_warning *to = add(list, "stressed_at_start");
+    snprintf(to->text, sizeof to->text,
+             "particles at rest held %.3g J at the start in contacts that are not in balance "
+             "(unbalanced force ratio %.3g): overlaps there are a load that pushes them apart, and "
+             "may break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
+             "packing as free of stress; else a packing without overlaps, passive walls, or a run "
+             "that comes to rest first (specimen.from)",
+             stored, first_row(run, "unbalanced"));
+}
+
 gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     *list = (gn_warnings){0};
     warn_of_step(run, list);
@@ -399,6 +426,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_bodies(run, list);
     warn_of_depth(run, list);
     warn_of_overlap(run, list);
+    warn_of_burst(run, list);
     warn_of_sizes(run, list);
     warn_of_geometry(run, list);
     warn_of_ends(run, list);

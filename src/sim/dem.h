@@ -15,6 +15,7 @@
 #include "sim/events.h"
 #include "sim/flow.h"
 #include "sim/near.h"
+#include "soa/bond_causes.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -51,9 +52,6 @@ typedef struct gn_mass_scaling {
     double largest;  /* mass over own mass, the most */
     int64_t raised;  /* particles */
 } gn_mass_scaling;
-
-/* A cause beside those of gn_cause (4 and 5 are bonds that hold, in files): by a stage. */
-enum { GN_BOND_DISSOLVED = 6 };
 
 /* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
  * are sums of areas times places or ways, m3. */
