@@ -523,6 +523,26 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     return GNEISS_OK;
 }
 
+/* Sources that feed too fast for the length of the run, sinks too thin for the particles. */
+static void print_flow(const gn_world *w, int *warnings) {
+    char text[GNEISS_MESSAGE_SIZE];
+    for (size_t k = 0; k < w->scene.sink_count; k++) {
+        if (!gn_sink_is_too_thin(w, k, text, sizeof text)) continue;
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
+    for (size_t k = 0; k < w->scene.source_count; k++) {
+        const double late = gn_flow_late(w, k);
+        if (!(late > 0.0)) continue;
+        printf(
+            "  warning: source '%s' lets particles in every 50 steps at most (%.4g s), and still "
+            "feeds at time.end: up to %.0f will lack there, of %.0f; a longer run, a shorter "
+            "step or an end of the source avoids it\n",
+            w->scene.sources[k].name, 50.0 * w->dt, late, gn_flow_expected(w, k));
+        (*warnings)++;
+    }
+}
+
 static void print_origin(const gn_world *w) {
     const double *o = w->scene.origin, none[3] = {0, 0, 0};
     char at[GN_POINT_SIZE];
@@ -558,6 +578,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }
+    print_flow(w, warnings);
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);

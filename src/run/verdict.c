@@ -239,16 +239,25 @@ static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
              d->scaling.added / d->mass);
 }
 
-/* The steps between two looks are no delay. */
+/* A hundredth of the time, or one particle, is no delay. */
 static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; k < w->scene.source_count; k++) {
         const gn_source_def *d = &w->scene.sources[k];
         const gn_source_state *s = &w->dem.flow.sources[k];
         double behind = gn_flow_behind(w, k);
-        if (!(s->full > 0.0 && behind > 0.01 * fmax(0.0, w->time - d->start))) continue;
+        if (!gn_flow_is_behind(w, k)) continue;
         const char *wall = gn_flow_wall_before(w, k);
         gn_warning *to = add(list, "source_behind");
+        if (s->full == 0.0) {
+            snprintf(to->text, sizeof to->text,
+                     "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
+                     "came in; particles come when lists are made, up to 50 steps late, and what "
+                     "was due since then did not come any more: a longer run, or an end of the "
+                     "source before that of the run, lets them in",
+                     d->name, behind, s->number, s->mass);
+            return;
+        }
         snprintf(to->text, sizeof to->text,
                  "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
                  "particles, %.4g kg came in; %s%s%s",
@@ -406,6 +415,16 @@ static void warn_of_burst(const gn_run *run, gn_warnings *list) {
              stored, first_row(run, "unbalanced"));
 }
 
+static void warn_of_sinks(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    for (size_t k = 0; k < run->world.scene.sink_count; k++) {
+        if (!gn_sink_is_too_thin(&run->world, k, text, sizeof text)) continue;
+        gn_warning *to = add(list, "sink_too_thin");
+        snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+        return;
+    }
+}
+
 gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     *list = (gn_warnings){0};
     warn_of_step(run, list);
@@ -432,5 +451,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_sources(run, list);
+    warn_of_sinks(run, list);
     return gn_warn_of_coupling(run, list, error);
 }
