@@ -11,6 +11,7 @@
 #include "neigh/pairs.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
+#include "sim/balance.h"
 #include "sim/depth.h"
 #include "sim/events.h"
 #include "sim/flow.h"
@@ -214,10 +215,11 @@ gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double r
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
- * stress, Pa; the mean resultant over the mean contact force. */
+ * stress, Pa. */
 void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);
 void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
-double gn_dem_unbalanced(const gn_world *world);
+/* Adds the mean resultant on a free particle over the mean contact force. */
+void gn_dem_balance(const gn_world *world, gn_balance *balance);
 /* That no particle went bad or too far in the step (paths.c). */
 gneiss_status gn_dem_check(const gn_world *world, bool measure, gneiss_error *error);
 
