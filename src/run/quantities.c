@@ -338,10 +338,10 @@ static const gn_quantity of_the_model[] = {
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},
-    SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
-           "mean resultant on a free particle over the mean force of all contacts that carry, with "
-           "walls and surfaces as well; of elements and free bodies the largest counts; 0: nothing "
-           "carries"),
+    SCALAR(
+        always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
+        "mean resultant on a free particle over the mean force of contacts that carry, also with "
+        "walls; of elements and free bodies the largest; 0: nothing carries"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "particles that are there; with couple.convert those that are awake: of converted "
            "elements and of the zone around these"),
