@@ -914,7 +914,8 @@ static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
     finish(run);
     assert_true(run->world.dem.bonds.soa.count >= overlaps); /* and those that hardly touch */
     assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.soa.count);
-    for (size_t c = 0; c < run->world.dem.bonds.soa.count; c++) assert_true(gn_contact_bonded(&run->world.dem.bonds, c));
+    for (size_t c = 0; c < run->world.dem.bonds.soa.count; c++)
+        assert_true(gn_contact_bonded(&run->world.dem.bonds, c));
     assert_near(run->world.reading.kinetic, 0.0, 1e-20);
     run_end(run);
 }
