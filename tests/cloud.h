@@ -77,7 +77,7 @@ static const lattice lattices[] = {
 enum { LATTICES = sizeof lattices / sizeof *lattices };
 
 /* `scale` is the edge of a cell; `closed` adds the points on the far faces. */
-static void cloud_lattice(const lattice *l, double scale, bool closed) {
+static inline void cloud_lattice(const lattice *l, double scale, bool closed) {
     int n = l->cells + closed;
     points.count = 0;
     for (int i = 0; i < n; i++)
@@ -145,7 +145,8 @@ static inline void displace(gn_particles *p, const double g[9]) {
             for (int b = 0; b < 3; b++) p->pos[4 * k + a] += g[3 * a + b] * p->start[4 * k + b];
 }
 
-static void assert_near(double found, double expected, double tolerance, const char *what, int k) {
+static inline void assert_near(double found, double expected, double tolerance, const char *what,
+                               int k) {
     if (!(fabs(found - expected) <= tolerance))
         fail_msg("%s [%d]: expected %.17g, found %.17g", what, k, expected, found);
 }

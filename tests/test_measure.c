@@ -670,19 +670,6 @@ static void removed_particles_are_left_out_of_a_packing(void **state) {
     particles_free(&p);
 }
 
-static void the_hull_of_one_disc_is_a_polygon_of_32_corners(void **state) {
-    (void)state;
-    points.count = 0;
-    cloud_add(0.3, -0.2, 0, 0.05);
-    gn_particles p = particles_of_cloud(GN_FX_BONDS, false);
-    double volume, lower[3], upper[3];
-    assert_int_equal(gn_packing_hull(&p, 2, &volume, lower, upper, NULL), GNEISS_OK);
-    assert_close(volume, 16 * sin(M_PI / 16) * 0.05 * 0.05, 1e-13);
-    assert_close(lower[0], 0.25, 1e-14);
-    assert_close(upper[1], -0.15, 1e-14);
-    particles_free(&p);
-}
-
 static void read_specimen(const char *name) {
     char path[512], line[256];
     snprintf(path, sizeof path, "%s/scenes/specimens/%s", test_source(), name);
@@ -715,56 +702,6 @@ static void the_hull_of_a_cylinder_packing_is_close_to_the_cylinder(void **state
     assert_near(lower[2], 0, 5e-5, "foot of the cylinder", 2);
     assert_near(upper[2], 0.046, 6e-5, "top of the cylinder", 2);
     particles_free(&p);
-}
-
-/* The corners of a cube and the middles of its edges and faces, on every particle's surface: what
- * gn_packing_hull leaves out beforehand must not be missed. */
-static double hull_of_all(int dimension) {
-    double *all = malloc(points.count * 32 * (size_t)dimension * sizeof *all), volume;
-    size_t count = 0;
-    for (size_t p = 0; p < points.count; p++)
-        for (int k = 0; k < (dimension == 3 ? 27 : 32); k++) {
-            double turn = 2 * M_PI * k / 32;
-            double d[3] = {cos(turn), sin(turn), 0},
-                   cube[3] = {k % 3 - 1., k / 3 % 3 - 1., k / 9 - 1.};
-            double length = sqrt(cube[0] * cube[0] + cube[1] * cube[1] + cube[2] * cube[2]);
-            if (dimension == 3 && length == 0) continue;
-            for (int a = 0; a < dimension; a++)
-                all[count++] = points.row[p][a] +
-                               points.row[p][3] * (dimension == 3 ? cube[a] / length : d[a]);
-        }
-    assert_int_equal(gn_hull_volume(all, count / (size_t)dimension, dimension, &volume, NULL),
-                     GNEISS_OK);
-    free(all);
-    return volume;
-}
-
-static void assert_hull_of_all(int dimension, const char *what) {
-    gn_particles p = particles_of_cloud(all_effects, true);
-    double volume, lower[3], upper[3];
-    assert_int_equal(gn_packing_hull(&p, dimension, &volume, lower, upper, NULL), GNEISS_OK);
-    if (!(fabs(volume / hull_of_all(dimension) - 1) < 1e-12)) fail_msg("%s: %.17g", what, volume);
-    particles_free(&p);
-}
-
-static void particles_well_inside_do_not_matter_to_the_hull(void **state) {
-    (void)state;
-    read_specimen("rock-b.txt");
-    assert_hull_of_all(3, "a cylinder");
-    for (size_t k = 0; k < points.count; k++) points.row[k][2] += 1e3;
-    assert_hull_of_all(3, "far from the origin");
-    for (int dimension = 2; dimension <= 3; dimension++) {
-        points.count = 0;
-        for (int k = 0; k < 1331; k++)
-            cloud_add(k % 11, k / 11 % 11, dimension == 3 ? k / 121 : 0, 0.5);
-        assert_hull_of_all(dimension, "a lattice, in the plane one above the other");
-        for (size_t k = 0; k < points.count; k++)
-            if (k % 11 > 3 && k / 11 % 11 > 3) points.row[k][0] -= 7, points.row[k][1] *= 0.1;
-        assert_hull_of_all(dimension, "a lattice with a part elsewhere");
-        cloud_random(2000, dimension);
-        points.row[17][3] = 0.4;
-        assert_hull_of_all(dimension, "a large one among small ones");
-    }
 }
 
 static void damage_is_the_share_of_bonds_lost(void **state) {
@@ -815,9 +752,7 @@ int main(void) {
         cmocka_unit_test(lattices_have_their_coordination_porosity_and_fabric),
         cmocka_unit_test(overlaps_name_the_worst_pair),
         cmocka_unit_test(removed_particles_are_left_out_of_a_packing),
-        cmocka_unit_test(the_hull_of_one_disc_is_a_polygon_of_32_corners),
         cmocka_unit_test(the_hull_of_a_cylinder_packing_is_close_to_the_cylinder),
-        cmocka_unit_test(particles_well_inside_do_not_matter_to_the_hull),
         cmocka_unit_test(damage_is_the_share_of_bonds_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -872,6 +872,54 @@ static char *again(const char *folder, const char *more, const char *bonds) {
     return s;
 }
 
+/* Spheres of 1 mm that overlap by 0.1 mm: two in a bond, and a third of another group. */
+static const char overlapping[] =
+    "specimen: {particles: [[0, 0, 0, 1 mm], [1.9 mm, 0, 0, 1 mm], [0, 1.9 mm, 0, 1 mm]]}\n"
+    "bonds: {}\nsets:\n- {name: other, select: {ids: [2]}, group: 2}\n";
+
+/* What is free of stress at an overlap stays so in a run that goes on with the bonds of another,
+ * bonded, broken, dissolved or never bonded. */
+static void free_overlaps_go_over_into_another_run(void **state) {
+    (void)state;
+    static const char *const stages[] = {
+        "", "stages:\n- {name: a, end: {steps: 3}}\n- {name: b, bonds: {enabled: off}}\n"};
+    for (int dissolved = 0; dissolved < 2; dissolved++) {
+        char folder[] = "/tmp/gneiss_from_XXXXXX";
+        assert_non_null(mkdtemp(folder));
+        finish_in(joined(overlapping, rock, stages[dissolved]), folder);
+        gn_run *run = run_of(again(folder, ", from_bonds: keep", "bonds: {}\n"));
+        assert_int_equal(run->world.dem.bonds_at_start, !dissolved);
+        assert_int_equal(run->world.dem.bonds.soa.count, 2);
+        steps(run, 1);
+        assert_near(run->world.reading.elastic_normal, 0.0, 1e-20);
+        steps(run, 20);
+        assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+        run_end(run);
+    }
+}
+
+/* Overlaps of a packing that a later stage bonds are free of stress before, and take bonds then. */
+static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
+    (void)state;
+    gn_run *run = run_of(joined(
+        "specimen: {box: {size: [8 mm, 8 mm, 8 mm]}, particles: 60, packing: {overlap: passive}}\n",
+        rock,
+        "bonds: {enabled: off}\nstages:\n- {name: a, end: {steps: 10}}\n"
+        "- {name: b, bonds: {enabled: on}}\n"));
+    const size_t overlaps = run->world.dem.bonds.soa.count;
+    assert_true(overlaps > 100);
+    assert_int_equal(run->world.dem.bonds_at_start, 0);
+    steps(run, 5);
+    assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+    finish(run);
+    assert_true(run->world.dem.bonds.soa.count >= overlaps); /* and those that hardly touch */
+    assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.soa.count);
+    for (size_t c = 0; c < run->world.dem.bonds.soa.count; c++)
+        assert_true(gn_contact_bonded(&run->world.dem.bonds, c));
+    assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+    run_end(run);
+}
+
 static void a_run_begins_where_another_ended(void **state) {
     (void)state;
     char folder[] = "/tmp/gneiss_from_XXXXXX", file[64];
@@ -1138,6 +1186,8 @@ int main(void) {
         cmocka_unit_test(time_end_says_which_stage_was_not_over),
         cmocka_unit_test(bodies_and_elements_take_their_part),
         cmocka_unit_test(a_run_begins_where_another_ended),
+        cmocka_unit_test(free_overlaps_go_over_into_another_run),
+        cmocka_unit_test(overlaps_of_a_packing_wait_for_their_bonds),
         cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),

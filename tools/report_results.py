@@ -36,6 +36,17 @@ def _group(file, name):
     return {key: Column(item) for key, item in group.items() if isinstance(item, h5py.Dataset)}
 
 
+def _without_free_overlaps(bonds):
+    """Rows of the bonds alone: state 7 are overlaps of the start that never were bonds."""
+    state = bonds.get("state")
+    if state is None or not np.any(np.asarray(state.value) == 7):
+        return bonds
+    kept = np.asarray(state.value).reshape(-1) != 7
+    for column in bonds.values():
+        column.value = np.asarray(column.value)[kept]
+    return bonds
+
+
 WORDS = {
     "brazilian": ("closing over the diameter", "2P/(πDt)"),
     "bending": ("strain of the fibre by beam theory", "stress in the fibre by beam theory"),
@@ -69,7 +80,7 @@ class Results:
         self.stage_readings = ({name: _group(stages, f"{name}/readings") for name in stages} if isinstance(stages, h5py.Group) else {})
         self.energy = _group(file, "energy")
         self.particles = _group(file, "particles")
-        self.bonds = _group(file, "bonds")
+        self.bonds = _without_free_overlaps(_group(file, "bonds"))
         self.events = _group(file, "events")
         self.bursts = _group(file, "bursts")
         self.fragments = _group(file, "fragments")

@@ -160,7 +160,7 @@ typedef struct gneiss_progress {
     double dt;           /* s; the coming step */
     double wall_seconds; /* in all sittings */
     double eta;          /* s of wall time to `end`; NaN before the first step */
-    double unbalanced;   /* mean resultant on a particle over mean contact force */
+    double unbalanced;   /* mean resultant over mean contact force, as in the history */
     double
         energy_residual;   /* what the ledger does not explain, over the work; NaN without ledger */
     double stress, strain; /* Pa, 1: of the test, last history row; NaN without */

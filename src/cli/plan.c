@@ -291,6 +291,7 @@ static void print_beams(const gn_world *w) {
     double radius[2] = {INFINITY, 0.0}, bend[2] = {INFINITY, 0.0}, twist[2] = {INFINITY, 0.0};
     if (!b->beam || !b->soa.count) return;
     for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gn_contact_bonded(b, c)) continue;
         gn_law_moments m = gn_law_of(b->soa.effects)->moments(b, c, n);
         const double now[3] = {b->beam[c], m.bend, m.twist};
         double *range[3] = {radius, bend, twist};
@@ -318,7 +319,12 @@ static void print_bond_numbers(const gn_world *w, int *warnings) {
         most = b > most ? b : most;
     }
     printf("  bonds            %zu, %.2f per particle (2 bonds/particles), at most %d\n",
-           w->dem.bonds.soa.count, 2.0 * (double)w->dem.bonds.soa.count / (double)n, most);
+           (size_t)w->dem.bonds_at_start, 2.0 * (double)w->dem.bonds_at_start / (double)n, most);
+    if (w->dem.bonds.soa.count > (size_t)w->dem.bonds_at_start)
+        printf(
+            "  free overlaps    %zu pairs without a bond overlap, and are free of stress as they "
+            "are (bonds.passive_gaps)\n",
+            w->dem.bonds.soa.count - (size_t)w->dem.bonds_at_start);
     print_beams(w);
     if (few)
         printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n",
@@ -511,15 +517,37 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
         printf(
             "  overlaps         at most %.2f %% of r_i + r_j (particles %d and %d), mean %.2f %%\n",
             100.0 * at5.overlap_max, at5.overlap_i, at5.overlap_j, 100.0 * at5.overlap_mean);
-    if (at5.overlap_max > 0.02 && !(w->effects & GN_FX_BONDS && w->scene.passive_gaps)) {
-        printf("  warning: overlaps are not stress-free in this scene; the specimen will spring "
-               "apart\n");
+    const double stored = gn_contacts_stored(w);
+    if (at5.overlap_max > 0.02 && gn_stored_matters(w, stored)) {
+        printf("  warning: overlaps are not stress-free in this scene: contacts hold %.3g J, and "
+               "the specimen will spring apart\n",
+               stored);
         (*warnings)++;
     }
     print_bond_numbers(w, warnings);
     GN_TRY(gn_print_law(w, warnings, error));
     print_walls(w, warnings);
     return GNEISS_OK;
+}
+
+/* Sources that feed too fast for the length of the run, sinks too thin for the particles. */
+static void print_flow(const gn_world *w, int *warnings) {
+    char text[GNEISS_MESSAGE_SIZE];
+    for (size_t k = 0; k < w->scene.sink_count; k++) {
+        if (!gn_sink_is_too_thin(w, k, text, sizeof text)) continue;
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
+    for (size_t k = 0; k < w->scene.source_count; k++) {
+        const double late = gn_flow_late(w, k);
+        if (!(late > 0.0)) continue;
+        printf(
+            "  warning: source '%s' lets particles in every 50 steps at most (%.4g s), and still "
+            "feeds at time.end: up to %.0f will lack there, of %.0f; a longer run, a shorter "
+            "step or an end of the source avoids it\n",
+            w->scene.sources[k].name, 50.0 * w->dt, late, gn_flow_expected(w, k));
+        (*warnings)++;
+    }
 }
 
 static void print_origin(const gn_world *w) {
@@ -561,6 +589,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
         printf("  warning: %s\n", doubts);
         (*warnings)++;
     }
+    print_flow(w, warnings);
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);

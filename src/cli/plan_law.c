@@ -4,23 +4,26 @@
 
 #include <math.h>
 
-/* Of a column: the least, the mean, the largest. */
-static void print_range(const char *name, const double *column, size_t count, const char *unit) {
+/* Least, mean and largest value of a column over the bonds. */
+static void print_range(const char *name, const double *column, const gn_contacts *bonds,
+                        const char *unit) {
     double least = INFINITY, most = 0.0, sum = 0.0;
-    if (!column || !count) return;
-    for (size_t c = 0; c < count; c++) {
+    size_t count = 0;
+    for (size_t c = 0; column && c < bonds->soa.count; c++) {
+        if (!gn_contact_bonded(bonds, c)) continue;
+        count++;
         least = fmin(least, column[c]);
         most = fmax(most, column[c]);
         sum += column[c];
     }
+    if (!count) return;
     printf("  %-16s %.6g to %.6g, mean %.6g %s\n", name, least, most, sum / (double)count, unit);
 }
 
 static void print_area(const gn_world *w, const gn_area_check *check) {
     bool polyhedron = w->scene.stiffness == GN_STIFFNESS_POLYHEDRON;
     int d = (int)w->scene.dimension;
-    print_range("section A", w->dem.bonds.area, w->dem.bonds.soa.count,
-                d == 3 ? "m2" : "m2 (1 m thick)");
+    print_range("section A", w->dem.bonds.area, &w->dem.bonds, d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
         printf(", %.4f with the free faces of %zu particles that have some",
@@ -66,10 +69,10 @@ gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error
         print_area(w, &check);
         print_body(w, &check);
     }
-    print_range("k_n of bonds", b->kn, n, "N/m");
-    print_range("k_t", b->kt, n, "N/m");
-    print_range("R_n", b->rn, n, "N");
-    print_range("R_t", b->rt, n, "N");
+    print_range("k_n of bonds", b->kn, b, "N/m");
+    print_range("k_t", b->kt, b, "N/m");
+    print_range("R_n", b->rn, b, "N");
+    print_range("R_t", b->rt, b, "N");
     if (w->scene.softening == GN_SOFTENING_ENERGY)
         printf(
             "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",

@@ -154,7 +154,7 @@ gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_erro
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
     if (w->scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
-               w->dem.particles.soa.count, w->dem.bonds.soa.count, w->dem.pairs.soa.count);
+               w->dem.particles.soa.count, (size_t)w->dem.bonds_at_start, w->dem.pairs.soa.count);
     gn_element_totals elements = gn_elements_totals(w);
     if (elements.elements) printf("%zu nodes, %zu elements; ", elements.nodes, elements.elements);
     printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);

@@ -3,6 +3,7 @@
  * energy, strain and ratio, and the lower line of pressure count. */
 #include "kernels/combine.h"
 #include "kernels/softening.h"
+#include "soa/bond_causes.h"
 
 #include <math.h>
 
@@ -156,7 +157,8 @@ gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c) {
 size_t gn_softening_too_long(const gn_contacts *list) {
     size_t count = 0;
     for (size_t c = 0; list->fade && c < list->soa.count; c++)
-        count += !(list->fade[c + GN_FADE_END * list->soa.capacity] > 0.0);
+        count += list->cause[c] != GN_BOND_NEVER &&
+                 !(list->fade[c + GN_FADE_END * list->soa.capacity] > 0.0);
     return count;
 }
 

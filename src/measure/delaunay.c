@@ -222,10 +222,13 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
     return GNEISS_OK;
 }
 
-/* m2 or m3 of the hull, 0 of points on a line or plane; its faces too where they are wanted. */
+/* m2 or m3 of the hull, and m or m2 of its surface (may be NULL), 0 of points on a line or plane;
+ * its faces too where they are wanted. */
 static gneiss_status hull_of(const double *points, size_t count, int dimension, char *command,
-                             gn_triangulation *faces, double *volume, gneiss_error *error) {
+                             gn_triangulation *faces, double *volume, double *surface,
+                             gneiss_error *error) {
     *volume = 0;
+    if (surface) *surface = 0;
     double *copy = NULL, unit;
     GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
     qhull_run s;
@@ -236,6 +239,8 @@ static gneiss_status hull_of(const double *points, size_t count, int dimension, 
             status = qhull_run_command(&s, command, copy, count, dimension, error);
             if (status == GNEISS_OK)
                 *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
+            if (status == GNEISS_OK && surface)
+                *surface = s.qh->totarea * (dimension == 3 ? unit * unit : unit);
             if (status == GNEISS_OK && faces)
                 status = take_faces(s.qh, dimension, command == triangles_command, faces, error);
             qhull_close(&s);
@@ -248,7 +253,18 @@ static gneiss_status hull_of(const double *points, size_t count, int dimension, 
 gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
                             gn_triangulation *faces, double *volume, gneiss_error *error) {
     *faces = (gn_triangulation){.dimension = dimension};
-    gneiss_status status = hull_of(points, count, dimension, faces_command, faces, volume, error);
+    gneiss_status status =
+        hull_of(points, count, dimension, faces_command, faces, volume, NULL, error);
+    if (status != GNEISS_OK) gn_triangulation_free(faces);
+    return status;
+}
+
+gneiss_status gn_hull_measure(const double *points, size_t count, int dimension,
+                              gn_triangulation *faces, double *volume, double *surface,
+                              gneiss_error *error) {
+    *faces = (gn_triangulation){.dimension = dimension};
+    gneiss_status status =
+        hull_of(points, count, dimension, triangles_command, faces, volume, surface, error);
     if (status != GNEISS_OK) gn_triangulation_free(faces);
     return status;
 }
@@ -256,14 +272,10 @@ gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
 gneiss_status gn_hull_triangles(const double *points, size_t count, int dimension,
                                 gn_triangulation *faces, gneiss_error *error) {
     double volume;
-    *faces = (gn_triangulation){.dimension = dimension};
-    gneiss_status status =
-        hull_of(points, count, dimension, triangles_command, faces, &volume, error);
-    if (status != GNEISS_OK) gn_triangulation_free(faces);
-    return status;
+    return gn_hull_measure(points, count, dimension, faces, &volume, NULL, error);
 }
 
 gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
                              gneiss_error *error) {
-    return hull_of(points, count, dimension, hull_command, NULL, volume, error);
+    return hull_of(points, count, dimension, hull_command, NULL, volume, NULL, error);
 }

@@ -30,6 +30,12 @@ void gn_triangulation_free(gn_triangulation *triangulation);
 gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
                             gn_triangulation *faces, double *volume, gneiss_error *error);
 
+/* Any triangles (2D: edges) that cover the hull, with its volume (2D: area) and surface (2D:
+ * length); as gn_hull_triangles, which has the faces alone. */
+gneiss_status gn_hull_measure(const double *points, size_t count, int dimension,
+                              gn_triangulation *faces, double *volume, double *surface,
+                              gneiss_error *error);
+
 /* Any triangles (2D: edges) that cover the hull; as above. */
 gneiss_status gn_hull_triangles(const double *points, size_t count, int dimension,
                                 gn_triangulation *faces, gneiss_error *error);

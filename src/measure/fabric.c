@@ -1,6 +1,7 @@
 /* Packing figures, damage of particles. */
 #include "base/memory.h"
 #include "measure/assembly.h"
+#include "soa/bond_causes.h"
 
 #include <string.h>
 
@@ -68,7 +69,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     if (!particles->bonds0) return;
     size_t count = bonds ? bonds->soa.count : 0;
     for (size_t c = 0; c < count; c++) {
-        if (gn_broken(bonds->cause[c])) continue;
+        if (gn_broken(bonds->cause[c]) || bonds->cause[c] == GN_BOND_NEVER) continue;
         damage[bonds->i[c]] += 1;
         damage[bonds->j[c]] += 1;
     }

@@ -95,10 +95,9 @@ typedef struct gn_packing_figures {
 void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_t pair_count,
                         double tolerance, double volume, gn_packing_figures *figures);
 
-/* Volume of the specimen's shape when the scene gives none: the volume of the convex hull of the
- * particle centres, each moved outward is not tried: the hull of points on the particle surfaces
- * (26 directions in 3D, 32 in 2D). Also the extent (largest and smallest coordinate including
- * radii) along each axis. */
+/* Volume (2D: area) of the convex hull of the particles, spheres or discs, which is that of the
+ * specimen when the scene gives none, to some 1e-4, however they are turned. Also the extent
+ * (largest and smallest coordinate including radii) along each axis. */
 gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
                               double lower[3], double upper[3], gneiss_error *error);
 

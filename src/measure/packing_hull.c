@@ -1,36 +1,10 @@
 /* The hull about a packing, and its extent. */
+#include "base/eigen.h"
 #include "base/memory.h"
 #include "measure/assembly.h"
 #include "measure/delaunay.h"
 
 #include <string.h>
-
-/* --- points on the surfaces --- */
-
-enum { DIRECTIONS_2D = 32, DIRECTIONS_3D = 26 };
-
-/* 3D: to the faces, edges and corners of a cube; 2D: equal angles, the axes among them. */
-static size_t surface_directions(int dimension, double direction[DIRECTIONS_2D][3]) {
-    size_t count = 0;
-    if (dimension == 2) {
-        for (; count < DIRECTIONS_2D; count++) {
-            double angle = 2 * M_PI * (double)count / DIRECTIONS_2D;
-            direction[count][0] = cos(angle);
-            direction[count][1] = sin(angle);
-            direction[count][2] = 0;
-        }
-        return count;
-    }
-    for (int k = 0; k < 27; k++) {
-        const int digit[3] = {k % 3, k / 3 % 3, k / 9};
-        double x[3] = {digit[0] - 1.0, digit[1] - 1.0, digit[2] - 1.0};
-        double length = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        if (length == 0) continue;
-        for (int a = 0; a < 3; a++) direction[count][a] = x[a] / length;
-        count++;
-    }
-    return count;
-}
 
 /* --- extent --- */
 
@@ -154,7 +128,7 @@ static void find_inside(const double *pos, size_t count, const half_spaces *s, d
     }
 }
 
-/* --- hull --- */
+/* --- the core of the hull --- */
 
 /* [count] particles that may touch the hull; NULL: no memory. */
 static int32_t *outer_particles(const gn_particles *q, int dimension, const double lower[3],
@@ -177,25 +151,245 @@ static int32_t *outer_particles(const gn_particles *q, int dimension, const doub
     return outer;
 }
 
+/* Outer particles without the smallest radius r of all. The hull of balls is that of these, with a
+ * ball of radius r added (Minkowski), and Steiner's formula gives its volume,
+ *
+ *   V = V' + S' r + M' r^2 + 4/3 pi r^3,     in 2D  A = A' + L' r + pi r^2,
+ *
+ * with S' the surface and M' the integral of the mean curvature, which is that of the reach h'(n) =
+ * max(n.x + r_i - r) over all directions n (Schneider 2014, Convex Bodies, 4.2 and 5.3). Of equal
+ * radii the hull of what is left is a polytope. */
+typedef struct core {
+    size_t count;
+    double radius; /* r */
+    double middle[3];
+    double *x[3], *rest; /* [count] from the middle; r_i - r */
+} core;
+
+static void core_free(core *c) {
+    for (int a = 0; a < 3; a++) gn_free(c->x[a]);
+    gn_free(c->rest);
+}
+
+static gneiss_status make_core(const gn_particles *q, const int32_t *outer, size_t count,
+                               const double lower[3], const double upper[3], core *c,
+                               gneiss_error *error) {
+    *c = (core){
+        .count = count, .radius = INFINITY, .rest = gn_alloc_array(count + 1, sizeof(double))};
+    bool held = c->rest;
+    for (int a = 0; a < 3; a++) {
+        c->middle[a] = 0.5 * (lower[a] + upper[a]);
+        c->x[a] = gn_alloc_array(count + 1, sizeof *c->x[a]);
+        held = held && c->x[a];
+    }
+    if (!held)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
+                       count);
+    for (size_t o = 0; o < count; o++)
+        c->radius = fmin(c->radius, q->pos[4 * (size_t)outer[o] + 3]);
+    for (size_t o = 0; o < count; o++) {
+        const double *x = q->pos + 4 * (size_t)outer[o];
+        for (int a = 0; a < 3; a++) c->x[a][o] = x[a] - c->middle[a];
+        c->rest[o] = x[3] - c->radius;
+    }
+    return GNEISS_OK;
+}
+
+/* h'(n), and h'(-n) where it is wanted. */
+static double reach_of(const core *c, const double n[3], double *back) {
+    double most = -INFINITY, behind = -INFINITY;
+    for (size_t k = 0; k < c->count; k++) {
+        const double d = n[0] * c->x[0][k] + n[1] * c->x[1][k] + n[2] * c->x[2][k];
+        most = d + c->rest[k] > most ? d + c->rest[k] : most;
+        behind = c->rest[k] - d > behind ? c->rest[k] - d : behind;
+    }
+    if (back) *back = behind;
+    return most;
+}
+
+enum { AXES = 2048 };
+
+/* The integral of h' over all directions; exact for what is the same on both sides of the middle
+ * and for a shift. */
+static double curvature_of(const core *c) {
+    const double golden = M_PI * (3 - sqrt(5));
+    double sum = 0;
+    for (int k = 0; k < AXES; k++) {
+        const double z = (k + 0.5) / AXES, across = sqrt(1 - z * z), turn = golden * k;
+        const double n[3] = {across * cos(turn), across * sin(turn), z};
+        double back, most = reach_of(c, n, &back);
+        sum += most + back;
+    }
+    return 4 * M_PI * sum / (2 * AXES);
+}
+
+/* --- its hull --- */
+
+typedef struct cloud {
+    double *x; /* [room][dimension] */
+    size_t count, room;
+} cloud;
+
+static gneiss_status add_point(cloud *p, const double x[3], int dimension, gneiss_error *error) {
+    if (p->count == p->room) {
+        const size_t room = 2 * p->room + 64, width = (size_t)dimension * sizeof *p->x;
+        double *more = gn_alloc_array(room, width);
+        if (!more) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu points", room);
+        if (p->count) memcpy(more, p->x, p->count * width);
+        gn_free(p->x);
+        p->x = more;
+        p->room = room;
+    }
+    memcpy(p->x + p->count++ * (size_t)dimension, x, (size_t)dimension * sizeof *x);
+    return GNEISS_OK;
+}
+
+/* The point of the core that is farthest in a direction. */
+static gneiss_status add_farthest(const core *c, const double n[3], int dimension, cloud *p,
+                                  gneiss_error *error) {
+    const double reach = reach_of(c, n, NULL);
+    size_t at = 0;
+    while (at + 1 < c->count &&
+           n[0] * c->x[0][at] + n[1] * c->x[1][at] + n[2] * c->x[2][at] + c->rest[at] < reach)
+        at++;
+    const double x[3] = {c->x[0][at] + c->rest[at] * n[0], c->x[1][at] + c->rest[at] * n[1],
+                         c->x[2][at] + c->rest[at] * n[2]};
+    return add_point(p, x, dimension, error);
+}
+
+/* Area (2D: length) and outward normal of a face; the hull has the place `inside` in it. */
+static double face_of(const double *points, const int32_t *corner, int dimension,
+                      const double inside[3], double n[3], double *offset) {
+    const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
+    double e[3] = {0}, f[3] = {0, 0, 1}, height = 0;
+    for (int a = 0; a < dimension; a++) {
+        e[a] = y[a] - x[a];
+        if (dimension == 3) f[a] = points[corner[2] * dimension + a] - x[a];
+    }
+    for (int a = 0; a < 3; a++)
+        n[a] = e[(a + 1) % 3] * f[(a + 2) % 3] - e[(a + 2) % 3] * f[(a + 1) % 3];
+    const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!(size > 0)) return 0;
+    for (int a = 0; a < dimension; a++) height += n[a] * (x[a] - inside[a]);
+    *offset = 0;
+    for (int a = 0; a < 3; a++) n[a] *= (height < 0 ? -1 : 1) / size;
+    for (int a = 0; a < dimension; a++) *offset += n[a] * x[a];
+    return dimension == 3 ? 0.5 * size : size;
+}
+
+/* Adds the farthest points over faces that the core stands out of by more than `gap`; *missing: sum
+ * of areas times how far it stands out. */
+static gneiss_status refine(const core *c, int dimension, double gap, const gn_triangulation *faces,
+                            cloud *p, bool *more, double *missing, gneiss_error *error) {
+    const size_t known = p->count;
+    *missing = 0;
+    double inside[3] = {0};
+    for (size_t k = 0; k < known; k++)
+        for (int a = 0; a < dimension; a++)
+            inside[a] += p->x[k * (size_t)dimension + (size_t)a] / (double)known;
+    *more = false;
+    for (size_t f = 0; f < faces->count; f++) {
+        double n[3], offset;
+        const int32_t *corner = faces->vertex + f * (size_t)dimension;
+        const double area = face_of(p->x, corner, dimension, inside, n, &offset);
+        const double out = area > 0 ? reach_of(c, n, NULL) - offset : 0;
+        *missing += area * fmax(out, 0);
+        if (!(out > gap)) continue;
+        GN_TRY(add_farthest(c, n, dimension, p, error));
+        *more = true;
+    }
+    return GNEISS_OK;
+}
+
+/* A flat core has two sides. Its normal is the direction in which it extends least. */
+static gneiss_status measure_flat(const core *c, int dimension, double *surface,
+                                  gneiss_error *error) {
+    double matrix[9] = {0}, mean[3] = {0}, values[3], axes[9], area = 0;
+    double *flat = gn_alloc_array(c->count + 1, 2 * sizeof *flat);
+    if (!flat) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a flat hull");
+    for (size_t k = 0; k < c->count; k++)
+        for (int a = 0; a < 3; a++) mean[a] += c->x[a][k] / (double)c->count;
+    for (size_t k = 0; k < c->count; k++)
+        for (int a = 0; a < 9; a++)
+            matrix[a] += (c->x[a / 3][k] - mean[a / 3]) * (c->x[a % 3][k] - mean[a % 3]);
+    gn_eigen_symmetric(3, matrix, values, axes);
+    for (size_t k = 0; k < c->count; k++)
+        for (int b = 0; b < 2; b++) {
+            flat[2 * k + (size_t)b] = 0;
+            for (int a = 0; a < 3; a++) flat[2 * k + (size_t)b] += axes[3 * b + a] * c->x[a][k];
+        }
+    double back, along = reach_of(c, axes, &back);
+    gneiss_status status = GNEISS_OK;
+    if (dimension == 3) status = gn_hull_volume(flat, c->count, 2, &area, error);
+    *surface = dimension == 3 ? 2 * area : 2 * (along + back);
+    gn_free(flat);
+    return status;
+}
+
+/* Of the volume of all: what faces times how far the core stands out of them may come to, of balls
+ * and of a polytope. Between faces and a ball there is 3/4 of that where triangles are equilateral,
+ * 2/3 on a cylinder (and in the plane), which is added. */
+static const double of_balls = 5e-4, of_polytope = 1e-7, between = 2.0 / 3.0;
+enum { ROUNDS = 12, POINTS_MOST = 200000 };
+
+/* The hull of points of the core, which grows until no face of it is farther inside of the core
+ * than what a share of the volume over the whole surface comes to. */
+static gneiss_status measure_core(const core *c, int dimension, cloud *p, double *volume,
+                                  double *surface, gneiss_error *error) {
+    const double r = c->radius;
+    double most = 0;
+    bool more = true;
+    for (size_t k = 0; k < c->count; k++) most = fmax(most, c->rest[k]);
+    const double wanted = most > 1e-9 * r ? of_balls : of_polytope;
+    for (int k = 0; k < LOOKS; k++) {
+        double n[3];
+        look(dimension, k, n);
+        GN_TRY(add_farthest(c, n, dimension, p, error));
+    }
+    for (int round = 0; more; round++) {
+        gn_triangulation faces;
+        double missing = 0;
+        GN_TRY(gn_hull_measure(p->x, p->count, dimension, &faces, volume, surface, error));
+        const double all = *volume + *surface * r, rounded = 1e-9 * (r + cbrt(*volume));
+        const double gap = *surface > 0 ? fmax(wanted * all / *surface, rounded) : 0;
+        gneiss_status status = refine(c, dimension, gap, &faces, p, &more, &missing, error);
+        gn_triangulation_free(&faces);
+        GN_TRY(status);
+        more = more && round < ROUNDS && p->count < POINTS_MOST;
+        if (!more) *volume += most > 0 ? between * missing : 0;
+    }
+    return *volume > 0 ? GNEISS_OK : measure_flat(c, dimension, surface, error);
+}
+
+static gneiss_status measure_hull(const core *c, int dimension, double *volume,
+                                  gneiss_error *error) {
+    cloud points = {0};
+    const double r = c->radius;
+    double surface = 0;
+    *volume = 0;
+    if (!c->count) return GNEISS_OK;
+    gneiss_status status = measure_core(c, dimension, &points, volume, &surface, error);
+    gn_free(points.x);
+    if (dimension == 3)
+        *volume += r * (surface + r * (curvature_of(c) + 4.0 / 3.0 * M_PI * r));
+    else
+        *volume += r * (surface + M_PI * r);
+    return status;
+}
+
 gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
                               double lower[3], double upper[3], gneiss_error *error) {
-    double direction[DIRECTIONS_2D][3], *points = NULL;
-    size_t directions = surface_directions(dimension, direction), count = 0, many;
+    size_t many;
+    core c = {0};
+    *volume = 0;
     packing_extent(particles, lower, upper);
     int32_t *outer = outer_particles(particles, dimension, lower, upper, &many);
-    if (outer) points = gn_alloc_array(many * directions * (size_t)dimension + 1, sizeof *points);
     gneiss_status status =
-        points ? GNEISS_OK
-               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
-                         particles->soa.count);
-    for (size_t o = 0; points && o < many; o++) {
-        const double *x = particles->pos + 4 * (size_t)outer[o];
-        for (size_t k = 0; k < directions; k++, count++)
-            for (int a = 0; a < dimension; a++)
-                points[count * dimension + a] = x[a] + x[3] * direction[k][a];
-    }
-    if (points) status = gn_hull_volume(points, count, dimension, volume, error);
-    gn_free(points);
+        outer ? make_core(particles, outer, many, lower, upper, &c, error)
+              : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
+                        particles->soa.count);
+    if (status == GNEISS_OK) status = measure_hull(&c, dimension, volume, error);
+    core_free(&c);
     gn_free(outer);
     if (status != GNEISS_OK) gn_fail_context(error, "hull of the packing: ");
     return status;

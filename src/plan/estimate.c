@@ -75,17 +75,22 @@ static double breaking_of(const gn_scene *s, double tension, double slip) {
 /* The strain at which a twentieth of the bonds has its strength, by either. */
 static gneiss_status find_breaking(const gn_world *w, gn_estimate *e, gneiss_error *error) {
     const double share = 0.05;
-    size_t count = w->dem.bonds.soa.count, place = (size_t)(share * (double)count);
+    const size_t count = w->dem.bonds.soa.count;
     double *tension = gn_alloc_array(count + 1, sizeof *tension),
            *slip = gn_alloc_array(count + 1, sizeof *slip);
     gneiss_status status =
         tension && slip ? GNEISS_OK
                         : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", count);
     if (status == GNEISS_OK) {
-        for (size_t c = 0; c < count; c++)
-            breaking_strains(w, c, e->poisson, &tension[c], &slip[c]);
-        qsort(tension, count, sizeof *tension, by_size);
-        qsort(slip, count, sizeof *slip, by_size);
+        size_t holding = 0;
+        for (size_t c = 0; c < count; c++) {
+            if (!gn_contact_bonded(&w->dem.bonds, c)) continue;
+            breaking_strains(w, c, e->poisson, &tension[holding], &slip[holding]);
+            holding++;
+        }
+        const size_t place = (size_t)(share * (double)holding);
+        qsort(tension, holding, sizeof *tension, by_size);
+        qsort(slip, holding, sizeof *slip, by_size);
         e->breaking = breaking_of(&w->scene, tension[place], slip[place]);
     }
     gn_free(tension);

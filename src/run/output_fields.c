@@ -243,7 +243,11 @@ READ(state, gn_output_bond_state(&w->dem.bonds, k))
 READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
 READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
 READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
-READ(broken_time, w->dem.bonds.cause[k] ? w->dem.bonds.broken_time[k] : NAN)
+static bool was_bonded(const gn_contacts *bonds, size_t c) {
+    return bonds->cause[c] != GN_INTACT && bonds->cause[c] != GN_BOND_NEVER;
+}
+
+READ(broken_time, was_bonded(&w->dem.bonds, k) ? w->dem.bonds.broken_time[k] : NAN)
 READ(normal_force, v->normal[k])
 READ(shear_force, v->shear[k])
 READ(criterion, criterion_of(v, k))
@@ -274,7 +278,8 @@ static const gn_output_field of_bonds[] = {
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
     {"state", "1",
      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
-     "softening, 5 yielded; 6 dissolved by a stage",
+     "softening, 5 yielded; 6 dissolved by a stage; 7 never bonded, and free of stress at the "
+     "overlap of the start (bonds.passive_gaps)",
      BOTH, GN_I32, false, 1, read_state, 0},
     {"rest_length", "m", "distance of the centres at which there is no normal force", GN_IN_RESULTS,
      GN_F64, false, 1, read_rest_length, 0},

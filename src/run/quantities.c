@@ -256,13 +256,13 @@ READ(added_kinetic, gn_dem_added_kinetic(w))
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-/* Those that left with removed particles or were dissolved are neither. */
+/* Bonds that left with removed particles or were dissolved are neither intact nor broken. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
     for (size_t c = 0;
          (w->dem.lost || w->scene.stage_count || w->scene.sink_count) && c < w->dem.bonds.soa.count;
          c++)
-        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT;
+        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT && w->dem.bonds.cause[c] != GN_BOND_NEVER;
     return (double)left;
 }
 READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))
@@ -338,8 +338,10 @@ static const gn_quantity of_the_model[] = {
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},
-    SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
-           "mean resultant on a particle over the mean contact force"),
+    SCALAR(
+        always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
+        "mean resultant on a free particle over the mean force of contacts that carry, also with "
+        "walls; of elements and free bodies the largest; 0: nothing carries"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "particles that are there; with couple.convert those that are awake: of converted "
            "elements and of the zone around these"),

@@ -210,8 +210,7 @@ static void check_stop_conditions(gn_run *run) {
     if (s->test.kind != GN_TEST_NONE && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
         last(run, "strain") >= stops.strain)
         (stops.strain_by_kind ? stop_by_kind : stop)(run, "strain reached %g", stops.strain);
-    if (s->stop_unbalanced > 0.0 && run->history.row_count > ROWS_BEFORE_PEAK &&
-        run->world.unbalanced < s->stop_unbalanced)
+    if (gn_run_balanced(run, run->history.row_count, s->stop_unbalanced))
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 

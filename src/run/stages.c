@@ -146,6 +146,12 @@ static bool fell(const gn_run *run, size_t rows, double stress) {
            stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
+/* What falls freely, or what nothing presses yet, has not settled. */
+bool gn_run_balanced(const gn_run *run, size_t rows, double limit) {
+    const gn_balance *b = &run->world.balance;
+    return limit > 0.0 && rows > ROWS_BEFORE && b->carries && !b->falls && b->ratio < limit;
+}
+
 static gn_stage_cause cause_in_row(gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
@@ -162,10 +168,7 @@ static gn_stage_cause cause_in_row(gn_run *run) {
         if (e->stress > 0.0 && stress >= e->stress) return GN_STAGE_STRESS;
         if (e->peak_drop > 0.0 && fell(run, rows, stress)) return GN_STAGE_PEAK_DROP;
     }
-    /* Where nothing carries the ratio is 0: what falls freely has not settled. */
-    bool carries = w->unbalanced > 0.0;
-    if (e->unbalanced > 0.0 && rows > ROWS_BEFORE && carries && w->unbalanced < e->unbalanced)
-        return GN_STAGE_UNBALANCED;
+    if (gn_run_balanced(run, rows, e->unbalanced)) return GN_STAGE_UNBALANCED;
     if (e->held > 0.0 && servos_hold(run, rows)) return GN_STAGE_HELD;
     if (e->held > 0.0 && membrane_holds(run, rows)) return GN_STAGE_PRESSED;
     return GN_STAGE_RUNS;

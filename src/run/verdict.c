@@ -149,10 +149,10 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     if (!count) return;
     gn_warning *to = add(list, "bonds_too_long");
     snprintf(to->text, sizeof to->text,
-             "%zu of %zu bonds hold more elastic energy at their tensile strength than they may "
+             "%zu of %lld bonds hold more elastic energy at their tensile strength than they may "
              "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
              "less strength would let them soften",
-             count, b->soa.count);
+             count, (long long)run->world.dem.bonds_at_start);
 }
 
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
@@ -239,16 +239,25 @@ static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
              d->scaling.added / d->mass);
 }
 
-/* The steps between two looks are no delay. */
+/* A hundredth of the time, or one particle, is no delay. */
 static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; k < w->scene.source_count; k++) {
         const gn_source_def *d = &w->scene.sources[k];
         const gn_source_state *s = &w->dem.flow.sources[k];
         double behind = gn_flow_behind(w, k);
-        if (!(s->full > 0.0 && behind > 0.01 * fmax(0.0, w->time - d->start))) continue;
+        if (!gn_flow_is_behind(w, k)) continue;
         const char *wall = gn_flow_wall_before(w, k);
         gn_warning *to = add(list, "source_behind");
+        if (s->full == 0.0) {
+            snprintf(to->text, sizeof to->text,
+                     "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
+                     "came in; particles come when lists are made, up to 50 steps late, and what "
+                     "was due since then did not come any more: a longer run, or an end of the "
+                     "source before that of the run, lets them in",
+                     d->name, behind, s->number, s->mass);
+            return;
+        }
         snprintf(to->text, sizeof to->text,
                  "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
                  "particles, %.4g kg came in; %s%s%s",
@@ -379,6 +388,45 @@ static void warn_of_control(const gn_run *run, gn_warnings *list) {
         c->response);
 }
 
+static double first_row(const gn_run *run, const char *column) {
+    const double *rows = gn_history_column(&run->history, column);
+    return rows && run->history.row_count ? rows[0] : 0.0;
+}
+
+/* Particles at rest that overlap under stress, and whose contacts do not balance each other, spring
+ * apart in the first steps. A specimen that another run brought to rest under load is in balance;
+ * less than a thousandth of what goes through later does no harm. What ends press at the start is
+ * said elsewhere (initial_stress). */
+static void warn_of_burst(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const double balanced = 0.1, share = 1e-3,
+                 stored = first_row(run, "energy_elastic_normal") +
+                          first_row(run, "energy_elastic_shear") +
+                          first_row(run, "energy_elastic_bending");
+    const double moving = first_row(run, "energy_kinetic");
+    if (!w->scene.has_specimen || !(first_row(run, "unbalanced") > balanced)) return;
+    if (!(stored > moving) || !gn_stored_matters(w, stored)) return;
+    if (!(stored > share * gn_energy_scale(&w->reading))) return;
+    gn_warning *to = add(list, "stressed_at_start");
+    snprintf(to->text, sizeof to->text,
+             "particles at rest held %.3g J at the start in contacts that are not in balance "
+             "(unbalanced force ratio %.3g): overlaps there are a load that pushes them apart, and "
+             "may break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
+             "packing as free of stress; else a packing without overlaps, or a run that comes to "
+             "rest first (specimen.from)",
+             stored, first_row(run, "unbalanced"));
+}
+
+static void warn_of_sinks(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    for (size_t k = 0; k < run->world.scene.sink_count; k++) {
+        if (!gn_sink_is_too_thin(&run->world, k, text, sizeof text)) continue;
+        gn_warning *to = add(list, "sink_too_thin");
+        snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+        return;
+    }
+}
+
 gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     *list = (gn_warnings){0};
     warn_of_step(run, list);
@@ -399,10 +447,12 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_bodies(run, list);
     warn_of_depth(run, list);
     warn_of_overlap(run, list);
+    warn_of_burst(run, list);
     warn_of_sizes(run, list);
     warn_of_geometry(run, list);
     warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_sources(run, list);
+    warn_of_sinks(run, list);
     return gn_warn_of_coupling(run, list, error);
 }

@@ -224,7 +224,8 @@ static const gn_key bonds_keys[] = {
                 "centres "
                 "of bonded particles stand apart by 0.01 of the smaller radius)"),
     KEY("passive_gaps", CHOICE, gn_scene, passive_gaps, .choices = booleans, .fallback = "true",
-        .text = "bonds are free of stress at the distance where they form"),
+        .text = "bonds are free of stress at the distance where they form, and so are the overlaps "
+                "of the start between particles that are not bonded"),
     KEY("radius_multiplier", REAL, gn_scene, bond_radius_multiplier, .unit = "1",
         .range = "[0, 100]", .fallback = "0",
         .text =

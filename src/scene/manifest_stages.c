@@ -16,7 +16,8 @@ static const gn_key end_keys[] = {
     KEY("peak_drop", REAL, gn_stage, peak_drop, .unit = "1", .range = "(0, 1)",
         NONE("once stress has fallen by this fraction of its peak in the stage")),
     KEY("unbalanced", REAL, gn_stage, unbalanced, .unit = "1", .range = "(0, inf)",
-        NONE("once the unbalanced force ratio is below")),
+        NONE("once the unbalanced force ratio is below, after 20 rows, while something carries and "
+             "nothing falls freely")),
     KEY("held", REAL, gn_stage, held, .unit = "1", .range = "(0, 1)",
         NONE("once every servo, of walls and of a periodic box, has been within this fraction of "
              "its force or stress for ten rows of the history; without servos the mean stress "

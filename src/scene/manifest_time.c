@@ -18,7 +18,9 @@ static const gn_key stop_keys[] = {
     KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
         .fallback = "off", .text = "stop at this strain"),
     KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",
-        .word = "off", .fallback = "off", .text = "stop once the unbalanced force ratio is below"),
+        .word = "off", .fallback = "off",
+        .text = "stop once the unbalanced force ratio is below, after 20 rows, while something "
+                "carries and nothing falls freely"),
 };
 TABLE_OF(stop);
 

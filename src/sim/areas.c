@@ -9,6 +9,17 @@
 
 #include <string.h>
 
+/* Free overlaps that were never bonds stand in the same list, and fill no part of the body. */
+static bool is_section(const gn_contacts *bonds, size_t c) {
+    return bonds->cause[c] != GN_BOND_NEVER;
+}
+
+static size_t count_sections(const gn_contacts *bonds) {
+    size_t count = 0;
+    for (size_t c = 0; c < bonds->soa.count; c++) count += is_section(bonds, c);
+    return count;
+}
+
 /* --- Dempack's --- */
 
 static double dempack_area(const gn_world *w, int32_t i, int32_t j) {
@@ -18,7 +29,7 @@ static double dempack_area(const gn_world *w, int32_t i, int32_t j) {
 }
 
 static double porosity_gamma(const gn_world *w) {
-    const double bonds = (double)w->dem.bonds.soa.count;
+    const double bonds = (double)count_sections(&w->dem.bonds);
     if (bonds == 0.0) return 0.0;
     return 20.0 * gn_world_porosity(w) * (double)w->dem.particles.soa.count / bonds;
 }
@@ -27,14 +38,14 @@ static double filled_by_dempack(const gn_world *w) {
     const gn_contacts *b = &w->dem.bonds;
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++)
-        sum += dempack_area(w, b->i[c], b->j[c]) * b->length0[c];
+        if (is_section(b, c)) sum += dempack_area(w, b->i[c], b->j[c]) * b->length0[c];
     return sum;
 }
 
 /* Without bonds there is no body to measure it by: 1. */
 static double gamma_of(const gn_world *w) {
     if (w->scene.gamma > 0.0) return w->scene.gamma;
-    if (!w->dem.bonds.soa.count) return 1.0;
+    if (!count_sections(&w->dem.bonds)) return 1.0;
     if (w->scene.gamma_rule == GN_GAMMA_POROSITY) return porosity_gamma(w);
     return (double)w->scene.dimension * w->volume / filled_by_dempack(w);
 }
@@ -70,6 +81,7 @@ static gneiss_status list_bonds(const gn_world *w, faces *f, gneiss_error *error
     bool held = f->start && f->bond && f->scale && f->free && f->open;
     /* Counted two places on, so that filling leaves the starts where they belong. */
     for (size_t c = 0; held && c < b->soa.count; c++) {
+        if (!is_section(b, c)) continue;
         f->start[b->i[c] + 2]++;
         f->start[b->j[c] + 2]++;
     }
@@ -78,6 +90,7 @@ static gneiss_status list_bonds(const gn_world *w, faces *f, gneiss_error *error
         f->start[p] += f->start[p - 1];
     }
     for (size_t c = 0; held && c < b->soa.count; c++) {
+        if (!is_section(b, c)) continue;
         f->bond[f->start[b->i[c] + 1]++] = (int32_t)c;
         f->bond[f->start[b->j[c] + 1]++] = (int32_t)c;
     }
@@ -162,7 +175,7 @@ gneiss_status gn_areas_check(const gn_world *w, gn_area_check *check, gneiss_err
     faces f;
     *check = (gn_area_check){.dempack_gamma = porosity_gamma(w)};
     for (size_t c = 0; b->area && c < b->soa.count; c++)
-        check->filled += b->area[c] * b->length0[c] / all;
+        if (is_section(b, c)) check->filled += b->area[c] * b->length0[c] / all;
     if (w->scene.stiffness != GN_STIFFNESS_POLYHEDRON) return GNEISS_OK;
     gneiss_status status = find_faces(w, &f, error);
     for (size_t p = 0; status == GNEISS_OK && p < w->dem.particles.soa.count; p++) {

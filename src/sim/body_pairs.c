@@ -481,6 +481,9 @@ static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
     }
     rock(w, p, s, spread, moment, sums);
     act_twist(p, &turning, s->touch.n, friction * fmax(-total, 0.0), moment, sums);
+    const double size = sqrt(gn_dot3(force, force));
+    sums->force += size;
+    sums->carrying += size > 0.0;
     push(s->a, force, moment, s->lever[0], 1.0);
     push(s->b, force, moment, s->lever[1], -1.0);
 }

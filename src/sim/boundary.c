@@ -148,6 +148,32 @@ void gn_boundary_measure(const gn_world *w, gn_energy *ledger) {
     ledger->rotational += rotation;
 }
 
+/* Along what is free. */
+static void add_body(const gn_world *w, const gn_rigid *b, gn_balance *balance) {
+    double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
+    bool is_free = false;
+    for (int a = 0; a < 3; a++) {
+        if (!(b->inverse_mass[a] > 0.0)) continue;
+        is_free = true;
+        weight[a] = b->mass * w->scene.gravity[a];
+        pressed[a] = b->force[a];
+        resultant[a] = weight[a] + pressed[a];
+    }
+    const double rest = sqrt(gn_dot3(resultant, resultant)),
+                 touch = sqrt(gn_dot3(b->force, b->force));
+    if (!is_free) return;
+    balance->carries |= touch > 0.0;
+    balance->falls |= touch == 0.0 && rest > 0.0;
+    if (touch > 0.0)
+        balance->ratio =
+            fmax(balance->ratio, rest / (sqrt(gn_dot3(weight, weight)) +
+                                         sqrt(gn_dot3(pressed, pressed)) + balance->force));
+}
+
+void gn_boundary_balance(const gn_world *w, gn_balance *balance) {
+    for (size_t k = 0; k < w->scene.body_count; k++) add_body(w, &w->boundary.bodies[k], balance);
+}
+
 /* --- all of it --- */
 
 uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {

@@ -6,6 +6,7 @@
 #include "base/vec3.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "sim/balance.h"
 #include "sim/body_pairs.h"
 #include "sim/servo.h"
 #include "sim/surface.h"
@@ -85,6 +86,9 @@ void gn_boundary_move(gn_world *world);
  * motion, adds the kinetic energy of free bodies. */
 void gn_boundary_book(const gn_world *world, gn_half half, gn_energy *ledger);
 void gn_boundary_measure(const gn_world *world, gn_energy *ledger);
+/* Adds the largest resultant on a free body over its weight, what presses it as a whole, and a mean
+ * contact force. */
+void gn_boundary_balance(const gn_world *world, gn_balance *balance);
 /* That nothing moved too far in the step (paths.c). */
 gneiss_status gn_boundary_check(const gn_world *world, gneiss_error *error);
 

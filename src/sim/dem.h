@@ -11,10 +11,12 @@
 #include "neigh/pairs.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
+#include "sim/balance.h"
 #include "sim/depth.h"
 #include "sim/events.h"
 #include "sim/flow.h"
 #include "sim/near.h"
+#include "soa/bond_causes.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -51,9 +53,6 @@ typedef struct gn_mass_scaling {
     double largest;  /* mass over own mass, the most */
     int64_t raised;  /* particles */
 } gn_mass_scaling;
-
-/* A cause beside those of gn_cause (4 and 5 are bonds that hold, in files): by a stage. */
-enum { GN_BOND_DISSOLVED = 6 };
 
 /* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
  * are sums of areas times places or ways, m3. */
@@ -216,10 +215,11 @@ gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double r
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
- * stress, Pa; the mean resultant over the mean contact force. */
+ * stress, Pa. */
 void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);
 void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
-double gn_dem_unbalanced(const gn_world *world);
+/* Adds the mean resultant on a free particle over the mean contact force. */
+void gn_dem_balance(const gn_world *world, gn_balance *balance);
 /* That no particle went bad or too far in the step (paths.c). */
 gneiss_status gn_dem_check(const gn_world *world, bool measure, gneiss_error *error);
 

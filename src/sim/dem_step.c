@@ -212,11 +212,31 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     gn_membrane_stress(w, stress);
 }
 
-double gn_dem_unbalanced(const gn_world *w) {
+/* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and
+ * facets, and of bodies with walls and each other; *count: of those that carry. */
+static double carried(const gn_world *w, double *count) {
     const gn_dem_sums *s = &w->dem.done;
-    double force = s->bonds.force + s->pairs.force,
-           contacts = s->bonds.carrying + s->pairs.carrying;
-    size_t particles = w->dem.particles.soa.count - w->dem.prescribed.count;
-    if (force <= 0.0 || !particles) return 0.0;
-    return s->motion.resultant / (double)particles / (force / contacts);
+    const gn_wall_contacts *lists[] = {&w->boundary.contacts, &w->boundary.body_contacts};
+    const gn_contact_sums none = {0},
+                          *bodies = w->boundary.pairs.count ? &w->boundary.pairs.sums : &none;
+    double force = s->bonds.force + s->pairs.force + bodies->force;
+    *count = s->bonds.carrying + s->pairs.carrying + bodies->carrying;
+    for (int k = 0; k < 2; k++)
+        for (size_t c = 0; c < lists[k]->soa.count; c++) {
+            const double *row = lists[k]->row + 8 * c, size = sqrt(gn_dot3(row, row));
+            force += size;
+            *count += size > 0.0;
+        }
+    return force;
+}
+
+void gn_dem_balance(const gn_world *w, gn_balance *balance) {
+    const double particles = (double)gn_world_present(w) - (double)w->dem.prescribed.count;
+    const double resultant = w->dem.done.motion.resultant;
+    double count, force = carried(w, &count);
+    balance->force = force > 0.0 ? force / count : 0.0;
+    if (!(particles > 0.0)) return;
+    balance->carries |= force > 0.0;
+    balance->falls |= force <= 0.0 && resultant > 0.0;
+    if (force > 0.0) balance->ratio = fmax(balance->ratio, resultant / particles / balance->force);
 }

@@ -376,6 +376,8 @@ static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     for (size_t k = 0; k < b->motion_blocks; k++) resultant += b->motion_sums[k].resultant;
     size_t nodes = b->nodes.soa.count - b->prescribed.count;
     q->unbalanced = force > 0.0 && nodes ? resultant / (double)nodes / force : 0.0;
+    q->carries = force > 0.0;
+    q->falls = nodes && !q->carries && resultant > 0.0;
     return GNEISS_OK;
 }
 
@@ -462,10 +464,12 @@ void gn_elements_strain(const gn_world *w, double gradient[9]) {
     }
 }
 
-double gn_elements_unbalanced(const gn_world *w) {
-    double most = 0.0;
-    for (size_t k = 0; k < w->element_count; k++) most = fmax(most, w->elements[k]->unbalanced);
-    return most;
+void gn_elements_balance(const gn_world *w, gn_balance *balance) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        balance->ratio = fmax(balance->ratio, w->elements[k]->unbalanced);
+        balance->carries |= w->elements[k]->carries;
+        balance->falls |= w->elements[k]->falls;
+    }
 }
 
 void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {

@@ -7,6 +7,7 @@
 #include "measure/energy.h"
 #include "mesh/joints.h"
 #include "scene/scene.h"
+#include "sim/balance.h"
 
 typedef struct gn_world gn_world;
 
@@ -41,6 +42,7 @@ typedef struct gn_element_model {
     double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
+    bool carries, falls; /* as of gn_balance */
 } gn_element_model;
 
 /* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
@@ -97,7 +99,7 @@ gn_element_totals gn_elements_totals(const gn_world *world);
  * step; the largest of the solids' `unbalanced`. */
 void gn_elements_strain(const gn_world *world, double gradient[9]);
 void gn_elements_stress(const gn_world *world, double stress[9]);
-double gn_elements_unbalanced(const gn_world *world);
+void gn_elements_balance(const gn_world *world, gn_balance *balance);
 /* Widens a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
 /* m: the sides of the smallest box around all of them. */

@@ -36,7 +36,8 @@ typedef struct gn_flow {
     double *unit; /* m [sources]: of the sizes that are drawn */
     gn_lost *lost;
     size_t lost_count, lost_room;
-    bool forced; /* the lists are made for a source alone */
+    double largest; /* m: radius, when the lists were made; with sinks */
+    bool forced;    /* the lists are made for a source or a thin sink alone */
 } gn_flow;
 
 /* A particle that comes in. */
@@ -65,13 +66,32 @@ void gn_flow_bounds(const gn_world *world, double lower[3], double upper[3]);
 bool gn_flow_due(const gn_world *world);
 /* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
 gneiss_status gn_flow_arrive(gn_world *world, bool first, gneiss_error *error);
-/* s by which what came in is behind what should have. */
+/* s by which what came in is behind what should have; whether that is more than a hundredth of the
+ * time and more than one particle. */
 double gn_flow_behind(const gn_world *world, size_t k);
+bool gn_flow_is_behind(const gn_world *world, size_t k);
+/* Particles that source k brings between two looks, which lack at the end of a run in which it
+ * still feeds; 0: at most one, or a hundredth of what it brings. */
+double gn_flow_late(const gn_world *world, size_t k);
+/* Particles that source k brings until time.end by its rate. */
+double gn_flow_expected(const gn_world *world, size_t k);
 /* The wall that has all of the region of source k behind it; NULL: none has. */
 const char *gn_flow_wall_before(const gn_world *world, size_t k);
 
 /* Whether a particle is where a sink has it. */
 bool gn_sink_has(const gn_world *world, size_t sink, const double x[4]);
+/* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
+double gn_sink_width(const gn_world *world, size_t sink);
+/* Whether a particle is where a sink has it, or was there at any time of the last step if the sink
+ * is thin. */
+bool gn_sink_takes(const gn_world *world, size_t sink, size_t particle);
+/* Whether a sink that is thin beside the ways on which lists stand has a particle to remove; such
+ * sinks are looked at in every step. */
+bool gn_sinks_are_due(const gn_world *world);
+/* The lists are made. */
+void gn_sinks_listed(gn_world *world);
+/* Whether there are particles that never are wholly inside of a sink; then the text says so. */
+bool gn_sink_is_too_thin(const gn_world *world, size_t sink, char *text, size_t size);
 /* Counts particles that cross planes which do not remove: since the lists were made. */
 void gn_flow_count(gn_world *world);
 gneiss_status gn_flow_note_lost(gn_world *world, size_t particle, gneiss_error *error);

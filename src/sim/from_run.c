@@ -99,7 +99,9 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
     double *rest = gn_alloc_array(s->bonds + 1, sizeof *rest);
     from->bond = gn_alloc_array(s->bonds + 1, sizeof *from->bond);
     from->rest_length = gn_alloc_array(s->bonds + 1, sizeof *from->rest_length);
-    bool held = ends[0] && ends[1] && ends[2] && rest && from->bond && from->rest_length;
+    from->holds = gn_alloc(s->bonds + 1);
+    bool held =
+        ends[0] && ends[1] && ends[2] && rest && from->bond && from->rest_length && from->holds;
     gneiss_status status = held ? GNEISS_OK : no_memory(error);
     const char *const names[] = {"bonds/i", "bonds/j", "bonds/state"};
     for (int k = 0; status == GNEISS_OK && k < 3; k++)
@@ -108,11 +110,12 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
         status = gn_h5_get(s->file, "bonds/rest_length", GN_F64, s->bonds, 1, 0, rest, error);
     for (size_t b = 0; status == GNEISS_OK && b < s->bonds; b++) {
         status = check_bond(s, ends, rest, b, error);
-        if (status != GNEISS_OK || !holds(ends[2][b])) continue;
+        if (status != GNEISS_OK) continue;
         int32_t i = s->place[ends[0][b]], j = s->place[ends[1][b]];
         if (i < 0 || j < 0) continue;
         from->bond[from->bonds][0] = i;
         from->bond[from->bonds][1] = j;
+        from->holds[from->bonds] = holds(ends[2][b]);
         from->rest_length[from->bonds++] = rest[b];
     }
     for (int k = 0; k < 3; k++) gn_free(ends[k]);
@@ -210,5 +213,6 @@ void gn_from_run_free(gn_from_run *from) {
     gn_free(from->motion);
     gn_free(from->bond);
     gn_free(from->rest_length);
+    gn_free(from->holds);
     *from = (gn_from_run){0};
 }

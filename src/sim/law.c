@@ -167,7 +167,7 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->mu) list->mu[c] = now->mu[c];
     if (list->rolling) list->rolling[c] = now->rolling[c];
     if (list->twisting) list->twisting[c] = now->twisting[c];
-    if (list->cause && list->cause[c] == GN_BOND_LEFT) return; /* it has no stiffness */
+    if (list->cause && !(list->kn[c] > 0.0)) return; /* released with a removed particle */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];
     if (list->kappa) { /* strengths are those that damage has left, of materials that stay */

@@ -391,6 +391,7 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     w->dem.verlet.drift = w->dem.verlet.closed = 0.0;
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
+    gn_sinks_listed(w);
     gn_box_listed(w);
     gn_walls_listed(w);
     return GNEISS_OK;
@@ -410,6 +411,7 @@ gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
     GN_TRY(ready_blocks(w, error));
+    gn_sinks_listed(w);
     GN_TRY(gn_near_lists(w, error));
     return gn_near_resume(w, error);
 }

@@ -58,7 +58,7 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double other = gn_boundary_travel(w, false);
     const double ahead = flown(w), flow = w->box.path + 2.0 * ahead;
     w->dem.flow.forced = false;
-    const bool due = gn_flow_due(w);
+    const bool due = gn_flow_due(w) || gn_sinks_are_due(w);
     const double most = farthest(w) - ahead;
     if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
     double start = gn_now();

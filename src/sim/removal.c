@@ -45,7 +45,7 @@ static int32_t way_out(const gn_world *w, size_t p, double reach) {
     const double *x = q->pos + 4 * p;
     if (q->vel[4 * p + 3] == 0.0) return 0;
     for (size_t k = 0; k < w->scene.sink_count; k++)
-        if (gn_sink_has(w, k, x)) return (int32_t)k + 1;
+        if (gn_sink_takes(w, k, p)) return (int32_t)k + 1;
     return w->scene.has_domain && !in_domain(w, x, reach) ? LEFT : 0;
 }
 

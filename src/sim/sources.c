@@ -30,11 +30,14 @@ static double rate(const gn_source_def *d) {
     return d->mass_rate > 0.0 ? d->mass_rate : d->rate;
 }
 
+/* What was due by the end of a source comes after it as well, when there is room. Its first
+ * particle is due at the start, so that the one after the last would be due at the end. */
 static bool due(const gn_world *w, size_t k) {
     const gn_source_def *d = &w->scene.sources[k];
     const gn_source_state *s = &w->dem.flow.sources[k];
-    if (w->time < d->start || (d->end > 0.0 && w->time > d->end)) return false;
+    if (w->time < d->start) return false;
     if (d->total > 0 && s->number >= (double)d->total) return false;
+    if (d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12)) return false;
     return amount(d, s) <= rate(d) * running(d, w->time);
 }
 
@@ -51,6 +54,33 @@ double gn_flow_behind(const gn_world *w, size_t k) {
     const gn_source_state *s = &w->dem.flow.sources[k];
     if (d->total > 0 && s->number >= (double)d->total) return 0.0;
     return fmax(0.0, running(d, w->time) - amount(d, s) / rate(d));
+}
+
+/* In the unit of the rate: one particle. */
+static double one(const gn_world *w, size_t k) {
+    const gn_source_state *s = &w->dem.flow.sources[k];
+    if (!(w->scene.sources[k].mass_rate > 0.0)) return 1.0;
+    return s->number > 0.0 ? s->mass / s->number : 0.0;
+}
+
+bool gn_flow_is_behind(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const double behind = gn_flow_behind(w, k);
+    return behind > 0.01 * fmax(0.0, running(d, w->time)) && behind * rate(d) > one(w, k);
+}
+
+double gn_flow_late(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const double most = running(d, w->scene.end) * rate(d), late = STEPS_BETWEEN * w->dt * rate(d);
+    const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * w->dt < w->scene.end;
+    const bool full = d->total > 0 && most - late > (double)d->total * one(w, k);
+    if (over || full || !(most > 0.0) || !(one(w, k) > 0.0)) return 0.0;
+    return late > one(w, k) && late > 0.01 * most ? fmin(late, most) / one(w, k) : 0.0;
+}
+
+double gn_flow_expected(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    return one(w, k) > 0.0 ? fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k) : 0.0;
 }
 
 /* --- who and where --- */

@@ -45,7 +45,9 @@ static void read_particles(gn_world *w) {
     for (int k = 0; k < 9; k++) w->stress[k] += w->couple.stress[k];
     gn_boundary_measure(w, e);
     if (w->step == 0) begin_ledger(e);
-    w->unbalanced = gn_dem_unbalanced(w);
+    w->balance = (gn_balance){0};
+    gn_dem_balance(w, &w->balance);
+    gn_boundary_balance(w, &w->balance);
     w->reading = *e;
 }
 
@@ -53,7 +55,7 @@ static void read_particles(gn_world *w) {
  * are no part of the specimen; alone they are it. */
 static void read_elements(gn_world *w) {
     if (!w->scene.has_specimen) gn_elements_stress(w, w->stress);
-    w->unbalanced = fmax(w->unbalanced, gn_elements_unbalanced(w));
+    gn_elements_balance(w, &w->balance);
     gn_elements_book(w, &w->reading);
     gn_exchanges_book(w, &w->reading);
 }
@@ -94,6 +96,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
     GN_TRY(gn_exchanges_follow(w, error));
     lap(time, GN_PHASE_exchange);
     if (measure) read_elements(w);
+    if (measure) w->unbalanced = w->balance.ratio;
     return gn_elements_check(w, error);
 }
 

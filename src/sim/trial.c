@@ -298,7 +298,9 @@ static void read_state(gn_world *w) {
     gn_boundary_forces(w);
     gn_dem_measure(w, &w->energy, w->stress);
     gn_boundary_measure(w, &w->energy);
-    w->unbalanced = gn_dem_unbalanced(w);
+    w->balance = (gn_balance){0};
+    gn_dem_balance(w, &w->balance);
+    w->unbalanced = w->balance.ratio;
 }
 
 static double work_of_walls(const gn_trial *t, double span) {

@@ -166,6 +166,7 @@ struct gn_world {
 #define X(name, text) double name;
     GN_MEASURED(X)
 #undef X
+    gn_balance balance; /* at the last measured step; no state */
     double seconds[GN_PHASE_COUNT];
     bool bad; /* the run failed: its state is written as it is, for looking at */
     char

@@ -1,0 +1,15 @@
+/* How far forces are from balance, over all parts of a world. */
+#ifndef GN_SIM_BALANCE_H
+#define GN_SIM_BALANCE_H
+
+#include <stdbool.h>
+
+/* Parts add theirs: particles first, whose mean contact force the others use. */
+typedef struct gn_balance {
+    double ratio; /* mean resultant over mean contact force; of parts the largest */
+    double force; /* N, mean over contacts that carry; 0: none does */
+    bool carries; /* a contact carries, or elements are stressed */
+    bool falls;   /* something moves under forces without any contact that could hold it */
+} gn_balance;
+
+#endif

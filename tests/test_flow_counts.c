@@ -1,0 +1,150 @@
+/* How many particles sources bring and sinks take, whatever the steps at which they are looked at.
+ */
+#include "surface_helpers.h"
+
+#include "run/run.h"
+
+#define SOFT                                                                                       \
+    "materials: [{name: m, density: 2500, contact_modulus: 1 MPa, kratio: 2}]\n"                   \
+    "law: {stiffness: arithmetic}\n"
+
+static void run_of(const char *scene_text, gn_run *run) {
+    gn_scene scene;
+    gneiss_error error = {0};
+    assert_ok(gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+    assert_ok(gn_run_create(&scene, run, &error), &error);
+}
+
+static bool warns(const gn_run *run, const char *name, const char *words) {
+    gn_warnings list;
+    gneiss_error error = {0};
+    assert_ok(gn_run_warnings(run, &list, &error), &error);
+    for (size_t k = 0; k < list.count; k++)
+        if (strcmp(list.warning[k].name, name) == 0) {
+            if (!strstr(list.warning[k].text, words)) fail_msg("%s", list.warning[k].text);
+            return true;
+        }
+    return false;
+}
+
+/* --- sources --- */
+
+/* A source that feeds from 0 to its end brings rate times end, which falls between two looks. */
+static void a_source_brings_its_rate_times_its_end(void **state) {
+    (void)state;
+    const double one = 2500 * 4.0 / 3.0 * pi * pow(0.6e-3, 3);
+    static const struct {
+        int dimension;
+        const char *fed;
+        double end, number, mass;
+    } cases[] = {{3, "rate: 1e4, end: 5 ms", 20e-3, 50, 0},
+                 {3, "rate: 1e5, end: 1 ms, velocity: [0, 0, -1]", 20e-3, 100, 0},
+                 {3, "mass_rate: 0.02, end: 5 ms", 20e-3, 0, 1e-4},
+                 {2, "rate: 1e4, start: 2 ms, end: 7 ms, velocity: [0, -0.1]", 20e-3, 50, 0}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_run run;
+        text *t = calloc(1, sizeof *t);
+        const bool space = cases[k].dimension == 3;
+        add(t,
+            "dimension: %d\n" SOFT "%ssources: [{name: s, %s, mean_radius: 0.6 mm, %s}]\n"
+            "domain: {min: [-1, -1%s], max: [2, 2%s]}\ntime: {end: %g}\nrun: {threads: 1}\n",
+            cases[k].dimension,
+            space ? "" : "specimen: {particles: [[0.5, 0.5, 1e-3]], group: 0}\n",
+            space ? "box: {size: [60 mm, 60 mm, 60 mm]}"
+                  : "rectangle: {width: 60 mm, height: 60 mm}",
+            cases[k].fed, space ? ", -1" : "", space ? ", 2" : "", cases[k].end);
+        run_of(t->s, &run);
+        while (run.world.time < cases[k].end) run_steps(&run.world, 1);
+        const gn_source_state *s = &run.world.dem.flow.sources[0];
+        if (cases[k].mass > 0.0)
+            assert_near(s->mass, cases[k].mass, 1.01 * one);
+        else
+            assert_near(s->number, cases[k].number, 0.0);
+        assert_true(!warns(&run, "source_behind", ""));
+        gn_run_free(&run);
+        free(t);
+    }
+}
+
+/* 300 are due in 40 steps, between which there is no look: a warning says what came. */
+static void a_run_too_short_for_its_source_says_so(void **state) {
+    (void)state;
+    gn_run run;
+    run_of("dimension: 3\n" SOFT
+           "sources: [{name: s, box: {size: [60 mm, 60 mm, 60 mm]}, rate: 3e6, mean_radius: 0.6 "
+           "mm}]\n"
+           "domain: {min: [-1, -1, -1], max: [2, 2, 2]}\ntime: {end: 100 us, step: 2.5 us}\n"
+           "run: {threads: 1}\n",
+           &run);
+    assert_near(gn_flow_late(&run.world, 0), 300, 1e-6);
+    run_steps(&run.world, 40);
+    assert_true(warns(&run, "source_behind", "up to 50 steps late"));
+    gn_run_free(&run);
+}
+
+/* --- sinks --- */
+
+enum { GRAINS = 12 };
+
+/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down at 1 m/s. */
+static void add_grains(text *t, int dimension) {
+    add(t, "dimension: %d\n" SOFT "specimen: {group: 0, particles: [", dimension);
+    for (int k = 0; k < GRAINS; k++)
+        add(t, "%s[%g, %s%g, 1e-3]", k ? ", " : "", 4e-3 * k, dimension == 3 ? "0, " : "",
+            5e-3 + 0.37e-3 * k);
+    add(t,
+        "]}\nsets: [{name: s, select: {all: true}, initial_velocity: [0, %s-1]}]\n"
+        "domain: {min: [-1, -1%s], max: [1, 1%s]}\ntime: {end: 20 ms}\nrun: {threads: 1}\n",
+        dimension == 3 ? "0, " : "", dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "");
+}
+
+/* Every grain is wholly inside for some steps, fewer than lists stand. */
+static void a_thin_sink_takes_all_that_pass(void **state) {
+    (void)state;
+    static const char *const sinks[][2] = {
+        {"box: {size: [0.1, 0.04, 2.5 mm]}, origin: [-0.02, -0.02, 0]",
+         "rectangle: {width: 0.1, height: 2.5 mm}, origin: [-0.02, 0]"},
+        {"box: {size: [0.1, 0.04, 2.02 mm]}, origin: [-0.02, -0.02, 0]",
+         "polygon: [[-0.02, -0.1 mm], [0.08, 0], [0.08, 2.3 mm], [-0.02, 2.2 mm]]"}};
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int k = 0; k < 2; k++) {
+            gn_run run;
+            text *t = calloc(1, sizeof *t);
+            add_grains(t, dimension);
+            add(t, "sinks: [{name: k, %s}]\n", sinks[k][dimension == 2]);
+            run_of(t->s, &run);
+            while (run.world.time < 20e-3) run_steps(&run.world, 1);
+            assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
+            assert_true(!warns(&run, "sink_too_thin", ""));
+            gn_run_free(&run);
+            free(t);
+        }
+}
+
+static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
+    (void)state;
+    for (int wide = 0; wide < 2; wide++) {
+        gn_run run;
+        text *t = calloc(1, sizeof *t);
+        char said[GNEISS_MESSAGE_SIZE];
+        add_grains(t, 3);
+        add(t, "sinks: [{name: k, box: {size: [0.1, 0.04, %s]}, origin: [-0.02, -0.02, 0]}]\n",
+            wide ? "2.1 mm" : "1.5 mm");
+        run_of(t->s, &run);
+        assert_true(gn_sink_is_too_thin(&run.world, 0, said, sizeof said) == !wide);
+        run_steps(&run.world, 10);
+        assert_true(warns(&run, "sink_too_thin", "thinner than any particle") == !wide);
+        gn_run_free(&run);
+        free(t);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_source_brings_its_rate_times_its_end),
+        cmocka_unit_test(a_run_too_short_for_its_source_says_so),
+        cmocka_unit_test(a_thin_sink_takes_all_that_pass),
+        cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
