@@ -250,5 +250,52 @@ def a_peak_off_few_rows_is_said_with_where_it_may_have_been(folder):
             assert least < history(os.path.join(folder, "300"))["strain"][np.argmax(history(os.path.join(folder, "300"))["stress"])] < most
 
 
+def packed(kind, **more):
+    """A packed prism between frictionless walls whose contacts are four times as weak pulled as sheared: cracks open from a fifth of
+    the strength on, along the load, and the sides move by more than those of a whole specimen."""
+    height, width = 30e-3, 15e-3
+    plane = kind == "biaxial"
+    shape = {"rectangle": {"width": width, "height": height}} if plane else {"cylinder": {"diameter": width, "height": height}}
+    axis = "y" if plane else "z"
+    walls = [{"name": name, "point": [0] * (1 if plane else 2) + [at], "normal": [0] * (1 if plane else 2) + [sign], "stiffness": "150 MN/m",
+              "passive": True, "motion": {f"v{axis}": [[0, 0], [5e-5, 0.1 * sign]]}} for name, at, sign in (("bottom", 0, 1), ("top", height, -1))]
+    return {"dimension": 2 if plane else 3, "specimen": {**shape, "particles": 600, "packing": {"size_ratio": 3, "overlap": "passive"}},
+            "materials": [{"name": "rock", "density": 2650, "contact_modulus": "10 GPa", "kratio": 2, "friction": 0.5,
+                           "tensile_strength": "4 MPa", "shear_strength": "40 MPa"}],
+            "law": {"stiffness": "harmonic"}, "bonds": {"interaction_range": 0.05},
+            "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}}, "walls": walls,
+            "test": {"kind": kind, "axis": axis, "lower": "bottom", "upper": "top"}, "time": {"end": 6e-3, "stop": {"peak_drop": 0.4}},
+            "output": {"history_rows": 2000, "snapshots": 0, "checkpoint": "off"}, "run": {"threads": 1}, **more}
+
+
+@fact
+def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
+    for kind, more in (("compression", {}), ("triaxial", {"membrane": {"pressure": [[0, 0], [1e-4, 5e5]]}}),
+                       ("biaxial", {"membrane": {"pressure": [[0, 0], [1e-4, 5e5]]}})):
+        out, _ = run_scene(folder, packed(kind, **more), "--quiet", "--force")
+        rows, found = history(out), summary(out)["readings"]
+        stress, broken = rows["stress"], rows["broken_tension"] + rows["broken_shear"]
+        along, across = ("zz", ("xx", "yy")) if kind != "biaxial" else ("yy", ("xx",))
+        peak = stress.argmax()
+        first = np.argmax((stress >= 0.01 * stress[peak]) & (np.arange(len(stress)) >= np.argmax(rows["strain"] > 0)))
+        whole = slice(first, np.argmax(broken > broken[first]))
+        half = slice(first, np.argmax(stress > 0.5 * stress[peak]))
+
+        def ratio(used):
+            slope = {a: np.polyfit(stress[used], rows["strain_" + a][used], 1)[0] for a in (along, *across)}
+            return -np.mean([slope[a] for a in across]) / slope[along]
+
+        assert stress[whole.stop] < 0.4 * stress[peak], (kind, stress[whole.stop] / stress[peak])
+        assert ratio(half) > ratio(whole) + 0.03, (kind, ratio(half), ratio(whole))
+        assert abs(found["poisson_ratio"] - ratio(whole)) < 0.01, (kind, found["poisson_ratio"], ratio(whole))
+        assert abs(found["elastic_stress"] / stress[whole.stop] - 1) < 0.1, (kind, found["elastic_stress"], stress[whole.stop])
+        change = {a: rows["strain_" + a][half.stop] - rows["strain_" + a][first] for a in (along, *across)}
+        secant = -np.mean([change[a] for a in across]) / change[along]
+        assert abs(found["secant_poisson_ratio"] - secant) < 1e-3, (kind, found["secant_poisson_ratio"], secant)
+        if kind == "compression":
+            causes = {c["name"]: c for c in summary(out)["error_budget"]["young_modulus"]["causes"]}
+            assert causes["nonlinearity"]["is"] == "measured" and causes["nonlinearity"]["error"] > 0
+
+
 if __name__ == "__main__":
     sys.exit(main())
