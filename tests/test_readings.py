@@ -297,5 +297,38 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
             assert causes["nonlinearity"]["is"] == "measured" and causes["nonlinearity"]["error"] > 0
 
 
+@fact
+def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
+    """Of platens that begin away from the specimen, walls or bodies, on one side or both."""
+    def closing(gap_below, gap_above, kind="wall", **more):
+        scene = packed("compression", **more)
+        for wall, gap in zip(scene["walls"], (-gap_below, gap_above)):
+            wall["point"][2] += gap
+        if kind == "body":
+            top = scene["walls"].pop()
+            scene["bodies"] = [{"name": "top", "box": {"size": [20e-3, 20e-3, 5e-3]}, "origin": [-10e-3, -10e-3, top["point"][2]],
+                                "stiffness": top["stiffness"], "motion": top["motion"]}]
+        scene["materials"][0].update(tensile_strength="20 MPa")
+        scene["time"]["end"] = 12e-3
+        for wall in scene["walls"]:
+            wall["motion"] = {"vz": 0.1 * wall["normal"][2]} if "start" in scene["time"] else wall["motion"]
+        out, _ = run_scene(folder, scene, "--quiet", "--force")
+        return history(out), summary(out)["readings"]
+
+    # Grains stand a little proud of the end planes, into platens that touch these: the first of them is the contact otherwise.
+    _, flush = closing(0, 0)
+    _, there = closing(0.2e-3, 0.2e-3)
+    assert abs(there["peak_strain"] / flush["peak_strain"] - 1) < 0.25, (there["peak_strain"], flush["peak_strain"])
+    for gaps, kind in (((0.2e-3, 0.2e-3), "wall"), ((0.2e-3, 1e-3), "wall"), ((1e-3, 0.2e-3), "wall"), ((0.2e-3, 0.5e-3), "body")):
+        rows, found = closing(*gaps, kind)
+        assert abs(found["peak_stress"] / there["peak_stress"] - 1) < 0.05, (gaps, kind, found["peak_stress"], there["peak_stress"])
+        assert abs(found["peak_strain"] / there["peak_strain"] - 1) < 0.05, (gaps, kind, found["peak_strain"], there["peak_strain"])
+        touched = np.argmax((rows["stress_lower"] != 0) & (rows["stress_upper"] != 0))
+        assert np.all(rows["strain"][: touched] == 0) and rows["deflection"][touched] > 0.8 * sum(gaps), (gaps, kind, rows["deflection"][touched])
+    # The statics before the first break have few rows in the air.
+    rows, found = closing(0.2e-3, 0.2e-3, time={"start": "first_break", "stop": {"peak_drop": 0.4}})
+    assert abs(found["peak_strain"] / there["peak_strain"] - 1) < 0.05, (found["peak_strain"], there["peak_strain"])
+
+
 if __name__ == "__main__":
     sys.exit(main())

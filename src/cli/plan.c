@@ -453,6 +453,10 @@ static void print_volume(const gn_world *w) {
     const char *source = gn_test_area_source(w);
     printf("  test             length %.6g m, area %.6g %s%s%s\n", w->test_length, w->test_area,
            space ? "m2" : "m2 (1 m thick)", *source ? ", " : "", source);
+    if (w->approach.gap > 0.0)
+        printf("  ends             begin %.4g m in all away from the specimen: strain counts from "
+               "contact\n",
+               w->approach.gap);
 }
 
 static void print_membrane(const gn_world *w) {

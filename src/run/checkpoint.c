@@ -39,6 +39,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.period),
     DOUBLES(world.box),
     DOUBLES(world.machine),
+    DOUBLES(world.approach),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),

@@ -173,7 +173,7 @@ READ(lateral_strain, lateral_strain(w))
 
 READ(test_strain, w->scene.test.kind == GN_TEST_HYDROSTATIC
                       ? lost_volume(w)
-                      : gn_ends_deflection(w) / w->test_length)
+                      : gn_ends_shortening(w) / w->test_length)
 
 static double mean_pressure(const gn_world *w) {
     const double *s = w->stress;
@@ -293,7 +293,8 @@ static const gn_quantity of_the_model[] = {
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
     SCALAR_UNLESS(
         no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-        "change of the distance of the ends over the length, positive in the test's sense; "
+        "change of the distance of the ends since both touched the specimen over the length, "
+        "positive in the test's sense; "
         "hydrostatic: loss of volume over volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
            "mean of both ends' force over the area, positive in the test's sense; triaxial and "

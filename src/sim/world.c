@@ -370,6 +370,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) GN_TRY(measure_elements(w, error));
     GN_TRY(gn_ends_check(w, error));
+    gn_ends_begin(w);
     GN_TRY(gn_geometry_check(w, error));
     GN_TRY(gn_sides_check(w, error));
     GN_TRY(gn_stages_check_first(w, error));

@@ -142,6 +142,7 @@ struct gn_world {
     size_t gauged;             /* 0: without bonds */
     double period[3];          /* m: of a periodic box, as it is now */
     gn_box box;                /* how its sides moved (box.h) */
+    gn_approach approach;      /* of the ends of the test to the specimen */
     gn_machine machine;        /* what controls the ends of the test (control.h) */
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start; of a periodic box
                                   now */
