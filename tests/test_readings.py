@@ -298,6 +298,32 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
 
 
 @fact
+def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
+    """Stress over the waist and closing over the whole length belong to no one length: a third too much was read of discs packed in
+    such a shape. Against a strip of the same width and density."""
+    length, waist = 60e-3, 10e-3
+    sides = [(0.0, 1.0), (0.1, 1.0), (0.3, 0.5), (0.7, 0.5), (0.9, 1.0), (1.0, 1.0)]  # of the length; half widths over the waist
+    corners = [[sign * w * waist, y * length] for sign, line in ((1, sides), (-1, sides[::-1])) for y, w in line]
+    wide = {"polygon": corners}
+    strip = {"polygon": [[-waist / 2, 0], [waist / 2, 0], [waist / 2, length], [-waist / 2, length]]}
+    found = {}
+    for name, shape, count, area in (("strip", strip, 1000, waist), ("waist", wide, 1400, waist), ("mean", wide, 1400, None)):
+        scene = packed("compression")
+        walls = [{"name": end, "point": [0, at], "normal": [0, sign], "stiffness": "10 GN/m", "passive": True,
+                  "motion": {"vy": [[0, 0], [5e-5, 0.1 * sign]]}} for end, at, sign in (("bottom", 0, 1), ("top", length, -1))]
+        scene.update(dimension=2, specimen={**shape, "particles": count, "packing": {"size_ratio": 2, "overlap": "passive"}}, walls=walls,
+                     test={"kind": "compression", "axis": "y", "lower": "bottom", "upper": "top", "length": length, **({"area": area} if area else {})},
+                     time={"end": 1e-3})
+        scene["materials"][0].update(tensile_strength="1 GPa", shear_strength="1 GPa")
+        out, _ = run_scene(folder, scene, "--quiet", "--force")
+        found[name] = summary(out)["readings"]
+        if name != "strip":
+            assert found[name]["poisson_ratio"] is None and "section" in absent(out)["poisson_ratio"], absent(out)
+    assert abs(found["waist"]["young_modulus"] / found["mean"]["young_modulus"] - 1) < 0.02, found
+    assert abs(found["waist"]["young_modulus"] / found["strip"]["young_modulus"] - 1) < 0.08, {n: f["young_modulus"] for n, f in found.items()}
+
+
+@fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
     """Of platens that begin away from the specimen, walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):

@@ -268,8 +268,11 @@ typedef struct gn_tested {
     const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
     size_t burst_count;
     const char *no_bursts; /* why there are none */
-    bool zones;            /* particles and elements share some */
-    double returned;       /* at the end, found elsewhere; NaN: of nothing */
+    /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
+     * as the section varies; 0: as 1; NaN: none follows from it. */
+    double by_ends, by_mean;
+    bool zones;      /* particles and elements share some */
+    double returned; /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

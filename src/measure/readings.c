@@ -162,7 +162,7 @@ static double modulus_of(const gn_curves *c, gn_row_span span) {
 static void read_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;
     gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    r->young_modulus = f.slope;
+    r->young_modulus = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
     r->nonlinearity[which] = gn_nonlinearity(c, modulus_of);
     gn_need_elastic_rows(c, which, r);
     need_one_axis(c, c->elastic, which, beside_modulus, r);
@@ -186,7 +186,7 @@ static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus_average;
     gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->elastic);
     f.slope *= c->tested->sign;
-    r->young_modulus_average = f.slope;
+    r->young_modulus_average = gn_modulus_by(c->tested->by_mean, f.slope, which, r);
     r->nonlinearity[which] = gn_nonlinearity(c, average_modulus_of);
     gn_need_elastic_rows(c, which, r);
     need_average_strain(c, which, r);
@@ -231,6 +231,7 @@ static void read_poisson(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_poisson_ratio;
     const gn_line_fit f = ratio_fit(c, c->elastic);
     r->poisson_ratio = f.slope;
+    (void)gn_modulus_by(c->tested->by_mean, f.slope, which, r);
     r->nonlinearity[which] = gn_nonlinearity(c, ratio_of);
     gn_need_elastic_rows(c, which, r);
     need_average_strain(c, which, r);
@@ -255,6 +256,7 @@ static void read_secant_ratio(const gn_curves *c, gn_readings *r) {
             lateral += way / (dimension - 1);
     }
     r->secant_poisson_ratio = -lateral / axial;
+    (void)gn_modulus_by(c->tested->by_mean, -lateral / axial, which, r);
     const char *reason = gn_no_average_strain(c->average[0], s.last);
     if (reason) gn_reading_absent(r, which, "%s", reason);
     need_one_axis(c, s, which, beside_ratio, r);

@@ -53,6 +53,9 @@ void gn_find_elastic_rows(gn_curves *curves);
 typedef double gn_slope_of(const gn_curves *curves, gn_row_span span);
 double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
 
+/* The modulus of a specimen whose section varies, from a slope: gn_tested.by_ends or .by_mean. */
+double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *readings);
+
 /* What a slope needs to be a reading. */
 void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
 void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);

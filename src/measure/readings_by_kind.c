@@ -171,7 +171,7 @@ static void slope_between(const gn_curves *c, gn_reading which, double low, doub
                           double *value, gn_readings *r) {
     gn_row_span s = between(c, low, high);
     gn_line_fit f = gn_line(c, c->strain, c->stress, s);
-    *value = f.slope;
+    *value = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
     if (s.last - s.first < 3)
         gn_reading_absent(r, which,
                           "%zu history rows between %.0f and %.0f %% of the largest stress, 3 are "
@@ -186,7 +186,8 @@ static void read_secant(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_secant_modulus;
     const gn_row_span s = c->loading;
     double way = c->strain ? c->strain[s.last] - c->strain[s.first] : NAN;
-    r->secant_modulus = (c->stress[s.last] - c->stress[s.first]) / way;
+    r->secant_modulus =
+        gn_modulus_by(c->tested->by_ends, (c->stress[s.last] - c->stress[s.first]) / way, which, r);
     if (!(way > 0)) gn_reading_absent(r, which, "the strain does not grow up to half the stress");
     if (GN_OF_PRISMS >> c->tested->kind & 1) gn_need_axial(c, c->loading, which, r);
 }

@@ -33,6 +33,13 @@ void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
             rows, rows == 1 ? "" : "s");
 }
 
+double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *r) {
+    if (isnan(factor))
+        gn_reading_absent(r, which,
+                          "the section of the specimen varies along the axis by too much");
+    return factor > 0 ? factor * slope : slope;
+}
+
 void gn_need_elastic_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
     const size_t rows = c->elastic.last - c->elastic.first;
     if (!c->cut) gn_need_rows(c, which, r);

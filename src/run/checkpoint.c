@@ -40,6 +40,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.box),
     DOUBLES(world.machine),
     DOUBLES(world.approach),
+    DOUBLES(world.section),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),

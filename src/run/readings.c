@@ -6,6 +6,7 @@
 #include "sim/coupling.h"
 #include "sim/fragments.h"
 #include "sim/laboratory.h"
+#include "sim/section.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,6 +71,8 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                        .axis = (int)t->axis,
                        .sign = gn_test_sign(t->kind),
                        .notched = t->notch > 0.0,
+                       .by_ends = gn_section_by_ends(w),
+                       .by_mean = gn_section_by_mean(w),
                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
                        .fragments = pieces.count,
                        .largest_fragment = pieces.largest,

@@ -7,6 +7,14 @@
 
 struct gn_world;
 
+/* Sections across the axis of a test, of what its ends strain (section.c). 0 where it is even. */
+typedef struct gn_bar_section {
+    double mean, narrowest; /* m2 */
+    double uneven;          /* mean of A times mean of 1/A */
+    double length;          /* m, that is strained */
+    double waist;           /* 1: narrower than before and behind it */
+} gn_bar_section;
+
 /* How the ends of a test come to its specimen (ends_reach.c). */
 typedef struct gn_approach {
     double
