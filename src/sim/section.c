@@ -130,10 +130,10 @@ gn_bar_section gn_section_of(const gn_world *w) {
     if (!s.count || !(sum * inverse > varying)) return even;
     const double solid = w->dem.particles.soa.count ? 1.0 - gn_world_porosity(w) : 1.0;
     gn_bar_section x = {.mean = sum / s.thick / solid,
-                    .narrowest = least / s.thick / solid,
-                    .uneven = sum * inverse,
-                    .length = s.thick * (double)s.count,
-                    .waist = has_waist(&s)};
+                        .narrowest = least / s.thick / solid,
+                        .uneven = sum * inverse,
+                        .length = s.thick * (double)s.count,
+                        .waist = has_waist(&s)};
     /* The given area is that of the narrowest place where it alone tells the volume. */
     const double share = gn_world_volume_is_of_test(w) ? w->test_area / x.narrowest : 1.0;
     x.mean *= share;
