@@ -72,6 +72,55 @@ def a_bar_in_tension_in_3d_and_mixed_form_reads_back_its_constants(folder):
     reads_back(folder, 3, "mixed")
 
 
+def write_bone(path, length, half, along, across):
+    """A strip whose half width is half(x), of rectangles cut into two triangles each, as a mesh of gmsh."""
+    nodes, triangles = [], []
+    for i in range(along + 1):
+        x = length * i / along
+        nodes += [(x, half(x) * (2 * j / across - 1)) for j in range(across + 1)]
+    for i in range(along):
+        for j in range(across):
+            n = i * (across + 1) + j + 1
+            triangles += [(n, n + across + 1, n + across + 2), (n, n + across + 2, n + 1)]
+    with open(path, "w") as file:
+        file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes)}\n")
+        file.writelines(f"{n + 1} {x!r} {y!r} 0\n" for n, (x, y) in enumerate(nodes))
+        file.write(f"$EndNodes\n$Elements\n{len(triangles)}\n")
+        file.writelines(f"{n + 1} 2 2 1 1 {a} {b} {c}\n" for n, (a, b, c) in enumerate(triangles))
+        file.write("$EndElements\n")
+
+
+@fact
+def a_bar_with_a_waist_reads_back_its_modulus(folder):
+    """Twice as wide at its ends as in the middle half. Whether the stress is over the waist or over the volume by the length: F/E times
+    the integral of 1/A is what the ends move by, but for what the shear of a taper of 1 to 6 adds, a percent or two."""
+    length, waist = 0.12, 0.01
+
+    def half(x):
+        beside = min(1, max(0, abs(x - length / 2) - length / 4) / (length / 5))
+        return 0.5 * waist * (1 + 0.5 * (1 - np.cos(np.pi * beside)))
+
+    write_bone(os.path.join(folder, "bone.msh"), length, half, 96, 8)
+    mean = np.mean([2 * half(length * (k + 0.5) / 1000) for k in range(1000)])
+    for name, area in (("waist", waist), ("mean", None)):
+        scene = bar(2)
+        scene["elements"] = {"mesh": "bone.msh", "materials": [ROCK], "motions": [
+            {"name": "left", "box": {"min": [0, -1], "max": [0, 1]}, "motion": {"vx": 0}},
+            {"name": "right", "box": {"min": [length, -1], "max": [length, 1]}, "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
+            {"name": "foot", "box": {"min": [0, -1e-4], "max": [0, 1e-4]}, "motion": {"vy": 0}}]}
+        scene["test"].update({"area": area} if area else {})
+        told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert re.search(r"section +\S+ m2 in the mean, 0.01\S* m2 at the narrowest place", told), told
+        run(write_scene(folder, scene), os.path.join(folder, name), "--threads", 1)
+        found = summary(os.path.join(folder, name))["readings"]
+        assert abs(found["plane_young_modulus"] / YOUNG - 1) < 0.03, (name, found["plane_young_modulus"])
+        assert abs(found["young_modulus_average"] / PLANE_YOUNG - 1) < 0.03, (name, found["young_modulus_average"])
+        assert abs(found["plane_poisson_ratio"] / POISSON - 1) < 0.03, (name, found["plane_poisson_ratio"])
+        # Stresses are over what they were said to be over.
+        rows = history(os.path.join(folder, name))
+        assert abs(rows["stress"][-1] * (area or mean) / rows["force"][-1] - 1) < 1e-3
+
+
 def extrapolated(values):
     """From two resolutions, the finer one twice as fine, of a method whose error falls with the square."""
     coarse, fine = values

@@ -101,6 +101,18 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 
 @fact
+def every_column_of_the_history_has_numbers(folder):
+    """What comes and goes has no average strain, in a scene of sources alone or beside others."""
+    alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
+    alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
+    run(write_scene(folder, alone), os.path.join(folder, "alone"))
+    for out in (reference(), os.path.join(folder, "alone")):
+        rows = history(out)
+        assert not [name for name in rows if name.startswith("strain")], list(rows)
+        assert all(np.isfinite(values).all() for values in rows.values()), [n for n, v in rows.items() if not np.isfinite(v).all()]
+
+
+@fact
 def the_summary_counts_them(folder):
     said = summary(reference())
     source, sink = said["sources"][0], said["sinks"][0]

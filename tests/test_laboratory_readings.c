@@ -6,7 +6,7 @@
 #include "measure/measure.h"
 
 /* Columns by name, filled row by row. */
-enum { MOST = 12 };
+enum { MOST = 16 };
 typedef struct table {
     gn_history h;
     size_t columns;
@@ -324,6 +324,144 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
     assert_close(r.lateral_strain_at_peak, -15.8, 1e-12);
 }
 
+/* --- the range of elastic constants --- */
+
+/* A specimen that gives way long before half of its largest stress: it has 100 Pa a strain up to
+ * `from` Pa, and half of that up to the peak at 100 Pa; across the axis it moves by 0.1 of its
+ * axial strain, then by 0.45, and bears 0.2 and then 0.4 of the axial stress where its sides stand.
+ * From `from` on `column` grows. */
+typedef struct weakening {
+    double from;
+    const char *column;
+    int rows;           /* up to the peak */
+    double sides_stand; /* 1 or 0 */
+    int seated;         /* bonds that break at 2 Pa */
+} weakening;
+
+static table weakened(weakening of) {
+    static const char *const names[] = {
+        "strain",         "stress",       "strain_xx",         "strain_yy",
+        "strain_zz",      "stress_xx",    "stress_yy",         "stress_zz",
+        "force",          "deflection",   "bonds_intact",      "energy_elastic_normal",
+        "broken_tension", "broken_shear", "energy_plasticity", "energy_damage"};
+    table t = table_of(names, 16);
+    for (int k = 0; k <= of.rows + of.rows / 10; k++) {
+        const double at_peak = 100, s = fmin(at_peak * k / of.rows, at_peak),
+                     beyond = fmax(s - of.from, 0), more = at_peak * k / of.rows - s,
+                     e = (s + beyond + more) / 100,
+                     lateral = (0.1 * (s - beyond) + 0.45 * 2 * beyond) / 100,
+                     side = of.sides_stand * (0.2 * s + 0.2 * beyond), now = more > 0 ? 20 : s;
+        double row[16] = {e,
+                          now,
+                          lateral,
+                          lateral,
+                          -e,
+                          -side,
+                          -side,
+                          -now,
+                          4 * now,
+                          2 * e,
+                          8000,
+                          0.5 * s * s / 100,
+                          s > 2 ? of.seated : 0};
+        for (int c = 12; c < 16; c++)
+            if (strcmp(names[c], of.column) == 0) row[c] += beyond;
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    return t;
+}
+
+static gn_readings read_weakened(weakening of, gn_test_kind kind) {
+    table t = weakened(of);
+    return read_as(&t, (gn_tested){.kind = kind, .section = 4});
+}
+
+static const char *const weakenings[] = {"broken_tension", "broken_shear", "energy_plasticity",
+                                         "energy_damage"};
+
+/* A hundredth of the work is lost within 1 Pa of where bonds yield or soften. */
+static void elastic_constants_are_read_before_bonds_break_yield_or_soften(void **state) {
+    (void)state;
+    for (int c = 0; c < 4; c++)
+        for (double from = 10; from < 45; from += 15) {
+            weakening of = {.from = from, .column = weakenings[c], .rows = 1000};
+            const double tolerance = c < 2 ? 1e-9 : 0.03;
+            gn_readings r = read_weakened(of, GN_TEST_TRIAXIAL);
+            assert_close(r.young_modulus, 100, tolerance);
+            assert_close(r.young_modulus_average, 100, tolerance);
+            assert_close(r.poisson_ratio, 0.1, 10 * tolerance);
+            assert_true(fabs(r.elastic_stress - from) < 1.2);
+            r = read_weakened(of, GN_TEST_SHEAR);
+            assert_close(r.shear_modulus, 100, tolerance);
+            r = read_weakened(of, GN_TEST_HYDROSTATIC);
+            assert_close(r.bulk_modulus, 100, tolerance);
+            r = read_weakened(of, GN_TEST_BENDING);
+            assert_close(r.flexural_modulus, 100, tolerance);
+            assert_close(r.stiffness, 200, tolerance);
+            of.sides_stand = 1;
+            r = read_weakened(of, GN_TEST_OEDOMETER);
+            assert_close(r.oedometric_modulus, 100, tolerance);
+            assert_close(r.lateral_stress_ratio, 0.2, 10 * tolerance);
+        }
+}
+
+static void the_secant_at_half_the_peak_has_what_broke_in_it(void **state) {
+    (void)state;
+    const weakening of = {.from = 20, .column = "broken_tension", .rows = 1000};
+    /* From 1 to 50 Pa: 19 Pa at 100 Pa a strain, 30 Pa at 50. */
+    const double strain = 0.19 + 0.60;
+    const gn_test_kind kinds[] = {GN_TEST_COMPRESSION, GN_TEST_SHEAR, GN_TEST_HYDROSTATIC,
+                                  GN_TEST_OEDOMETER, GN_TEST_BENDING};
+    for (int k = 0; k < 5; k++)
+        assert_close(read_weakened(of, kinds[k]).secant_modulus, 49 / strain, 2e-3);
+    assert_close(read_weakened(of, GN_TEST_COMPRESSION).secant_poisson_ratio,
+                 (0.1 * 0.19 + 0.45 * 0.60) / strain, 2e-3);
+}
+
+static void too_few_rows_before_the_first_break_leave_no_constant(void **state) {
+    (void)state;
+    const weakening of = {.from = 20, .column = "broken_tension", .rows = 10};
+    gn_readings r = read_weakened(of, GN_TEST_COMPRESSION);
+    absent_for(&r, GN_READING_young_modulus,
+               "bonds break at 30 % of the largest stress: 2 history rows before that, 3 are "
+               "needed (output.history_rows)");
+    absent_for(&r, GN_READING_poisson_ratio, "bonds break at 30 %");
+    assert_false(isnan(r.secant_modulus));
+    r = read_weakened(of, GN_TEST_HYDROSTATIC);
+    absent_for(&r, GN_READING_bulk_modulus, "bonds break at 30 %");
+}
+
+/* A hundredth of a section of 8000^(2/3) bonds is 4. */
+static void a_few_bonds_that_platens_break_do_not_end_the_elastic_rows(void **state) {
+    (void)state;
+    weakening of = {.from = 30, .column = "broken_tension", .rows = 1000, .seated = 3};
+    gn_readings r = read_weakened(of, GN_TEST_COMPRESSION);
+    assert_close(r.elastic_stress, 30.1, 1e-9);
+    assert_close(r.poisson_ratio, 0.1, 1e-9);
+    of.seated = 5;
+    r = read_weakened(of, GN_TEST_COMPRESSION);
+    assert_close(r.elastic_stress, 2.1, 1e-9);
+}
+
+/* y = x + x^2 up to 0.5 of the peak: slopes 1 + x1 + x2 between two points. */
+static void the_change_of_a_slope_over_its_rows_is_its_nonlinearity(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    table t = table_of(names, 4);
+    for (int k = 0; k <= 1100; k++) {
+        const double x = 1e-3 * k;
+        double row[] = {x, k <= 1000 ? x + x * x : 0.1, k > 1000, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    const double first = 0.0196, last = 0.618; /* x + x^2 of 0.02 and 1 */
+    assert_close(r.young_modulus, 1 + first + last, 3e-3);
+    assert_close(r.nonlinearity[GN_READING_young_modulus],
+                 0.5 * (last - first) / (1 + first + last), 1e-2);
+}
+
 static gn_beginning begun_by(const double *strain, const double *stress, size_t rows) {
     gn_beginning whole = {0}, one = {0};
     gn_beginning_look(&whole, strain, stress, rows);
@@ -419,6 +557,11 @@ int main(void) {
         cmocka_unit_test(the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from),
         cmocka_unit_test(an_oedometer_reads_its_modulus_and_lateral_ratio),
         cmocka_unit_test(a_confined_strength_adds_the_pressure_at_the_peak),
+        cmocka_unit_test(elastic_constants_are_read_before_bonds_break_yield_or_soften),
+        cmocka_unit_test(the_secant_at_half_the_peak_has_what_broke_in_it),
+        cmocka_unit_test(too_few_rows_before_the_first_break_leave_no_constant),
+        cmocka_unit_test(a_few_bonds_that_platens_break_do_not_end_the_elastic_rows),
+        cmocka_unit_test(the_change_of_a_slope_over_its_rows_is_its_nonlinearity),
         cmocka_unit_test(a_test_begins_where_its_ends_move_and_what_they_bore_has_gone),
         cmocka_unit_test(what_ends_bear_before_they_move_is_no_peak),
     };

@@ -3,6 +3,7 @@
 #include "world_helpers.h"
 
 #include "sim/membrane.h"
+#include "sim/space.h"
 
 static const char scene[] =
     "dimension: %d\nspecimen: {%s, particles: 80, packing: {size_ratio: 2}}\n"
@@ -192,10 +193,10 @@ static double force_across(const gn_world *w, const double centre[3]) {
     return sum;
 }
 
-/* Pa: of forces at centres and ways to the surface, over the volume at the start. */
+/* Pa: of forces at centres and ways to the surface, over the volume that it encloses. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
-    const double volume = gn_membrane_volume(w);
+    const double volume = gn_space_volume(w);
     double force[3];
     for (int k = 0; k < 9; k++) stress[k] = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -230,19 +231,17 @@ static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
         }
 }
 
-/* Of any stretch the mean stress is the pressure times the volume over that at the start. */
+/* Of any stretch the mean stress over what it encloses then is the pressure. */
 static void a_stretched_block_has_the_pressure(void **state) {
     (void)state;
     gn_world *w = block();
-    double stress[9], turn[9];
-    gn_cofactor3(turned[1], turn);
+    double stress[9];
     for (int step = 0; step < 102; step += 50) {
         w->step = step;
         move(w, turned[1]);
         press(w);
         mean_stress(w, stress);
-        for (int k = 0; k < 9; k++)
-            assert_near(stress[k], k % 4 == 0 ? -7e6 * gn_dot3(turned[1], turn) : 0, 1e-3 * 7e6);
+        for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 : 0, 1e-3 * 7e6);
     }
     world_end(w);
 }

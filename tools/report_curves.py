@@ -80,16 +80,18 @@ def save(figure, path):
 
 
 def fit_line(results, strain, stress):
-    """(slope, intercept) of E between 1 and 50 % of the largest stress; None when E could not be read."""
+    """(slope, intercept, highest stress) of E from 1 % of the largest stress to elastic_stress; None when E could not be read."""
     slope = results.scalar(results.readings, "young_modulus")
     peak = int(np.nanargmax(stress))
     if not np.isfinite(slope) or not stress[peak] > 0:
         return None
     rising = np.arange(len(stress)) <= peak
-    used = rising & (stress >= 0.01 * stress[peak]) & (stress <= 0.5 * stress[peak]) & np.isfinite(strain)
+    until = results.scalar(results.readings, "elastic_stress")
+    until = until if np.isfinite(until) else 0.5 * stress[peak]
+    used = rising & (stress >= 0.01 * stress[peak]) & (stress <= until) & np.isfinite(strain)
     if not used.any():
         return None
-    return slope, float(np.mean(stress[used] - slope * strain[used]))
+    return slope, float(np.mean(stress[used] - slope * strain[used])), until
 
 
 def peak_name(results):
@@ -114,12 +116,12 @@ def plot_stress(results, path):
     peak = int(np.nanargmax(stress))
     line = fit_line(results, strain, stress)
     if line:
-        slope, start = line
+        slope, start, until = line
         top = np.array([0.0, 0.9 * stress[peak]])
         e_factor, e_unit = scale_of([slope], "Pa")
         axes.plot(100 * (top - start) / slope, top / factor, color=BLUE, lw=1.2, dashes=(6, 2), zorder=4,
-                  label=f"E = {slope / e_factor:.3g} {e_unit} (fit 1–50 %)")
-        axes.axhspan(0.01 * stress[peak] / factor, 0.5 * stress[peak] / factor, color=BLUE, alpha=0.05, lw=0)
+                  label=f"E = {slope / e_factor:.3g} {e_unit} (fit 1–{100 * until / stress[peak]:.0f} %)")
+        axes.axhspan(0.01 * stress[peak] / factor, until / factor, color=BLUE, alpha=0.05, lw=0)
     if stress[peak] > 0 and np.isfinite(strain[peak]):
         axes.plot(100 * strain[peak], stress[peak] / factor, "o", color=RED, ms=6, zorder=5,
                   label=f"{peak_name(results)} {stress[peak] / factor:.4g} {unit} at {100 * strain[peak]:.3g} %")

@@ -458,6 +458,24 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
     return status;
 }
 
+/* What moduli and strains of the test are read by. */
+static void print_section(const gn_world *w) {
+    if (w->section.mean > 0.0)
+        printf("  section          %.4g m2 in the mean, %.4g m2 at the narrowest place: moduli are "
+               "read by the mean of 1/area, stresses over %.4g m2\n",
+               w->section.mean, w->section.narrowest, w->test_area);
+    const gn_test *t = &w->scene.test;
+    const double mean = w->volume / gn_world_side(w, t->axis < 0 ? 0 : (int)t->axis);
+    const bool given = gn_test_in(t->kind, GN_TESTS_PRISMS) && (t->area > 0.0 || t->diameter > 0.0);
+    if (given && !w->scene.has_couple && fabs(w->test_area / mean - 1.0) > 0.02)
+        printf("  area             %.4g m2 is given, where volume over length is %.4g m2\n",
+               w->test_area, mean);
+    if (w->approach.gap > 0.0)
+        printf("  ends             begin %.4g m in all away from the specimen: strain counts from "
+               "contact\n",
+               w->approach.gap);
+}
+
 static void print_volume(const gn_world *w) {
     bool space = w->scene.dimension == 3;
     printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", w->volume,
@@ -592,6 +610,7 @@ gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     print_flow(w, warnings);
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
+    print_section(w);
     gn_print_zones(w, warnings);
     gn_print_conversion(w, warnings);
     GN_TRY(gn_print_walls_passed(w, warnings, error));

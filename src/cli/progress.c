@@ -244,8 +244,7 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
 #define PRINT(label, name, factor, unit, note)                                                     \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
     print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
-    PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
-          "(1-50 % of the largest stress, platen strain)");
+    PRINT("Young's modulus", young_modulus, 1e-9, "GPa", "(before bonds break, platen strain)");
     PRINT("", young_modulus_average, 1e-9, "GPa", "(over the average strain)");
     PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
     if (run->world.scene.dimension == 2) {

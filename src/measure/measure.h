@@ -120,11 +120,15 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
 /* Final readings, SI: Y(X, name, tests, unit, text). */
 #define GN_READING_LIST(Y, X)                                                                      \
     Y(X, young_modulus, GN_OF_PRISMS, "Pa",                                                        \
-      "slope of stress over platen strain, least squares, 1 to 50 % of the largest stress")        \
+      "slope of stress over platen strain, least squares, from 1 % of the largest stress to "      \
+      "elastic_stress")                                                                            \
     Y(X, young_modulus_average, GN_OF_PRISMS, "Pa",                                                \
       "the same over the average (Bagi) axial strain")                                             \
     Y(X, poisson_ratio, GN_OF_PRISMS, "1",                                                         \
       "lateral over axial average strain, slopes over the same range")                             \
+    Y(X, elastic_stress, ~GN_TESTS(NONE), "Pa",                                                    \
+      "stress up to which elastic constants are read: that at which bonds begin to break, yield "  \
+      "or soften, at most 50 % of the largest")                                                    \
     Y(X, peak_stress, GN_OF_ANY, "Pa",                                                             \
       "strength: largest axial stress, after which it fell; positive in the sense of the test")    \
     Y(X, peak_strain, GN_OF_ANY, "1",                                                              \
@@ -153,12 +157,13 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
       "stress in the fibre below mid-span at the peak by beam theory, 3 F a/(b h^2): h above the " \
       "notch, a from a support to the load next to it")                                            \
     Y(X, flexural_modulus, GN_TESTS(BENDING), "Pa",                                                \
-      "slope of that stress over the strain of that fibre by beam theory, 1 to 50 % of the "       \
-      "largest stress; shear and what gives way at supports are in it")                            \
+      "slope of that stress over the strain of that fibre by beam theory, from 1 % of the "        \
+      "largest stress to elastic_stress; shear and what gives way at supports are in it")          \
     Y(X, peak_force, GN_TESTS(BENDING), "N",                                                       \
       "largest mean of both ends' force, after which it fell")                                     \
     Y(X, stiffness, GN_TESTS(BENDING), "N/m",                                                      \
-      "slope of that force over the deflection, 1 to 50 % of the largest stress")                  \
+      "slope of that force over the deflection, from 1 % of the largest stress to "                \
+      "elastic_stress")                                                                            \
     Y(X, opening_at_peak, GN_TESTS(BENDING), "m", "opening of the gauge at the peak")              \
     Y(X, fracture_energy, GN_TESTS(BENDING) | GN_TESTS(TENSION), "J/m2",                           \
       "area under force over deflection, over the section that broke (Hillerborg 1985, RILEM TC "  \
@@ -171,22 +176,28 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, lateral_strain_at_peak, GN_TESTS_CONFINED, "1",                                           \
       "average lateral strain at the peak, compression positive")                                  \
     Y(X, bulk_modulus, GN_TESTS(HYDROSTATIC), "Pa",                                                \
-      "slope of the mean pressure over the loss of volume, 1 to 50 % of the largest; 2D: of area") \
+      "slope of the mean pressure over the loss of volume, from 1 % of the largest to "            \
+      "elastic_stress; 2D: of area")                                                               \
     Y(X, oedometric_modulus, GN_TESTS(OEDOMETER), "Pa",                                            \
-      "slope of stress over platen strain between sides that stand, 1 to 50 % of the largest")     \
+      "slope of stress over platen strain between sides that stand, from 1 % of the largest to "   \
+      "elastic_stress")                                                                            \
     Y(X, lateral_stress_ratio, GN_TESTS(OEDOMETER), "1",                                           \
       "mean lateral over axial stress of the specimen, slopes over the same range (K_0)")          \
     Y(X, shear_strength, GN_TESTS_SHEARED, "Pa", "largest shear stress, after which it fell")      \
     Y(X, normal_stress_at_peak, GN_TESTS_SHEARED, "Pa",                                            \
       "stress across the sheared plane at the peak, compression positive")                         \
     Y(X, shear_modulus, GN_TESTS_SHEARED, "Pa",                                                    \
-      "slope of shear stress over the way of the ends over the length, 1 to 50 % of the largest")  \
+      "slope of shear stress over the way of the ends over the length, from 1 % of the largest "   \
+      "to elastic_stress")                                                                         \
     Y(X, dilation_at_peak, GN_TESTS_SHEARED, "m", "way across the sheared plane at the peak")      \
     Y(X, tangent_modulus, GN_OF_AXIAL, "Pa",                                                       \
       "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
       "the strength)")                                                                             \
-    Y(X, secant_modulus, GN_OF_AXIAL, "Pa",                                                        \
-      "from the first row with 1 % of the largest stress to the one with 50 % of it (ISRM 1979)")  \
+    Y(X, secant_modulus, ~(GN_TESTS(NONE) | GN_TESTS(BRAZILIAN)), "Pa",                            \
+      "stress over strain of the test from the first row with 1 % of the largest stress to the "   \
+      "one with 50 % of it (ISRM 1979), whatever breaks or yields between them")                   \
+    Y(X, secant_poisson_ratio, GN_OF_AXIAL, "1",                                                   \
+      "lateral over axial average strain from the one of these rows to the other")                 \
     Y(X, average_modulus, GN_OF_AXIAL, "Pa",                                                       \
       "slope of stress over platen strain, 20 to 80 % of the largest stress, where it is about "   \
       "straight (ISRM 1979)")                                                                      \
@@ -230,6 +241,9 @@ typedef struct gn_readings {
     /* By how much of itself the largest stress is above that of the row before, at most 1; the
      * strains of the rows before and after it. */
     double peak_rise, peak_strain_least, peak_strain_most;
+    /* By which share of itself a slope differs over the first and the second half of its rows, from
+     * what it is over all of them; 0: not known. */
+    double nonlinearity[GN_READING_COUNT];
     double peak_fall;      /* share of the largest stress by which the last row is below it */
     double initial_stress; /* Pa, that the ends bore before they moved; 0: they never did */
     double initial_fall;   /* Pa, of which so much went before the test began (beginning.h) */
@@ -253,8 +267,11 @@ typedef struct gn_tested {
     const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
     size_t burst_count;
     const char *no_bursts; /* why there are none */
-    bool zones;            /* particles and elements share some */
-    double returned;       /* at the end, found elsewhere; NaN: of nothing */
+    /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
+     * as the section varies; 0: as 1; NaN: none follows from it. */
+    double by_ends, by_mean;
+    bool zones;      /* particles and elements share some */
+    double returned; /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

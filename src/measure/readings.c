@@ -13,11 +13,6 @@
  * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
-/* Of the work while a ratio is read, what may go into yielding. A bond that yields gives way along
- * its normal alone, so that its tangential spring counts for more: the ratio falls by 0.11 of that
- * share with k_t/k_n 0.4, and below 0 from a half on. */
-static const double yielding = 0.1;
-
 /* --- absent --- */
 
 /* Reasons show 0 without a sign. */
@@ -99,17 +94,18 @@ static double interval_of(const double *time, size_t rows) {
 /* --- what the scene lets be read --- */
 
 /* Slope of a mean stress of the specimen over that of the test. */
-static double follows(const gn_curves *c, int a, int b) {
+static double follows(const gn_curves *c, gn_row_span span, int a, int b) {
     char name[16];
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
-    return gn_line(c, c->stress, gn_history_column(c->history, name), c->loading).slope;
+    return gn_line(c, c->stress, gn_history_column(c->history, name), span).slope;
 }
 
 /* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
  * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
-static void need_one_axis(const gn_curves *c, gn_reading which, double limit, gn_readings *r) {
+static void need_one_axis(const gn_curves *c, gn_row_span span, gn_reading which, double limit,
+                          gn_readings *r) {
     int axis = c->tested->axis;
-    double along = c->tested->sign * follows(c, axis, axis);
+    double along = c->tested->sign * follows(c, span, axis, axis);
     if (isnan(along)) return; /* no mean stress to look at */
     if (!(along > 0.5 && along < 2))
         gn_reading_absent(
@@ -119,7 +115,7 @@ static void need_one_axis(const gn_curves *c, gn_reading which, double limit, gn
             "xyz"[axis], unsigned_zero(along));
     for (int a = 0; a < c->tested->dimension; a++)
         for (int b = a; b < c->tested->dimension; b++) {
-            double other = follows(c, a, b) / along;
+            double other = follows(c, span, a, b) / along;
             if ((a == axis && b == axis) || !(fabs(other) > limit)) continue;
             gn_reading_absent(
                 r, which,
@@ -131,10 +127,9 @@ static void need_one_axis(const gn_curves *c, gn_reading which, double limit, gn
 
 /* How the ends' way compares with the mean strain: where far more of it goes into bending, or into
  * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
-static void need_ways(const gn_curves *c, gn_reading which, gn_readings *r) {
-    double ways = c->tested->sign *
-                  gn_line(c, c->stress, c->average[c->tested->axis], c->loading).slope *
-                  gn_line(c, c->strain, c->stress, c->loading).slope;
+static void need_ways(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
+    double ways = c->tested->sign * gn_line(c, c->stress, c->average[c->tested->axis], span).slope *
+                  gn_line(c, c->strain, c->stress, span).slope;
     if (ways < 0.5 || ways > 2)
         gn_reading_absent(
             r, which,
@@ -146,48 +141,63 @@ static void need_ways(const gn_curves *c, gn_reading which, gn_readings *r) {
 /* The mean strains are those of a specimen loaded along its axis whatever the ends did, if the mean
  * stress is what the ends exert: then all of the load goes through all of it, and only the ends are
  * soft. */
-static void need_ways_or_stress(const gn_curves *c, gn_reading which, gn_readings *r) {
+static void need_ways_or_stress(const gn_curves *c, gn_row_span span, gn_reading which,
+                                gn_readings *r) {
     int axis = c->tested->axis;
-    double along = c->tested->sign * follows(c, axis, axis);
-    if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, which, r);
+    double along = c->tested->sign * follows(c, span, axis, axis);
+    if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, span, which, r);
+}
+
+void gn_need_axial(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
+    need_one_axis(c, span, which, beside_modulus, r);
+    need_ways(c, span, which, r);
 }
 
 /* --- readings --- */
 
+static double modulus_of(const gn_curves *c, gn_row_span span) {
+    return gn_line(c, c->strain, c->stress, span).slope;
+}
+
 static void read_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
-    r->young_modulus = f.slope;
-    gn_need_rows(c, which, r);
-    need_one_axis(c, which, beside_modulus, r);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
+    r->young_modulus = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
+    r->nonlinearity[which] = gn_nonlinearity(c, modulus_of);
+    gn_need_elastic_rows(c, which, r);
+    need_one_axis(c, c->elastic, which, beside_modulus, r);
     gn_need_modulus(f, which, r);
-    need_ways(c, which, r);
+    need_ways(c, c->elastic, which, r);
 }
 
 /* In the rows that are fitted. */
 static void need_average_strain(const gn_curves *c, gn_reading which, gn_readings *r) {
-    const size_t last = c->loading.last;
+    const size_t last = c->elastic.last;
     const char *reason =
-        gn_no_average_strain(c->average[0], last > c->loading.first ? last - 1 : 0);
+        gn_no_average_strain(c->average[0], last > c->elastic.first ? last - 1 : 0);
     if (reason) gn_reading_absent(r, which, "%s", reason);
+}
+
+static double average_modulus_of(const gn_curves *c, gn_row_span span) {
+    return gn_line(c, c->average[c->tested->axis], c->stress, span).slope;
 }
 
 static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus_average;
-    gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->elastic);
     f.slope *= c->tested->sign;
-    r->young_modulus_average = f.slope;
-    gn_need_rows(c, which, r);
+    r->young_modulus_average = gn_modulus_by(c->tested->by_mean, f.slope, which, r);
+    r->nonlinearity[which] = gn_nonlinearity(c, average_modulus_of);
+    gn_need_elastic_rows(c, which, r);
     need_average_strain(c, which, r);
-    need_one_axis(c, which, beside_modulus, r);
+    need_one_axis(c, c->elastic, which, beside_modulus, r);
     gn_need_modulus(f, which, r);
-    need_ways_or_stress(c, which, r);
+    need_ways_or_stress(c, c->elastic, which, r);
 }
 
 /* -1 to 0.5 is what an elastic solid can have; in the plane up to 1, as plane strain shows it. */
-static void need_possible_ratio(int dimension, gn_readings *r) {
-    const gn_reading which = GN_READING_poisson_ratio;
-    double nu = r->poisson_ratio, most = dimension == 2 ? 1 : 0.5;
+static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_readings *r) {
+    double most = dimension == 2 ? 1 : 0.5;
     if (!(fabs(nu) <= 1))
         gn_reading_absent(r, which, "the sides move more than the ends (%.3g)", nu);
     if (nu > most)
@@ -196,48 +206,64 @@ static void need_possible_ratio(int dimension, gn_readings *r) {
             nu, most);
 }
 
-static double grown(const gn_curves *c, const char *column) {
-    const double *e = gn_history_column(c->history, column);
-    return e ? e[c->loading.last] - e[c->loading.first] : 0.0;
-}
-
-/* The ledger tells; without it nothing does. */
-static void need_bonds_that_do_not_yield(const gn_curves *c, gn_reading which, gn_readings *r) {
-    if (c->loading.last >= c->history->row_count) return;
-    double lost = grown(c, "energy_plasticity");
-    double share =
-        lost / (lost + grown(c, "energy_elastic_normal") + grown(c, "energy_elastic_shear"));
-    if (share > yielding)
-        gn_reading_absent(r, which,
-                          "bonds yield meanwhile (%.2g of the work): along their normals alone, "
-                          "so that what is read (%.2g) is of the law",
-                          share, r->poisson_ratio);
-}
-
 /* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
  * instead would be biased towards zero by the vibrations in the axial average; over the stress such
  * scatter averages out of both slopes. */
-static void read_poisson(const gn_curves *c, gn_readings *r) {
-    const gn_reading which = GN_READING_poisson_ratio;
+static gn_line_fit ratio_fit(const gn_curves *c, gn_row_span span) {
     int axis = c->tested->axis, dimension = c->tested->dimension;
     double lateral = 0, variance = 0;
     for (int a = 0; a < dimension; a++) {
         if (a == axis) continue;
-        gn_line_fit f = gn_line(c, c->stress, c->average[a], c->loading);
+        gn_line_fit f = gn_line(c, c->stress, c->average[a], span);
         lateral += f.slope / (dimension - 1);
         variance += f.error * f.error / ((dimension - 1) * (dimension - 1));
     }
-    gn_line_fit axial = gn_line(c, c->stress, c->average[axis], c->loading);
-    r->poisson_ratio = -lateral / axial.slope;
-    double error = hypot(sqrt(variance), r->poisson_ratio * axial.error) / fabs(axial.slope);
-    gn_need_rows(c, which, r);
+    gn_line_fit axial = gn_line(c, c->stress, c->average[axis], span);
+    const double ratio = -lateral / axial.slope;
+    return (gn_line_fit){ratio, hypot(sqrt(variance), ratio * axial.error) / fabs(axial.slope)};
+}
+
+static double ratio_of(const gn_curves *c, gn_row_span span) {
+    return ratio_fit(c, span).slope;
+}
+
+static void read_poisson(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_poisson_ratio;
+    const gn_line_fit f = ratio_fit(c, c->elastic);
+    r->poisson_ratio = f.slope;
+    (void)gn_modulus_by(c->tested->by_mean, f.slope, which, r);
+    r->nonlinearity[which] = gn_nonlinearity(c, ratio_of);
+    gn_need_elastic_rows(c, which, r);
     need_average_strain(c, which, r);
-    need_one_axis(c, which, beside_ratio, r);
-    if (error > gn_scatter_allowed)
-        gn_reading_absent(r, which, "the rows scatter: standard error %.2g", error);
-    need_ways_or_stress(c, which, r);
-    need_bonds_that_do_not_yield(c, which, r);
-    need_possible_ratio(dimension, r);
+    need_one_axis(c, c->elastic, which, beside_ratio, r);
+    if (f.error > gn_scatter_allowed)
+        gn_reading_absent(r, which, "the rows scatter: standard error %.2g", f.error);
+    need_ways_or_stress(c, c->elastic, which, r);
+    need_possible_ratio(c->tested->dimension, f.slope, which, r);
+}
+
+/* Between two rows, whatever broke or yielded from the one to the other. */
+static void read_secant_ratio(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_secant_poisson_ratio;
+    const gn_row_span s = c->loading;
+    int axis = c->tested->axis, dimension = c->tested->dimension;
+    double lateral = 0, axial = NAN;
+    for (int a = 0; a < dimension; a++) {
+        const double way = c->average[a] ? c->average[a][s.last] - c->average[a][s.first] : NAN;
+        if (a == axis)
+            axial = way;
+        else
+            lateral += way / (dimension - 1);
+    }
+    r->secant_poisson_ratio = -lateral / axial;
+    (void)gn_modulus_by(c->tested->by_mean, -lateral / axial, which, r);
+    const char *reason = gn_no_average_strain(c->average[0], s.last);
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+    need_one_axis(c, s, which, beside_ratio, r);
+    if (!(c->tested->sign * axial > 0))
+        gn_reading_absent(r, which, "the strain does not grow up to half the stress");
+    need_ways_or_stress(c, s, which, r);
+    need_possible_ratio(dimension, r->secant_poisson_ratio, which, r);
 }
 
 /* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
@@ -340,11 +366,14 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
         all_absent(r, "the stress never had the sense of the test");
     if (!gn_reason_of(r, GN_READING_largest_stress)[0]) {
         c.loading = loading_span(c.stress, c.begin, c.largest);
+        gn_find_elastic_rows(&c);
+        r->elastic_stress = c.stress[c.elastic.last];
         read_peak(&c, r);
         if (tested->axis >= 0) {
             read_modulus(&c, r);
             read_average_modulus(&c, r);
             read_poisson(&c, r);
+            read_secant_ratio(&c, r);
             read_plane(&c, r);
         }
         read_balance(&c, r);

@@ -23,6 +23,8 @@ typedef struct gn_curves {
     bool still;               /* the strain never grew in the sense of the test */
     size_t largest;           /* row of the largest stress since */
     gn_row_span loading;      /* from 1 to 50 % of it */
+    gn_row_span elastic;      /* of these, those before bonds break, yield or soften */
+    const char *cut;          /* why they end before 50 %, as "bonds break"; NULL: they do not */
     const double *time;       /* s */
     double interval;          /* s between rows of time steps; 0: not known */
 } gn_curves;
@@ -40,8 +42,27 @@ char *gn_reason_of(gn_readings *readings, gn_reading which);
  */
 gn_line_fit gn_line(const gn_curves *curves, const double *x, const double *y, gn_row_span span);
 
+/* Bonds that have broken up to a row. */
+double gn_breaks_until(const gn_curves *curves, size_t row);
+
+/* Finds the rows that elastic constants are fitted to, from those of `loading`. */
+void gn_find_elastic_rows(gn_curves *curves);
+
+/* Share by which the slopes over the first and the second half of the rows are off the slope over
+ * all of them; 0 for fewer than 6 rows. `slope`: of a line or a quotient of two. */
+typedef double gn_slope_of(const gn_curves *curves, gn_row_span span);
+double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
+
+/* The modulus of a specimen whose section varies, from a slope: gn_tested.by_ends or .by_mean. */
+double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *readings);
+
 /* What a slope needs to be a reading. */
 void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
+void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
+/* That over these rows only the stress along the axis grows, and the mean strain is that of the
+ * ends. */
+void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
+                   gn_readings *readings);
 void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings);
 
 /* Why the largest stress is no strength; NULL: it is one. */

@@ -61,20 +61,20 @@ static void read_brazilian(const gn_curves *c, gn_readings *r) {
 
 static void read_bending(const gn_curves *c, gn_readings *r) {
     const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
     const double *gauge = gn_history_column(c->history, "opening");
     const double *force = gn_history_column(c->history, "force"),
                  *way = gn_history_column(c->history, "deflection");
     at_peak(c, GN_READING_flexural_strength, c->stress, 1.0, &r->flexural_strength, r);
     at_peak(c, GN_READING_peak_force, force, 1.0, &r->peak_force, r);
-    gn_need_rows(c, GN_READING_stiffness, r);
+    gn_need_elastic_rows(c, GN_READING_stiffness, r);
     if (force && way) {
-        gn_line_fit s = gn_line(c, way, force, c->loading);
+        gn_line_fit s = gn_line(c, way, force, c->elastic);
         r->stiffness = s.slope;
         gn_need_modulus(s, GN_READING_stiffness, r);
     }
     r->flexural_modulus = f.slope;
-    gn_need_rows(c, modulus, r);
+    gn_need_elastic_rows(c, modulus, r);
     gn_need_modulus(f, modulus, r);
     if (c->tested->notched)
         gn_reading_absent(r, modulus, "a notch: the strain of the fibre above it is not known");
@@ -123,10 +123,10 @@ static void read_confined(const gn_curves *c, gn_readings *r) {
 }
 
 static void slope_of_loading(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
     const char *none = gn_no_average_strain(c->strain, c->history->row_count - 1);
     *value = f.slope;
-    gn_need_rows(c, which, r);
+    gn_need_elastic_rows(c, which, r);
     if (c->tested->kind == GN_TEST_HYDROSTATIC && isnan(f.slope) && none)
         gn_reading_absent(r, which, "%s", none);
     gn_need_modulus(f, which, r);
@@ -140,10 +140,10 @@ static void read_oedometer(const gn_curves *c, gn_readings *r) {
     for (int a = 0; a < dimension; a++)
         if (a != axis)
             lateral +=
-                gn_line(c, c->stress, tensor(c, "stress", a), c->loading).slope / (dimension - 1);
+                gn_line(c, c->stress, tensor(c, "stress", a), c->elastic).slope / (dimension - 1);
     r->lateral_stress_ratio =
-        lateral / gn_line(c, c->stress, tensor(c, "stress", axis), c->loading).slope;
-    gn_need_rows(c, which, r);
+        lateral / gn_line(c, c->stress, tensor(c, "stress", axis), c->elastic).slope;
+    gn_need_elastic_rows(c, which, r);
 }
 
 static void read_shear(const gn_curves *c, gn_readings *r) {
@@ -171,39 +171,33 @@ static void slope_between(const gn_curves *c, gn_reading which, double low, doub
                           double *value, gn_readings *r) {
     gn_row_span s = between(c, low, high);
     gn_line_fit f = gn_line(c, c->strain, c->stress, s);
-    *value = f.slope;
+    *value = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
     if (s.last - s.first < 3)
         gn_reading_absent(r, which,
                           "%zu history rows between %.0f and %.0f %% of the largest stress, 3 are "
                           "needed (output.history_rows)",
                           s.last - s.first, 100 * low, 100 * high);
+    gn_need_axial(c, c->loading, which, r);
     gn_need_modulus(f, which, r);
-    if (r->reason[GN_READING_young_modulus][0])
-        gn_reading_absent(r, which, "%s", r->reason[GN_READING_young_modulus]);
 }
 
+/* Between two rows, whatever broke or yielded from the one to the other. */
 static void read_secant(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_secant_modulus;
-    gn_row_span s = between(c, 0.01, 0.5);
+    const gn_row_span s = c->loading;
     double way = c->strain ? c->strain[s.last] - c->strain[s.first] : NAN;
-    r->secant_modulus = (c->stress[s.last] - c->stress[s.first]) / way;
+    r->secant_modulus =
+        gn_modulus_by(c->tested->by_ends, (c->stress[s.last] - c->stress[s.first]) / way, which, r);
     if (!(way > 0)) gn_reading_absent(r, which, "the strain does not grow up to half the stress");
-    if (r->reason[GN_READING_young_modulus][0])
-        gn_reading_absent(r, which, "%s", r->reason[GN_READING_young_modulus]);
-}
-
-static double broken(const gn_curves *c, size_t row) {
-    const double *tension = gn_history_column(c->history, "broken_tension"),
-                 *shear = gn_history_column(c->history, "broken_shear");
-    return tension && shear ? tension[row] + shear[row] : 0;
+    if (GN_OF_PRISMS >> c->tested->kind & 1) gn_need_axial(c, c->loading, which, r);
 }
 
 static void read_initiation(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_crack_initiation_stress;
     const char *reason = gn_no_peak(c);
-    double all = broken(c, c->largest);
+    double all = gn_breaks_until(c, c->largest);
     size_t row = c->begin;
-    while (row < c->largest && !(broken(c, row) >= 0.01 * all)) row++;
+    while (row < c->largest && !(gn_breaks_until(c, row) >= 0.01 * all)) row++;
     r->crack_initiation_stress = c->stress[row];
     if (isnan(c->tested->fragments)) gn_reading_absent(r, which, "the scene has no bonds");
     if (reason) gn_reading_absent(r, which, "%s", reason);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
  * take off a rising curve. */
@@ -32,11 +33,111 @@ void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
             rows, rows == 1 ? "" : "s");
 }
 
+double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *r) {
+    if (isnan(factor))
+        gn_reading_absent(r, which,
+                          "the section of the specimen varies along the axis by too much");
+    return factor > 0 ? factor * slope : slope;
+}
+
+void gn_need_elastic_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
+    const size_t rows = c->elastic.last - c->elastic.first;
+    if (!c->cut) gn_need_rows(c, which, r);
+    if (rows < 3 && c->cut)
+        gn_reading_absent(
+            r, which,
+            "%s at %.2g %% of the largest stress: %zu history row%s before that, 3 are needed "
+            "(output.history_rows)",
+            c->cut, 100 * c->stress[c->elastic.last] / c->stress[c->largest], rows,
+            rows == 1 ? "" : "s");
+}
+
 void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
     if (f.slope <= 0) gn_reading_absent(r, which, "the stress falls while the strain grows");
     if (f.error > gn_scatter_allowed * f.slope)
         gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
                           100 * f.error / f.slope);
+}
+
+/* --- the elastic rows --- */
+
+/* Below this share of the largest stress platens break single grains that stick out, which is not
+ * yet the failure of the specimen. */
+static const double seating = 0.1;
+
+/* Share of the work that dissipation in bonds may have: the slope of the work over the square of
+ * the strain is then off by as much. */
+static const double dissipated = 0.01;
+
+double gn_breaks_until(const gn_curves *c, size_t row) {
+    const double *tension = gn_history_column(c->history, "broken_tension"),
+                 *shear = gn_history_column(c->history, "broken_shear");
+    return tension && shear ? tension[row] + shear[row] : 0;
+}
+
+/* A hundredth of the bonds through a section of the specimen. */
+static double few_bonds(const gn_curves *c) {
+    const double *intact = gn_history_column(c->history, "bonds_intact"), d = c->tested->dimension;
+    return intact ? 0.01 * pow(fmax(intact[c->begin], 0), (d - 1) / d) : 0;
+}
+
+/* The first row of the span before which breaks count; its end if there is none. */
+static size_t first_break(const gn_curves *c) {
+    const double few = few_bonds(c), most = c->stress[c->largest];
+    double before = gn_breaks_until(c, c->loading.first);
+    bool seated = false;
+    size_t row = c->loading.first;
+    for (; row < c->loading.last; row++) {
+        if (gn_breaks_until(c, row) - before > (seated ? 0 : few)) break;
+        if (seated || c->stress[row] < seating * most) continue;
+        seated = true;
+        before = gn_breaks_until(c, row);
+    }
+    return row;
+}
+
+static double grown(const gn_curves *c, const char *column, size_t row) {
+    const double *e = gn_history_column(c->history, column);
+    return e ? e[row] - e[c->begin] : 0;
+}
+
+static double stored(const gn_curves *c, size_t row) {
+    double sum = 0;
+    for (size_t k = 0; k < c->history->column_count; k++) {
+        const gn_column *column = &c->history->columns[k];
+        if (strncmp(column->name, "energy_elastic_", 15) == 0)
+            sum += column->value[row] - column->value[c->begin];
+    }
+    return sum;
+}
+
+/* The first row of the span before which a loss has taken its share of the work. Without the
+ * energy ledger nothing is known of it. */
+static size_t first_loss(const gn_curves *c, const char *column) {
+    size_t row = c->loading.first;
+    for (; row < c->loading.last; row++) {
+        const double lost = grown(c, column, row);
+        if (lost > dissipated * (lost + fmax(stored(c, row), 0))) break;
+    }
+    return row;
+}
+
+void gn_find_elastic_rows(gn_curves *c) {
+    const size_t breaks = first_break(c), yields = first_loss(c, "energy_plasticity"),
+                 softens = first_loss(c, "energy_damage");
+    c->elastic = c->loading;
+    if (breaks < c->elastic.last) c->elastic.last = breaks, c->cut = "bonds break";
+    if (yields < c->elastic.last) c->elastic.last = yields, c->cut = "bonds yield";
+    if (softens < c->elastic.last) c->elastic.last = softens, c->cut = "bonds soften";
+}
+
+double gn_nonlinearity(const gn_curves *c, gn_slope_of *slope) {
+    const gn_row_span all = c->elastic;
+    const size_t middle = all.first + (all.last - all.first) / 2;
+    if (all.last - all.first < 6) return 0;
+    const double first = slope(c, (gn_row_span){all.first, middle}),
+                 second = slope(c, (gn_row_span){middle, all.last});
+    return fabs(0.5 * (second - first) / slope(c, all));
 }
 
 /* --- slopes and peaks --- */

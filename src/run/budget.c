@@ -140,6 +140,7 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
         if (!gn_causes_predict(&g, name, &b->of[k])) continue;
         measure(w, b, &b->of[k]);
         measure_rows(h, (gn_reading)k, &b->of[k]);
+        if (r->nonlinearity[k] > 0.0) raise(&b->of[k], "nonlinearity", r->nonlinearity[k]);
     }
     return GNEISS_OK;
 }

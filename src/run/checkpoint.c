@@ -41,6 +41,8 @@ static const gn_piece pieces[] = {
     DOUBLES(world.period),
     DOUBLES(world.box),
     DOUBLES(world.machine),
+    DOUBLES(world.approach),
+    DOUBLES(world.section),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),

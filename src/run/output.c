@@ -13,6 +13,7 @@
 #include "sim/conversion.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
+#include "sim/space.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -208,14 +209,15 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
 }
 
 /* What makes the mean stress of that of the contacts. */
-static gneiss_status put_membrane(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const double volume = gn_membrane_volume(w);
+static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const double volume = gn_space_volume(w);
+    const bool membrane = w->effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
-    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    if (!membrane && volume == w->volume) return GNEISS_OK;
     gn_membrane_stress(w, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
-    return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
+    return gn_h5_attributes(file, "/", list, membrane ? 2 : 1, error);
 }
 
 gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
@@ -256,7 +258,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     };
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
     GN_TRY(put_mass_scaling(w, file, error));
-    GN_TRY(put_membrane(w, file, error));
+    GN_TRY(put_space(w, file, error));
     GN_TRY(put_stages(run, file, error));
     GN_TRY(put_warnings(run, file, error));
     return gn_scene_results(w, file, error);

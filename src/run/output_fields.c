@@ -7,6 +7,7 @@
 #include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
+#include "sim/space.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -394,7 +395,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     gn_assembly assembly = gn_world_assembly(w);
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
-    const double solid = (1.0 - gn_world_porosity(w)) * w->volume / gn_membrane_volume(w);
+    const double solid = (1.0 - gn_world_porosity(w)) * w->volume / gn_space_volume(w);
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
     if (status == GNEISS_OK) status = read_loads(v, error);

@@ -5,6 +5,7 @@
 #include "sim/ends.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
+#include "sim/space.h"
 
 #include <string.h>
 
@@ -90,6 +91,11 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
+/* What comes and goes has no places at the start. In a box all round the sides tell. */
+static bool has_average_strain(const gn_world *w, size_t k) {
+    return !gn_scene_flows(&w->scene) || (is_periodic(w, k) && !gn_scene_half_periodic(&w->scene));
+}
+
 static bool has_zones(const gn_world *w, size_t k) {
     (void)k;
     return w->scene.has_couple && w->scene.couple.zone_count;
@@ -107,6 +113,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           pressed = {"with a membrane", has_membrane},
                           gauged = {"with `test.opening`", has_opening},
                           controlled = {"with `test.control`", has_control},
+                          strained = {"without sources and sinks", has_average_strain},
                           central = {"in brazilian tests of particles", has_centre},
                           staged = {"with stages", has_stages}, bonded = {"with bonds", has_bonds},
                           booked = {"with the energy ledger", has_ledger},
@@ -171,9 +178,19 @@ static double lateral_strain(const gn_world *w) {
 }
 READ(lateral_strain, lateral_strain(w))
 
+/* Loss of the volume that walls, a periodic box or the places of the particles tell. */
+static double hydrostatic_strain(const gn_world *w) {
+    double now, start, stretch[9], cofactor[9];
+    if (gn_space_closed(w, &now, &start)) return 1.0 - now / start;
+    mean_strain(w, stretch);
+    for (int a = 0; a < 3; a++) stretch[4 * a] += 1.0;
+    gn_cofactor3(stretch, cofactor);
+    return 1.0 - gn_dot3(stretch, cofactor);
+}
+
 READ(test_strain, w->scene.test.kind == GN_TEST_HYDROSTATIC
-                      ? lost_volume(w)
-                      : gn_ends_deflection(w) / w->test_length)
+                      ? hydrostatic_strain(w)
+                      : gn_ends_shortening(w) / w->test_length)
 
 static double mean_pressure(const gn_world *w) {
     const double *s = w->stress;
@@ -186,7 +203,7 @@ static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
     gn_ends_forces(w, &lower, &upper);
     bool bare = has_confinement(w, 0) && w->scene.membrane.faces == GN_FACES_SIDES;
-    return (upper_end ? upper : lower) / w->test_area - (bare ? gn_membrane_pressure(w) : 0.0);
+    return (upper_end ? upper : lower) / gn_space_area(w) - (bare ? gn_membrane_pressure(w) : 0.0);
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
@@ -198,7 +215,7 @@ READ(membrane_area, gn_membrane_area(w))
 static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
     double lower, upper;
     gn_ends_normals(w, &lower, &upper);
-    return (of_lower * lower + of_upper * upper) / w->test_area;
+    return (of_lower * lower + of_upper * upper) / gn_space_area(w);
 }
 READ(normal_stress, normal_stress(w, 0.5, 0.5))
 READ(normal_lower, normal_stress(w, 1.0, 0.0))
@@ -239,7 +256,9 @@ static bool no_strain(const gn_world *w) {
     return w->scene.has_specimen && !w->gauge.count && !box;
 }
 static bool no_test_strain(const gn_world *w) {
-    return w->scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w);
+    double now, start;
+    return w->scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w) &&
+           !gn_space_closed(w, &now, &start);
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -293,11 +312,12 @@ static const gn_quantity of_the_model[] = {
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
     SCALAR_UNLESS(
         no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-        "change of the distance of the ends over the length, positive in the test's sense; "
+        "change of the distance of the ends since both touched the specimen over the length, "
+        "positive in the test's sense; "
         "hydrostatic: loss of volume over volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean of both ends' force over the area, positive in the test's sense; triaxial and "
-           "biaxial: the deviator; hydrostatic: mean pressure in the specimen"),
+           "mean of both ends' force over the area (at the start; in a box of walls now"
+           "), positive in the test's sense; confined: deviator; hydrostatic: mean pressure"),
     SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
     SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
@@ -331,10 +351,10 @@ static const gn_quantity of_the_model[] = {
     {"centre_stress", "Pa", "mean stress about the middle of the disc, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &central, read_centre_stress, NULL},
     {"strain", "1", "average strain of the specimen, of what is left of it; tension positive",
-     GN_TENSOR, GN_BEFORE_STEP, &always, read_strain, no_strain},
+     GN_TENSOR, GN_BEFORE_STEP, &strained, read_strain, no_strain},
     {"stress", "Pa",
-     "average stress of the specimen, tension positive; of bodies without a shape over the hull "
-     "about all, with a membrane over what it encloses",
+     "average stress of the specimen, tension positive; over what walls, a membrane or a box "
+     "enclose now, else over the volume at the start",
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},

@@ -6,6 +6,7 @@
 #include "sim/coupling.h"
 #include "sim/fragments.h"
 #include "sim/laboratory.h"
+#include "sim/section.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,6 +71,8 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                        .axis = (int)t->axis,
                        .sign = gn_test_sign(t->kind),
                        .notched = t->notch > 0.0,
+                       .by_ends = gn_section_by_ends(w),
+                       .by_mean = gn_section_by_mean(w),
                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
                        .fragments = pieces.count,
                        .largest_fragment = pieces.largest,
@@ -114,7 +117,8 @@ static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
     return end - *begin;
 }
 
-/* Counted since the start of the run in the history, since that of the stage in its readings:
+/* Counted since the start of the run in the history, since that of the stage in its readings, a
+ * loss of volume as the share of that at the start of the stage:
  * strains, ways of the ends and of the gauge, bonds that broke. */
 static bool counts_from_start(const char *name) {
     static const char *const whole[] = {
@@ -148,7 +152,10 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        for (size_t r = 0; r < rows; r++) values[r] = from[r] - from[0];
+        const bool volume = run->world.scene.test.kind == GN_TEST_HYDROSTATIC &&
+                            strcmp(all->columns[c].name, "strain") == 0;
+        const double left = volume ? 1.0 - from[0] : 1.0; /* of which it is the share lost */
+        for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
         part->columns[c].value = values;
         values += rows;
     }

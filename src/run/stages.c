@@ -85,7 +85,9 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
         sum -= in_row(run, stresses[a], row);
         count += 1.0;
     }
-    return (gn_servo_row){sum / count / volume_left(run, row),
+    /* The mean stress of one body that the membrane follows is over what it encloses now. */
+    const bool follows = s->membrane.follow && run->world.dem.membrane->bodies == 1.0;
+    return (gn_servo_row){sum / count / (follows ? 1.0 : volume_left(run, row)),
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
 }
 

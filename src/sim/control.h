@@ -7,6 +7,22 @@
 
 struct gn_world;
 
+/* Sections across the axis of a test, of what its ends strain (section.c). 0 where it is even. */
+typedef struct gn_bar_section {
+    double mean, narrowest; /* m2 */
+    double uneven;          /* mean of A times mean of 1/A */
+    double length;          /* m, that is strained */
+    double waist;           /* 1: narrower than before and behind it */
+} gn_bar_section;
+
+/* How the ends of a test come to its specimen (ends_reach.c). */
+typedef struct gn_approach {
+    double
+        away[2]; /* 1: the lower (upper) end began away, and has not yet borne when the other did */
+    double gap;  /* m, at the start, of the ends that were away */
+    double way;  /* m, of both ends when the last of them touched it */
+} gn_approach;
+
 typedef struct gn_machine {
     double wanted; /* of the reading: m or 1 */
     double factor; /* of the prescribed motion of the ends along the axis */

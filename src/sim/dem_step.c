@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
+#include "sim/space.h"
 
 #include <math.h>
 #include <string.h>
@@ -200,7 +201,7 @@ void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
 
 void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &w->dem.done;
-    const double volume = gn_membrane_volume(w);
+    const double volume = gn_space_volume(w);
     ledger->kinetic = s->motion.kinetic;
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;

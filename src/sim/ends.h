@@ -7,6 +7,8 @@
 /* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
  * the plane that are not moved along it do not count beside others. */
 double gn_ends_deflection(const gn_world *world);
+/* The same since both ends have touched the specimen, m; 0 before that. */
+double gn_ends_shortening(const gn_world *world);
 /* Of the gauge of the test, m. */
 double gn_ends_opening(const gn_world *world);
 /* Of a shear test: forces of the ends across the plane, pressing positive, N; an end that neither
@@ -36,5 +38,14 @@ gneiss_status gn_sides_check(const gn_world *world, gneiss_error *error);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * watched (what loads it is a traction) has the force of the other one. */
 void gn_ends_forces(const gn_world *world, double *lower, double *upper);
+
+/* Distances from both ends to the specimen at the start, m, not below 0; whether they are so large
+ * that the ends begin away from it. Ends that press along the axis alone. */
+void gn_ends_gaps(const gn_world *world, double *lower, double *upper, bool away[2]);
+/* After all parts are made: notes whether the ends are away from the specimen. */
+void gn_ends_begin(gn_world *world);
+/* Once forces are known: notes where the ends have touched it. `still`: in an equilibrium, which
+ * may be far beyond the first touch. */
+void gn_ends_look(gn_world *world, bool still);
 
 #endif

@@ -21,11 +21,21 @@ static double given_section(const gn_world *w) {
     return w->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
+/* Of loose grains, which fill the space between their ends, the distance of these. */
+static double prism_length(const gn_world *w) {
+    double lower, upper;
+    bool away[2];
+    gn_ends_gaps(w, &lower, &upper, away);
+    double length = gn_world_side(w, (int)w->scene.test.axis);
+    if (w->effects & GN_FX_BONDS || !w->dem.particles.soa.count) return length;
+    return length + (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
+}
+
 /* A prism, loaded along its axis. */
 static gn_tested_shape prism(const gn_world *w) {
     const gn_test *t = &w->scene.test;
     gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : gn_world_side(w, (int)t->axis);
+    s.length = t->length > 0.0 ? t->length : prism_length(w);
     if (t->area > 0.0)
         s.area = t->area;
     else if (t->diameter > 0.0)

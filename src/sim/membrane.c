@@ -5,6 +5,7 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "sim/internal.h"
+#include "sim/space.h"
 
 #include <math.h>
 #include <string.h>
@@ -58,7 +59,8 @@ void gn_membrane_stress(const gn_world *w, double stress[9]) {
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
-    for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / gn_membrane_volume(w);
+    const double volume = gn_space_volume(w);
+    for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / volume;
 }
 
 /* --- matrices --- */

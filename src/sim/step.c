@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
+#include "sim/ends.h"
 #include "sim/exchange.h"
 #include "sim/gauge.h"
 #include "sim/internal.h"
@@ -133,6 +134,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_exchanges_act(w, error));
     lap(&time, GN_PHASE_exchange);
 
+    gn_ends_look(w, false);
     gneiss_status status = finish(w, measure, &time, error);
     w->time += w->dt;
     w->dt_past = w->dt;

@@ -13,6 +13,7 @@
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/origin.h"
+#include "sim/section.h"
 
 #include <math.h>
 #include <omp.h>
@@ -102,6 +103,10 @@ static volume_source source_of_volume(const gn_world *w) {
     if (gn_scene_from_packing(&w->scene)) return FROM_PACKING;
     bool given = w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
+}
+
+bool gn_world_volume_is_of_test(const gn_world *w) {
+    return source_of_volume(w) == FROM_TEST;
 }
 
 const char *gn_world_volume_source(const gn_world *w) {
@@ -370,6 +375,8 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) GN_TRY(measure_elements(w, error));
     GN_TRY(gn_ends_check(w, error));
+    gn_ends_begin(w);
+    w->section = gn_section_of(w);
     GN_TRY(gn_geometry_check(w, error));
     GN_TRY(gn_sides_check(w, error));
     GN_TRY(gn_stages_check_first(w, error));

@@ -142,6 +142,8 @@ struct gn_world {
     size_t gauged;             /* 0: without bonds */
     double period[3];          /* m: of a periodic box, as it is now */
     gn_box box;                /* how its sides moved (box.h) */
+    gn_approach approach;      /* of the ends of the test to the specimen */
+    gn_bar_section section;    /* of the specimen of the test */
     gn_machine machine;        /* what controls the ends of the test (control.h) */
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start; of a periodic box
                                   now */
@@ -275,6 +277,8 @@ gneiss_status gn_world_loads(const gn_world *world, double *total, double *dampi
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);
 
+/* Whether world->volume is only the length of the test times its area. */
+bool gn_world_volume_is_of_test(const gn_world *world);
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
 const char *gn_world_volume_source(const gn_world *world);
 
