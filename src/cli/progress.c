@@ -7,6 +7,7 @@
 #include "cli/plan_elements.h"
 #include "cli/plan_stages.h"
 #include "io/files.h"
+#include "plan/estimate.h"
 #include "sim/body_paths.h"
 #include "sim/overlap.h"
 
@@ -54,6 +55,7 @@ static void progress_json(const gn_progress *p) {
     if (p->element_steps_per_second > 0.0)
         gn_json_number(j, "element_steps_per_second", p->element_steps_per_second);
     gn_json_number(j, "eta", p->eta);
+    gn_json_bool(j, "eta_at_most", p->eta_at_most);
     gn_json_number(j, "unbalanced", p->unbalanced);
     gn_json_integer(j, "broken", p->broken);
     gn_json_number(j, "energy_residual", p->residual);
@@ -64,6 +66,16 @@ static void progress_json(const gn_progress *p) {
     if (text) puts(text);
     free(text);
     fflush(stdout);
+}
+
+gneiss_status gn_expect_end(const gn_options *o, gn_run *run, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    gn_estimate estimate;
+    if (o->quiet || w->step > 0 || w->scene.stage_count || w->scene.test.kind == GN_TEST_NONE)
+        return GNEISS_OK;
+    GN_TRY(gn_estimate_make(w, &estimate, error));
+    run->expected_end = gn_estimate_end(w, &estimate);
+    return GNEISS_OK;
 }
 
 void gn_print_progress(const gn_options *o, const gn_run *run) {
@@ -84,7 +96,9 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
                     sizeof rate);
     gn_line_brief(gn_line_add(&line, 4, "%s %s-steps/s", rate, particles ? "particle" : "element"),
                   "%s/s", rate);
-    gn_line_add(&line, 1, "ETA %s", gn_format_seconds(p.eta, eta, sizeof eta));
+    gn_line_brief(gn_line_add(&line, 1, "ETA %s%s", p.eta_at_most ? "at most " : "",
+                              gn_format_seconds(p.eta, eta, sizeof eta)),
+                  "ETA %s%s", p.eta_at_most ? "< " : "", eta);
     gn_line_add(&line, 6, "unbalanced %.2g", p.unbalanced);
     if (particles) gn_line_add(&line, 3, "broken %lld", (long long)p.broken);
     if (!isnan(p.residual)) gn_line_add(&line, 5, "residual %.1e", p.residual);
