@@ -47,10 +47,10 @@ def readings_table(results):
     rows = []
     for name, column in results.readings.items():
         value = float(np.asarray(column.value, float).reshape(-1)[0])
-        si = f"{value:.6g} {column.unit}" if np.isfinite(value) else ""
+        si = f"{value:.6g} {'' if column.unit == '1' else column.unit}".strip() if np.isfinite(value) else ""
         meaning = f"absent: {column.absent}. ({column.text})" if column.absent else column.text
         rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (error_text(name, column), "number"), (si, "si"), meaning))
-    return table(rows, ("reading", "value", "error (95 of 100)", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
+    return table(rows, ("reading", "value", "error (95 of 100)", "in SI units", "meaning")) if rows else "<p>The run has no readings.</p>"
 
 
 def stages_table(results):
@@ -171,13 +171,18 @@ def banner(results):
             "what follows is its state when the file was written.</p>")
 
 
+def percent(share):
+    """"20", "0.4": never an exponent."""
+    return f"{100 * share:.0f}" if share >= 0.01 else f"{100 * share:.1g}"
+
+
 def in_unit_of(column):
     """The causes of an error, "(packing 2.4e+06 estimated, ...)", as shares of it: what matters is which is the largest."""
     parts = [part.split() for part in column.error_causes.strip("()").split(", ") if part]
     value = abs(float(np.asarray(column.value, float).reshape(-1)[0]))
     named = [(" ".join(words[:-2]), float(words[-2]) / value, words[-1]) for words in parts if len(words) > 2]
     largest = sorted(named, key=lambda cause: -cause[1])
-    return "(" + ", ".join(f"{name} {100 * share:.1g} % {how}" for name, share, how in largest) + ")" if largest else ""
+    return "(" + ", ".join(f"{name} {percent(share)} % {how}" for name, share, how in largest) + ")" if largest else ""
 
 
 def cards(results):

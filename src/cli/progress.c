@@ -6,6 +6,7 @@
 #include "cli/line.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_stages.h"
+#include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
 #include "sim/body_paths.h"
@@ -240,7 +241,13 @@ static void print_reading(const char *label, double value, const char *unit, con
                note);
 }
 
-/* Readings that only some kinds of tests have, and zones, in the unit that they are kept in. */
+static void print_scaled(const gn_readings *r, const char *label, const char *name,
+                         const char *unit, double value, const char *note, const char *reason) {
+    const gn_shown shown = gn_shown_unit(r, name, unit, value);
+    print_reading(label, value / shown.factor, shown.unit, note, reason);
+}
+
+/* Readings that only some kinds of tests have, and zones. */
 static void print_own_readings(const gn_run *run, const gn_readings *r) {
     const bool own[GN_READING_COUNT] = {
 #define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
@@ -248,8 +255,8 @@ static void print_own_readings(const gn_run *run, const gn_readings *r) {
     char label[64];
 #define X(name, unit, text)                                                                        \
     if (own[GN_READING_##name] && gn_run_reads(run, GN_READING_##name))                            \
-        print_reading(words_of(#name, label, sizeof label), r->name,                               \
-                      strcmp(unit, "1") ? unit : "", "", r->reason[GN_READING_##name]);
+        print_scaled(r, words_of(#name, label, sizeof label), #name, unit, r->name, "",            \
+                     r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
 }
@@ -258,22 +265,25 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
 #define PRINT(label, name, factor, unit, note)                                                     \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
     print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
-    PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
-          "(1-50 % of the largest stress, platen strain)");
-    PRINT("", young_modulus_average, 1e-9, "GPa", "(over the average strain)");
+#define SCALED(label, name, note)                                                                  \
+    if (gn_run_reads(run, GN_READING_##name))                                                      \
+    print_scaled(r, label, #name, "Pa", r->name, note, r->reason[GN_READING_##name])
+    SCALED("Young's modulus", young_modulus, "(1-50 % of the largest stress, platen strain)");
+    SCALED("", young_modulus_average, "(over the average strain)");
     PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
     if (run->world.scene.dimension == 2) {
-        PRINT("plane strain, E", plane_young_modulus, 1e-9, "GPa", "");
+        SCALED("plane strain, E", plane_young_modulus, "");
         PRINT("plane strain, nu", plane_poisson_ratio, 1, "", "");
     }
-    PRINT("peak stress", peak_stress, 1e-6, "MPa", "");
+    SCALED("peak stress", peak_stress, "");
     PRINT("strain at the peak", peak_strain, 100, "%", "");
     if (isnan(r->peak_stress)) {
-        PRINT("largest stress so far", largest_stress, 1e-6, "MPa", "");
+        SCALED("largest stress so far", largest_stress, "");
         PRINT("strain there", largest_strain, 100, "%", "");
     }
     PRINT("ends out of balance by", end_imbalance, 100, "%", "");
 #undef PRINT
+#undef SCALED
 }
 
 static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {

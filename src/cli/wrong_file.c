@@ -76,11 +76,10 @@ void gn_name_wrong_file(const gn_options *o, gneiss_error *error) {
     struct stat status;
     if (!o->command || !o->target || stat(o->target, &status) != 0) return;
     if (S_ISDIR(status.st_mode) && is_one_of(o->command, takes_file)) {
-        gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%.1000s: expected a file with %s, found a folder: gneiss resume goes on with a run, "
-            "gneiss report shows it",
-            o->target, expected_text(o));
+        gn_fail(error, GNEISS_ERROR_INPUT,
+                "%.1000s: expected a %s file, found a folder: gneiss resume goes on with a run, "
+                "gneiss report shows it",
+                o->target, strcmp(o->command, "sweep") == 0 ? "sweep" : "scene");
         return;
     }
     if (!S_ISREG(status.st_mode)) return;

@@ -17,7 +17,7 @@
  * milliseconds, so that intervals are those of no more than MOST_WRITTEN up to time.end. */
 enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
-    LEAST_STEPS = 20,
+    LEAST_STEPS = 40,
     LEAST_COUNT = 12,
     MOST_WRITTEN = 128,
     ROWS_BEFORE = 100
