@@ -666,9 +666,26 @@ def the_report_is_one_page_that_holds_its_pictures(folder):
     expect(gneiss("report", out), 0)
     with open(os.path.join(out, "report.html")) as file:
         page = file.read()
-    assert page.count('src="data:image/png;base64,') == 2 and 'src="report/' not in page
+    assert page.count('src="data:image/png;base64,') == 3 and 'src="report/' not in page
     assert "materials.block.friction" in page and "Means and 95 % intervals" in page
-    assert sorted(os.listdir(os.path.join(out, "report"))) == ["sweep_largest_stress.png", "sweep_largest_stress_map1.png"]
+    assert sorted(os.listdir(os.path.join(out, "report"))) == ["sweep_curves.png", "sweep_largest_stress.png", "sweep_largest_stress_map1.png"]
+    runs = page[page.index("Every run"):]
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        folders = file["runs/folder"][()].decode().split("\n")
+    assert all(f'href="{name}/"' in runs for name in folders[:8]), folders
+    assert len(re.findall(r"largest stress", runs.split("</tr>")[0])) == 1 and re.search(r"<td class=\"number\">[\d.]+ [kM]?Pa</td>", runs)
+
+
+@fact
+def readings_that_are_the_same_in_every_run_have_one_picture(folder):
+    sweep(folder, {"seeds": 2, "parameters": {"materials.block.friction": [0.1, 0.4]}})
+    out = os.path.join(folder, "out")
+    expect(gneiss("report", out), 0)
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        values = {name: data[()] for name, data in file["readings"].items()}
+    drawn = [re.sub("^sweep_|.png$", "", name) for name in os.listdir(os.path.join(out, "report")) if "_map" not in name]
+    known = [values[name] for name in drawn if name in values]
+    assert len({v.tobytes() for v in known}) == len(known), drawn
 
 
 @fact
