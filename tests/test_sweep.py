@@ -806,7 +806,7 @@ def files_that_are_not_there_or_no_sweeps_are_told(folder):
     expect(gneiss("sweep", write_scene(folder, "", "empty.yaml")), 2, "empty.yaml:1:1: expected a sweep, found an empty file")
     expect(gneiss("sweep", write_scene(folder, "seeds: 2\n", "a.yaml")), 2, "a.yaml:1:1: scene: required")
     expect(gneiss("sweep", write_scene(folder, "scene: none.yaml\nseeds: 2\n", "b.yaml")), 2, "b.yaml:1:8: scene: cannot open 'none.yaml'")
-    expect(gneiss("sweep", LATTICE), 2, r"lattice-small.yaml:3:1: specimen: unknown key")
+    expect(gneiss("sweep", LATTICE), 2, "lattice-small.yaml: expected a sweep file, found a scene: gneiss run")
     bad = write_scene(folder, "time: {end: 1, safty: 2}\n", "bad.yaml")
     expect(gneiss("sweep", write_scene(folder, f"scene: {bad}\nseeds: 2\n", "c.yaml")), 2, r"bad.yaml:1:16: time.safty: unknown key")
     expect(gneiss("run", LATTICE, "--seeds", "0"), 2, "--seeds: expected a number of seeds")

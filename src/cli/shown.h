@@ -2,7 +2,7 @@
 #ifndef GN_CLI_SHOWN_H
 #define GN_CLI_SHOWN_H
 
-#include "measure/measure.h"
+#include "run/run.h"
 
 /* What a reading is divided by, and the unit that it is shown in then. All moduli of a run have one
  * unit, that of Young's modulus, and all stresses that of the largest stress. */
