@@ -7,12 +7,13 @@ python=/usr/bin/python3 # Debian's: another python that comes first in PATH has 
 meson=/usr/bin/meson
 ninja=/usr/bin/ninja
 
-# The one list of Debian 12 packages. Every command needs `build`; `check` and `bench` add theirs.
+# The one list of Debian 12 packages. Every command needs `build`; `test`, `check` and `bench` add theirs.
 packages_build=(
     meson ninja-build gcc g++ libc6-dev pkg-config
     libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libcmocka-dev
     python3 python3-numpy python3-h5py python3-matplotlib
 )
+packages_test=(locales) # a locale with a decimal comma is made from it
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
@@ -38,7 +39,7 @@ usage: ./do COMMAND [...]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   accuracy [--quick] [--only CASE] [--out DIR]
                                what accuracy costs in time; writes docs/accuracy.md
-  install WHAT                 the packages of build, check, aarch64, bench, validate, effects or peers
+  install WHAT                 the packages of build, test, check, aarch64, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -90,36 +91,90 @@ configure() {
     printf '%s' "$wanted" >"$stamp"
 }
 
-# Lines `[7/312] Compiling ...` of a build that nobody watches on a terminal: one every ten seconds, all others whole.
-thin_out() {
-    local line shown=$SECONDS
-    while IFS= read -r line; do
-        case $line in
-        '['*/*'] '*)
-            ((SECONDS - shown >= 10)) || continue
-            shown=$SECONDS
-            ;;
-        'ninja: Entering directory'* | 'ninja: no work to do'*) continue ;;
-        esac
-        say "$line"
-    done
+# What a step of a build takes, in tenths of a second of one core: kernels of contacts are compiled for half a minute each.
+step_work() {
+    case $1 in
+    *mixed*contact_template*) work=200 ;;
+    *contact_template*) work=300 ;;
+    *motion_template*) work=100 ;;
+    *Compiling*) work=8 ;;
+    *) work=2 ;;
+    esac
 }
 
-# build FOLDER [targets]: says what it does when there is something to do. A terminal gets ninja's own line.
+# Words for the step of a line `[7/312] Compiling C object src/kernels/libgneiss_kernels_avx2_contact0.a.p/contact_template.c.o`.
+step_text() {
+    text=${1#*] }
+    case $text in
+    *kernels_*_template*)
+        local set=${text##*kernels_}
+        text="kernels of ${text##*/} for ${set%%[./]*}"
+        text=${text/_template.c.o/}
+        ;;
+    'Compiling C object '*) text="compiling ${text##*/}" ;;
+    esac
+}
+
+span() { # seconds as words
+    if (($1 < 90)); then printf '%d s' "$1"; else printf '%d min' $((($1 + 30) / 60)); fi
+}
+
+# Lines `[7/312] Compiling ...` of a build of so much work: its share that is done and the last step, on a terminal in one
+# line, else every ten seconds, also while no step ends. All other lines whole.
+thin_out() {
+    local line work text share shown=$SECONDS start=$SECONDS done=0 last='' status
+    while true; do
+        status=0
+        IFS= read -r -t 10 line || status=$?
+        ((status == 0 || status > 128)) || break
+        if ((status == 0)); then
+            case $line in
+            '['*/*'] '*)
+                step_work "$line"
+                step_text "$line"
+                done=$((done + work)) last=$text
+                ;;
+            'ninja: Entering directory'* | 'ninja: no work to do'*) continue ;;
+            *)
+                if [[ -t 2 ]]; then printf '\r\033[K' >&2; fi
+                say "$line"
+                continue
+                ;;
+            esac
+        fi
+        share=$(($1 > 0 ? 100 * done / $1 : 100))
+        if [[ -t 2 ]]; then
+            printf '\r\033[K%3d %% of the work, %s: %s' $((share > 100 ? 100 : share)) "$(span $((SECONDS - start)))" "$last" >&2
+        elif ((SECONDS - shown >= 10)); then
+            shown=$SECONDS
+            say "$((share > 100 ? 100 : share)) % of the work, $(span $((SECONDS - start))): ${last:-the first steps}"
+        fi
+    done
+    if [[ -t 2 && -n $last ]]; then printf '\n' >&2; fi
+}
+
+# build FOLDER [targets]: says what it does, and how long it may take, when there is something to do.
 build() {
-    local folder=$root/$1 steps start=$SECONDS what=${*:2}
+    local folder=$root/$1 line work steps=0 all=0 start=$SECONDS what=${*:2} expected cores
     (($# <= 9)) || what="$(($# - 1)) targets"
-    steps=$("$ninja" -C "$folder" -n "${@:2}" 2>/dev/null | grep -c '^\[') || true
-    if ((${steps:-0} == 0)); then
-        "$ninja" --quiet -C "$folder" "${@:2}" 2>&1 | thin_out
+    while IFS= read -r line; do
+        [[ $line == '['* ]] || continue
+        step_work "$line"
+        all=$((all + work)) steps=$((steps + 1))
+    done < <("$ninja" -C "$folder" -n "${@:2}" 2>/dev/null)
+    if ((steps == 0)); then
+        "$ninja" --quiet -C "$folder" "${@:2}" 2>&1 | thin_out 0
         return
     fi
-    say "building ${what:-everything} in $1: $steps steps"
-    if [[ -t 2 ]]; then
-        (cd "$folder" && "$ninja" "${@:2}") >&2 || return 1
+    cores=$(nproc)
+    expected=$((all / 10 / cores))
+    if ((expected >= 20)); then
+        say "building ${what:-everything} in $1: $steps steps, about $(span "$expected") on $cores idle cores, most of it kernels" \
+            "(less where ccache has them)"
     else
-        "$ninja" -C "$folder" "${@:2}" 2>&1 | thin_out || return 1
+        say "building ${what:-everything} in $1: $steps steps"
     fi
+    "$ninja" -C "$folder" "${@:2}" 2>&1 | thin_out "$all" || return 1
     say "built in $((SECONDS - start)) s"
 }
 
@@ -171,6 +226,7 @@ command_run() {
 # run_tests FOLDER [meson options]: the last line is `N passed, N failed, N skipped`. Builds `targets`, everything without any.
 run_tests() {
     local folder=$root/$1
+    need "${packages_test[@]}"
     rm -f "$folder/meson-logs/testlog.json"
     if ! build "$1" "${targets[@]}"; then
         say "./do: the build in $1 failed: no test ran"

@@ -96,7 +96,7 @@ static void give_lists(gn_deal *deal, const model *m) {
 
 /* Rounds of one or two sweeps, whose second one must not run ahead of the first. */
 static void work_through(model *m, int threads, int rounds) {
-    static const gn_deal_work work = {items, particles};
+    static const gn_deal_work work = {items, particles, NULL};
     gn_deal deal;
     assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
     for (int round = 0; round < rounds; round++) {
@@ -137,7 +137,7 @@ static void every_block_once_and_in_time(void **state) {
 /* A thread that is held up with its first items, by another program say, finds all others done. */
 static void others_help_a_thread_that_stands_still(void **state) {
     (void)state;
-    static const gn_deal_work work = {items, particles};
+    static const gn_deal_work work = {items, particles, NULL};
     uint64_t seed = 5;
     model *m = calloc(1, sizeof *m);
     m->particle_blocks = 96;

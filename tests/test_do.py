@@ -70,7 +70,50 @@ def a_build_on_a_terminal_shows_every_step(folder):
         except OSError:
             break
     os.close(main_end)
-    assert "[2/2] making gneiss" in shown, shown
+    steps = re.findall(r"(\d+) % of the work, \d+ s: (making [\w.]+)", shown)
+    assert steps == [("50", "making compiled.o"), ("100", "making gneiss")], shown
+
+
+@fact
+def a_long_build_says_how_long_it_takes_and_counts_work_not_files(folder):
+    """Twelve kernels of half a minute each beside two steps of a moment: the stub compiles none of them."""
+    build = make_root(folder)
+    kernels = [f"src/kernels/libgneiss_kernels_avx2_contact{k}.a.p/contact_template.c.o" for k in range(12)]
+    text = NINJA.format(command="mkdir -p $$(dirname $out)").replace("build gneiss: program compiled.o", "build gneiss: program compiled.o " + " ".join(kernels))
+    text += "rule compile\n  command = true\n  description = Compiling C object $out\n"
+    write_scene(build, text + "".join(f"build {kernel}: compile\n" for kernel in kernels), "build.ninja")
+    main_end, end = pty.openpty()
+    done = call(folder, "keys", capture_output=False, stdout=subprocess.PIPE, stderr=end)
+    os.close(end)
+    shown = ""
+    while select.select([main_end], [], [], 1.0)[0]:
+        try:
+            shown += os.read(main_end, 4096).decode()
+        except OSError:
+            break
+    os.close(main_end)
+    expect(subprocess.CompletedProcess([], done.returncode, "", shown), 0)
+    if os.cpu_count() <= 12:
+        assert re.search(r"14 steps, about \d+ (s|min) on \d+ idle cores?, most of it kernels", shown), shown
+    shares = [int(share) for share in re.findall(r"(\d+) % of the work, \d+ s: kernels of contact for avx2_contact\d+", shown)]
+    assert len(shares) == 12 and all(7 <= b - a <= 9 for a, b in zip(shares, shares[1:])) and shares[-1] >= 98, shown
+
+
+@fact
+def tests_install_what_locales_are_made_from(folder):
+    """Where the package is missing: with stubs for what asks and installs."""
+    make_root(folder)
+    bin = os.path.join(folder, "bin")
+    os.makedirs(bin)
+    for name, text in (("dpkg-query", 'for last; do :; done; [ "$last" = locales ] || printf installed'),
+                       ("apt-get", f'echo "$@" >> {folder}/asked'), ("sudo", 'exec "$@"')):
+        path = os.path.join(bin, name)
+        write_scene(bin, f"#!/bin/sh\n{text}\n", name)
+        os.chmod(path, 0o755)
+    environment = {**os.environ, "PATH": bin + ":" + os.environ["PATH"]}
+    subprocess.run([os.path.join(folder, "do"), "test"], capture_output=True, text=True, timeout=120, cwd=folder, env=environment)
+    with open(os.path.join(folder, "asked")) as file:
+        assert re.search(r"install .* locales$", file.read(), re.M)
 
 
 @fact

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """test_install.py BUILD SANITIZERS: installs the finished build into a temporary folder and uses it from there as a
 stranger would: headers, pkg-config, shared and static library, the example. One TAP line per fact."""
+import json
 import os
 import re
 import shutil
@@ -86,6 +87,38 @@ def the_example_runs_with_the_static_library(place):
     flags = place.flags("--cflags")
     private = [f for f in place.flags("--libs", "--static") if f != "-lgneiss"]
     check_example(place.example("static", [*flags, place.find("libgneiss.a"), *private]))
+
+
+@fact
+def programs_get_no_flags_of_the_libraries_inside(place):
+    """HDF5's folder of headers would come before those of the program's own HDF5."""
+    assert [flag for flag in place.flags("--cflags") if "hdf5" in flag] == [], place.flags("--cflags")
+    assert [flag for flag in place.flags("--libs") if flag != "-lgneiss" and not flag.startswith("-L" + place.root)] == []
+
+
+def check_folders_without_dpkg_dev(folder):
+    stubs, build = os.path.join(folder, "stubs"), os.path.join(folder, "build")
+    os.makedirs(stubs)
+    with open(os.path.join(stubs, "dpkg-architecture"), "w", encoding="utf-8") as file:
+        file.write("#!/bin/sh\nexit 1\n")
+    os.chmod(file.name, 0o755)
+    meson = shutil.which("meson") or "/usr/bin/meson"
+    environment = {**os.environ, "PATH": stubs + ":" + os.environ["PATH"]}
+    run(meson, "setup", build, os.path.dirname(EXAMPLES), env=environment)
+    installed = json.loads(run(meson, "introspect", "--installed", build))
+    places = {target for target in installed.values() if os.path.basename(target) in ("libgneiss.so", "libgneiss.a", "gneiss.pc")}
+    assert places and all("/lib64/" not in target for target in places), places
+    with open(os.path.join(build, "meson-private", "gneiss.pc"), encoding="utf-8") as file:
+        assert not re.search("^Libs: .*lib64", file.read(), re.M)
+
+
+@fact
+def libraries_go_where_the_linker_looks_also_without_dpkg_dev(place):
+    """Meson asks dpkg-architecture for the folder, and takes lib64 where that is not there."""
+    if not os.path.exists("/etc/debian_version"):
+        raise Skip("not Debian")
+    with tempfile.TemporaryDirectory() as folder:
+        check_folders_without_dpkg_dev(folder)
 
 
 @fact

@@ -228,12 +228,14 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
     assert "end                t = 0.005 s or stress 0.5 below its peak (as brazilian tests end; time.stop says otherwise)\n" in said, said
     ended = run_scene(folder, given, name="ended")
     assert summary(ended)["stop_reason"] == "stress fell by 0.5 of its peak, as brazilian tests end", summary(ended)["stop_reason"]
-    stress, broken = (history(ended)[name] for name in ("stress", "broken_tension"))
+    on = run_scene(folder, {**given, "time": {**given["time"], "stop": "none"}}, name="on")
+    assert summary(on)["stop_reason"] == "t = 0.005 s reached", summary(on)["stop_reason"]
+    rows, broken = history(ended), history(ended)["broken_tension"]
+    looked = np.isin(rows["step"], history(on)["step"])  # the rows that time.end asks for, between which there are others
+    stress = rows["stress"][looked]
     means = (stress[1:] + stress[:-1]) / 2  # of 200 rows
     assert means[-1] < 0.5 * means.max() and not (means[means.argmax():-1] < 0.5 * means.max()).any()
     assert broken[-1] > 0.1 * 800 ** 0.5
-    on = run_scene(folder, {**given, "time": {**given["time"], "stop": "none"}}, name="on")
-    assert summary(on)["stop_reason"] == "t = 0.005 s reached", summary(on)["stop_reason"]
     assert history(on)["stress"][:len(stress)].max() == stress.max() and history(on)["time"][-1] > history(ended)["time"][-1]
     refused(folder, {**given, "time": {**given["time"], "stop": "never"}}, "time.stop: expected a section or 'none', found 'never'")
     off = run_scene(folder, given, "--set", "time.stop.peak_drop=off", name="off")
@@ -268,7 +270,8 @@ def what_ends_bear_before_they_move_is_no_strength(folder):
     assert read["peak_stress"] == stress[2:].max() and read["peak_strain"] == strain[2 + stress[2:].argmax()] > 1e-3, read
     assert "initial_stress" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
     on = run_scene(folder, given, "--set", "time.stop.peak_drop=off", name="on")
-    assert readings(on)["peak_stress"] == read["peak_stress"]
+    looked = np.isin(history(out)["step"], history(on)["step"])  # rows that both have
+    assert readings(on)["peak_stress"] == stress[looked][2:].max() <= read["peak_stress"]
     # As the scene says, too; and a run that goes on from a checkpoint ends behind its peak.
     said = run_scene(folder, given, "--set", "time.stop.peak_drop=0.5", name="said")
     assert history(said)["strain"][-1] > read["peak_strain"], summary(said)["stop_reason"]

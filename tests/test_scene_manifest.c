@@ -396,7 +396,7 @@ static char *key_text(bool markdown, const char *sought, size_t *count) {
     char *text = NULL;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    *count = gn_scene_print_keys(out, markdown, sought);
+    *count = gn_scene_print_keys(out, markdown, &sought, sought ? 1 : 0);
     fclose(out);
     return text;
 }

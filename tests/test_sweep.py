@@ -666,9 +666,26 @@ def the_report_is_one_page_that_holds_its_pictures(folder):
     expect(gneiss("report", out), 0)
     with open(os.path.join(out, "report.html")) as file:
         page = file.read()
-    assert page.count('src="data:image/png;base64,') == 2 and 'src="report/' not in page
+    assert page.count('src="data:image/png;base64,') == 3 and 'src="report/' not in page
     assert "materials.block.friction" in page and "Means and 95 % intervals" in page
-    assert sorted(os.listdir(os.path.join(out, "report"))) == ["sweep_largest_stress.png", "sweep_largest_stress_map1.png"]
+    assert sorted(os.listdir(os.path.join(out, "report"))) == ["sweep_curves.png", "sweep_largest_stress.png", "sweep_largest_stress_map1.png"]
+    runs = page[page.index("Every run"):]
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        folders = file["runs/folder"][()].decode().split("\n")
+    assert all(f'href="{name}/"' in runs for name in folders[:8]), folders
+    assert len(re.findall(r"largest stress", runs.split("</tr>")[0])) == 1 and re.search(r"<td class=\"number\">[\d.]+ [kM]?Pa</td>", runs)
+
+
+@fact
+def readings_that_are_the_same_in_every_run_have_one_picture(folder):
+    sweep(folder, {"seeds": 2, "parameters": {"materials.block.friction": [0.1, 0.4]}})
+    out = os.path.join(folder, "out")
+    expect(gneiss("report", out), 0)
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        values = {name: data[()] for name, data in file["readings"].items()}
+    drawn = [re.sub("^sweep_|.png$", "", name) for name in os.listdir(os.path.join(out, "report")) if "_map" not in name]
+    known = [values[name] for name in drawn if name in values]
+    assert len({v.tobytes() for v in known}) == len(known), drawn
 
 
 @fact
@@ -789,7 +806,7 @@ def files_that_are_not_there_or_no_sweeps_are_told(folder):
     expect(gneiss("sweep", write_scene(folder, "", "empty.yaml")), 2, "empty.yaml:1:1: expected a sweep, found an empty file")
     expect(gneiss("sweep", write_scene(folder, "seeds: 2\n", "a.yaml")), 2, "a.yaml:1:1: scene: required")
     expect(gneiss("sweep", write_scene(folder, "scene: none.yaml\nseeds: 2\n", "b.yaml")), 2, "b.yaml:1:8: scene: cannot open 'none.yaml'")
-    expect(gneiss("sweep", LATTICE), 2, r"lattice-small.yaml:3:1: specimen: unknown key")
+    expect(gneiss("sweep", LATTICE), 2, "lattice-small.yaml: expected a sweep file, found a scene: gneiss run")
     bad = write_scene(folder, "time: {end: 1, safty: 2}\n", "bad.yaml")
     expect(gneiss("sweep", write_scene(folder, f"scene: {bad}\nseeds: 2\n", "c.yaml")), 2, r"bad.yaml:1:16: time.safty: unknown key")
     expect(gneiss("run", LATTICE, "--seeds", "0"), 2, "--seeds: expected a number of seeds")

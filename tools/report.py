@@ -48,10 +48,12 @@ def readings_table(results):
     rows = []
     for name, column in results.readings.items():
         value = float(np.asarray(column.value, float).reshape(-1)[0])
-        si = f"{value:.6g} {column.unit}" if np.isfinite(value) else ""
+        if not results.test_kind and not np.isfinite(value):
+            continue  # a scene that is no test has none of them
+        si = f"{value:.6g} {'' if column.unit == '1' else column.unit}".strip() if np.isfinite(value) else ""
         meaning = f"absent: {column.absent}. ({column.text})" if column.absent else column.text
         rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (error_text(name, column), "number"), (si, "si"), meaning))
-    return table(rows, ("reading", "value", "error (95 of 100)", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
+    return table(rows, ("reading", "value", "error (95 of 100)", "in SI units", "meaning")) if rows else "<p>The run has no readings.</p>"
 
 
 def stages_table(results):
@@ -172,13 +174,33 @@ def banner(results):
             "what follows is its state when the file was written.</p>")
 
 
+def percent(share):
+    """"20", "0.4": never an exponent."""
+    return f"{100 * share:.0f}" if share >= 0.01 else f"{100 * share:.1g}"
+
+
 def in_unit_of(column):
     """The causes of an error, "(packing 2.4e+06 estimated, ...)", as shares of it: what matters is which is the largest."""
     parts = [part.split() for part in column.error_causes.strip("()").split(", ") if part]
     value = abs(float(np.asarray(column.value, float).reshape(-1)[0]))
     named = [(" ".join(words[:-2]), float(words[-2]) / value, words[-1]) for words in parts if len(words) > 2]
     largest = sorted(named, key=lambda cause: -cause[1])
-    return "(" + ", ".join(f"{name} {100 * share:.1g} % {how}" for name, share, how in largest) + ")" if largest else ""
+    return "(" + ", ".join(f"{name} {percent(share)} % {how}" for name, share, how in largest) + ")" if largest else ""
+
+
+def cards_without_test(results):
+    """What a scene comes to that is no test: time, what moves, what broke."""
+    shown, time = [], results.column("time")
+    if time is not None:
+        shown.append(("simulated time", quantity(float(np.nanmax(time)), "s"), ""))
+    for name, title in (("kinetic", "kinetic energy at the end"), ("friction", "lost by friction")):
+        value = results.scalar(results.energy, name)
+        if np.isfinite(value) and value != 0:
+            shown.append((title, quantity(value, "J"), ""))
+    broken = int(np.isin(results.bond_state, (1, 2)).sum())
+    if len(results.bond_state):
+        shown.append(("broken bonds", f"{broken} of {len(results.bond_state)}", ""))
+    return shown
 
 
 def cards(results):
@@ -192,9 +214,11 @@ def cards(results):
             column = results.readings[name]
             budget = f"{error_text(name, column)} {in_unit_of(column)}".strip()
             shown.append((title, reading_text(name, column), column.absent or budget))
-    return "".join(f'<div class="card"><span>{escape(title)}</span><b>{escape(value)}</b>'
-                   + (f'<small>{escape(absent)}</small>' if absent else "") + "</div>"
-                   for title, value, absent in shown)
+    shown += [] if results.test_kind else cards_without_test(results)
+    inside = "".join(f'<div class="card"><span>{escape(title)}</span><b>{escape(value)}</b>'
+                     + (f'<small>{escape(absent)}</small>' if absent else "") + "</div>"
+                     for title, value, absent in shown)
+    return f'<div class="cards">{inside}</div>' if inside else ""
 
 
 def bodies_text(results):
@@ -225,7 +249,7 @@ def page(results, captions):
 <h1>{escape(title)}</h1>
 <p class="soft">{escape(subtitle)}</p>
 {banner(results)}
-<div class="cards">{cards(results)}</div>
+{cards(results)}
 <h2>Curves</h2>
 <div class="grid">{curves}</div>
 <h2>Specimen</h2>

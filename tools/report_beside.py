@@ -62,6 +62,8 @@ class Beside:
         if "facet" in results.bodies and "vertex" in results.bodies:
             self.facet = np.asarray(results.bodies["facet"].value, int)
             self.vertex = self.turn(np.pad(results.bodies["vertex"].value, ((0, 0), (0, 2)))[:, :3])
+        of = results.bodies.get("facet_body")  # the body of each facet
+        self.owner = np.zeros(len(self.facet), int) if of is None else np.asarray(of.value, int).reshape(-1)
         if snapshot and len(self.facet):
             self._move(snapshot)
         self.walls = [(self.turn(p)[0], self.turn(n)[0]) for p, n in _walls(results, time)]

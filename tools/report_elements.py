@@ -22,6 +22,7 @@ class Mesh:
     def __init__(self, results):
         nodes, elements = results.nodes, results.elements
         self.flat = results.dimension == 2
+        self.up = results.up_axis()
         self.element = np.asarray(elements["node"].value, int)
         self.displacement = np.asarray(nodes["displacement"].value, float)
         self.start = np.asarray(nodes["position"].value, float) - self.displacement
@@ -55,12 +56,11 @@ class Mesh:
 
 
 def view(mesh, position):
-    """Right, up, toward the viewer: the plane itself, or from an oblique side, y or z upward."""
+    """Right, up, toward the viewer: the plane itself, or from an oblique side."""
     if mesh.flat:
         return position
-    up = 2 if np.ptp(mesh.start, axis=0)[2] >= np.ptp(mesh.start, axis=0)[1] else 1
-    order = [0, 2, 1] if up == 2 else [0, 1, 2]
-    return (position[:, order] * [1, 1, -1 if up == 2 else 1]) @ oblique(None).T
+    order = ([1, 0, 2], [0, 1, 2], [0, 2, 1])[mesh.up]
+    return (position[:, order] * [1, 1, 1 if mesh.up == 1 else -1]) @ oblique(None).T
 
 
 def shade(corners):

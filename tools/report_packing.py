@@ -474,7 +474,7 @@ def figures_table(packing):
         value = float(np.asarray(column.value, float).reshape(-1)[0])
         si = f"{value:.6g} {'' if column.unit == '1' else column.unit}".strip() if np.isfinite(value) else ""
         rows.append((name.replace("_", " "), (figure_text(name, column), "number"), (si, "si"), column.text))
-    return table(rows, ("figure", "value", "SI", "meaning"))
+    return table(rows, ("figure", "value", "in SI units", "meaning"))
 
 
 def fabric_table(packing):

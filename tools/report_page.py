@@ -3,6 +3,7 @@ import base64
 import html
 import os
 import re
+from urllib.parse import quote
 
 from report_files import folder_within, remove, write
 
@@ -17,9 +18,9 @@ h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.
 .card { border: 1px solid var(--line); border-radius: 8px; padding: .6rem 1rem; min-width: 9.5rem; }
 .card b { display: block; font-size: 1.35rem; } .card span { color: var(--soft); font-size: .85rem; }
 .card small { display: block; color: var(--soft); max-width: 15rem; line-height: 1.3; }
-table { border-collapse: collapse; margin: .4rem 0; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
+table { border-collapse: collapse; margin: .4rem 0; max-width: 100%; } td { overflow-wrap: anywhere; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
   border-bottom: 1px solid var(--line); vertical-align: top; } td.number { font-variant-numeric: tabular-nums;
-  white-space: nowrap; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }
+  white-space: nowrap; overflow-wrap: normal; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); gap: 1.2rem; }
 .tables { display: flex; flex-wrap: wrap; gap: 0 3rem; }
 figure { margin: 0; } figure img { max-width: 100%; height: auto; } figure.wide { margin: 1rem 0; }
@@ -31,14 +32,24 @@ def escape(text):
     return html.escape(str(text))
 
 
+def is_inside(path):
+    """Whether a path stays below the folder that it is relative to."""
+    return not re.match(r"/|\w+:", path) and ".." not in path.split("/")
+
+
+def linked(text, to):
+    """Only to places below the page's folder, whatever a file says."""
+    return f'<a href="{escape(quote(to))}">{escape(text)}</a>' if to and is_inside(to) else escape(text)
+
+
 def table(rows, head=None):
-    """HTML table of rows of (cell, class) or plain cells, escaped here."""
+    """HTML table of rows of (cell, class), (cell, class, link) or plain cells, escaped here."""
     out = ["<table>"]
     if head:
         out.append("<tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr>")
     for row in rows:
-        cells = [c if isinstance(c, tuple) else (c, "") for c in row]
-        out.append("<tr>" + "".join(f'<td class="{k}">{escape(t)}</td>' for t, k in cells) + "</tr>")
+        cells = [(*c, "", "")[:3] if isinstance(c, tuple) and len(c) < 3 else c if isinstance(c, tuple) else (c, "", "") for c in row]
+        out.append("<tr>" + "".join(f'<td class="{k}">{linked(t, to)}</td>' for t, k, to in cells) + "</tr>")
     return "\n".join(out + ["</table>"])
 
 

@@ -17,6 +17,23 @@ PICTURE_HEIGHT = 900  # pixels of the cast picture
 MARGIN = 0.05         # of the specimen's size, shown around it; fragments further out are cut off
 
 
+def quantiles(values, unit):
+    """(factor, unit, norm): colours span the 2nd to the 98th percentile, from zero where that is not far, so that a few fragments do
+    not hide the rest, nor what all have in common."""
+    low, high = np.percentile(values, (2, 98))
+    high = float(high) or float(np.max(values))
+    low = float(low) if low > 0.5 * high else 0.0
+    factor, unit = scale_of([high], unit)
+    low, high = low / factor, (high / factor) or 1.0
+    return factor, unit, Normalize(low, high if high > low else low + 1.0)
+
+
+def extend_of(values, norm):
+    """Which end of the colour bar values lie beyond."""
+    beyond = values.min() < norm.vmin - 1e-9 * abs(norm.vmin), values.max() > norm.vmax * (1 + 1e-9)
+    return {(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, "neither")
+
+
 class Specimen:
     """Final state without removed particles, with the axis of the test upward: right, up, toward the viewer."""
 
@@ -33,7 +50,7 @@ class Specimen:
         if removed is not None:
             keep &= np.asarray(removed).reshape(-1) == 0
         self.flat = results.dimension == 2
-        up = 1 if self.flat else results.test_axis()
+        up = 1 if self.flat else results.up_axis()
         right = 0 if self.flat else (up + 1) % 3
         if not self.flat and results.test_kind == "brazilian" and up < 2:
             right = 1 - up  # a disc is seen from its face
@@ -55,23 +72,49 @@ class Specimen:
         # A specimen that broke is seen where it stood, without what flew off; loose particles where they went.
         self.framed = self.start if self.has_bonds else self.position
         self.beside = Beside(results, order, self.sign, snapshot, time)
+        velocity = results.particle("velocity")
+        speed = np.zeros(len(radius)) if velocity is None else np.linalg.norm(np.asarray(velocity, float).reshape(len(radius), -1), axis=1)
+        self.speed = np.nan_to_num(speed[keep])
         if self.count:
             self.lower = (self.framed - self.radius[:, None]).min(axis=0)
             self.upper = (self.framed + self.radius[:, None]).max(axis=0)
             self.middle = 0.5 * (self.lower + self.upper) if self.has_bonds else 0.5 * sum(self.beside.bounds(self.lower, self.upper))
+            self.plane = self.plane_of_slice()
+
+    def is_bed(self):
+        """Lower than wide: its upper side is what is to be seen."""
+        size = self.upper - self.lower
+        return bool(not self.flat and size[1] < 0.7 * max(size[0], size[2]))
+
+    def plane_of_slice(self):
+        """Through the middle; of a tool that is smaller than the specimen through the tool, so that its groove is cut along."""
+        owner = self.beside.owner
+        depths = [self.beside.vertex[np.unique(self.beside.facet[owner == body])][:, 2] for body in np.unique(owner)]
+        small = [z for z in depths if np.ptp(z) < 0.6 * (self.upper[2] - self.lower[2])]
+        middles = [0.5 * (z.min() + z.max()) for z in small]
+        within = [m for m in middles if self.lower[2] < m < self.upper[2]]
+        return float(within[0]) if within else self.middle[2]
 
     def displacement_scale(self):
-        """(factor, unit, top): the top is the 98th percentile, so that a few fragments do not hide the rest."""
-        top = float(np.percentile(self.moved, 98)) or float(self.moved.max())
-        factor, unit = scale_of([top], "m")
-        return factor, unit, (top / factor) or 1.0
+        """(factor, unit, top of the colours)."""
+        factor, unit, norm = quantiles(self.moved, "m")
+        return factor, unit, norm.vmax
 
     def colorings(self):
-        """(title, values, colour map, norm, label of the colour bar)."""
-        factor, unit, top = self.displacement_scale()
-        result = [("Displacement", self.moved / factor, plt.cm.viridis, Normalize(0, top), f"displacement [{unit}]")]
+        """(title, values, colour map, norm, label of the colour bar): damage of what is bonded, heights of a bed that a body acts
+        on, speeds of what moves by itself, and displacements."""
+        factor, unit, norm = quantiles(self.moved, "m")
+        result = [("Displacement", self.moved / factor, plt.cm.viridis, norm, f"displacement [{unit}]")]
         if self.damage is not None and self.has_bonds:
             result.insert(0, ("Damage", self.damage, DAMAGE, Normalize(0, 1), "damage, broken / initial bonds [1]"))
+        elif np.percentile(self.speed, 90) > 1e-3:
+            factor, unit, norm = quantiles(self.speed, "m/s")
+            result.insert(0, ("Speed", self.speed / factor, plt.cm.magma, norm, f"speed [{unit}]"))
+        if self.is_bed() and len(self.beside.facet):
+            height = self.position[:, 1] - self.lower[1]
+            factor, unit, _ = quantiles(height, "m")
+            low, high = np.percentile(height / factor, (50, 99.5))
+            result.insert(0, ("Height", height / factor, plt.cm.cividis, Normalize(low, max(high, low + 1e-12)), f"height [{unit}]"))
         return result
 
     def window(self):
@@ -84,9 +127,9 @@ class Specimen:
 
 # --- the surface ---------------------------------------------------------------------------------------
 
-def oblique(specimen, azimuth=25.0, elevation=14.0):
-    """Coordinates seen by a viewer turned about the axis and raised a little: right, up, toward."""
-    a, e = np.radians(azimuth), np.radians(elevation)
+def oblique(specimen, azimuth=25.0, elevation=14.0, above=48.0):
+    """Coordinates seen by a viewer turned about the axis and raised a little, over a bed more: right, up, toward."""
+    a, e = np.radians(azimuth), np.radians(above if specimen and specimen.is_bed() else elevation)
     turn = np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]])
     raise_ = np.array([[1, 0, 0], [0, np.cos(e), -np.sin(e)], [0, np.sin(e), np.cos(e)]])
     return raise_ @ turn
@@ -230,7 +273,7 @@ def plot_surface(specimen, path):
     for a, (title, values, colors, norm, label) in zip(axes, colorings):
         surface.draw(a, colors(norm(values)))
         a.set_title(title)
-        color_bar(figure, a, norm, colors, label, "max" if values.max() > norm.vmax * (1 + 1e-9) else "neither")
+        color_bar(figure, a, norm, colors, label, extend_of(values, norm))
     save(figure, path)
     return f"The surface at the end of the run, {specimen.names[1]} upward.{specimen.beside.text_seen(surface.panes)}"
 
@@ -241,7 +284,7 @@ def cut(specimen):
     """(indices, centres, radii) of the circles in the slice through the middle; all discs in 2D."""
     if specimen.flat:
         return np.arange(specimen.count), specimen.position[:, :2], specimen.radius
-    height = specimen.radius ** 2 - (specimen.position[:, 2] - specimen.middle[2]) ** 2
+    height = specimen.radius ** 2 - (specimen.position[:, 2] - specimen.plane) ** 2
     index = np.flatnonzero(height > 0)
     return index, specimen.position[index, :2], np.sqrt(height[index])
 
@@ -265,7 +308,7 @@ def cracks(specimen, results, state):
     half = np.minimum(ri, rj)
     in_plane = np.hypot(normal[:, 0], normal[:, 1])
     if not specimen.flat:
-        offset = centre[:, 2] - specimen.middle[2]
+        offset = centre[:, 2] - specimen.plane
         crossing = (in_plane > 1e-6) & (np.abs(offset) < half * in_plane)
         centre, normal, half, in_plane, offset = (v[crossing] for v in (centre, normal, half, in_plane, offset))
         half = np.sqrt(half ** 2 - (offset / in_plane) ** 2)
@@ -309,13 +352,13 @@ def plot_slice(specimen, results, path):
     for a, (title, values, colors, norm, label) in zip(axes, colorings):
         draw_circles(a, centres, radii, colors(norm(values[index])), "#00000055")
         a.set_title(title)
-        color_bar(figure, a, norm, colors, label, "max" if values.max() > norm.vmax * (1 + 1e-9) else "neither")
+        color_bar(figure, a, norm, colors, label, extend_of(values, norm))
     if with_cracks:
         draw_circles(axes[-1], centres, radii, "#eceae5", "#b9b5ab")
         draw_cracks(axes[-1], specimen, results)
         axes[-1].set_title("Cracks")
     for a in axes:
-        specimen.beside.draw_cut(a, specimen.middle[2], (left, right, bottom, top), specimen.flat)
+        specimen.beside.draw_cut(a, specimen.plane, (left, right, bottom, top), specimen.flat)
         a.set_xlim(left, right)
         a.set_ylim(bottom, top)
         scale_bar(a, np.array([left, bottom]), np.array([right, top]))
@@ -323,5 +366,6 @@ def plot_slice(specimen, results, path):
     if specimen.flat:
         drawn = " Cracks: bonds that broke, soften or yielded, drawn across the bond." if with_cracks else ""
         return "The specimen at the end of the run." + specimen.beside.text() + drawn
-    text = f"Slice through the middle, plane {specimen.names[0]}–{specimen.names[1]}: the circles are the cut spheres.{specimen.beside.text()}"
+    where = "the middle" if specimen.plane == specimen.middle[2] else "the tool"
+    text = f"Slice through {where}, plane {specimen.names[0]}–{specimen.names[1]}: the circles are the cut spheres.{specimen.beside.text()}"
     return text + (" Cracks: where the discs of bonds that broke, soften or yielded cross the slice." if with_cracks else "")

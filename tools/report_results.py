@@ -56,6 +56,8 @@ WORDS = {
 }
 
 
+STANDING = ("compression", "tension", "triaxial", "biaxial", "oedometer", "brazilian", "bending")
+
 # Counted since the start of the run in the history, since that of the last stage in readings and in what is drawn of it.
 FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "deflection", "opening")
 
@@ -185,20 +187,18 @@ class Results:
         return WORDS.get(self.test_kind, ("axial strain", "axial stress"))
 
     def test_axis(self):
-        """0, 1, 2: the axis of the test as the scene says, else that of gravity, else the longest side of the specimen."""
+        """0, 1, 2: the axis of the test as the scene says, else what is up."""
         block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
         axis = block and re.search(r"\baxis:\s*[\"']?([xyz])", block[0])
-        if axis:
-            return "xyz".index(axis[1])
+        return "xyz".index(axis[1]) if axis else self.up_axis()
+
+    def up_axis(self):
+        """0, 1, 2: that of gravity, else z, in 2D y; of a specimen that is pressed or pulled along an axis this one stands up."""
         gravity = re.search(r"^gravity:\s*\[([^\]]*)\]", self.scene, re.MULTILINE)
         pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
         if max(pull) > 0:
             return pull.index(max(pull))
-        position = self.particle("position")
-        if position is None or not len(position):
-            return 2
-        extent = np.nan_to_num(np.ptp(position, axis=0))
-        return int(np.argmax(extent[: self.dimension]))
+        return self.test_axis() if self.test_kind in STANDING else min(2, self.dimension - 1)
 
 
 # --- numbers for people --------------------------------------------------------------------------------

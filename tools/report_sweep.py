@@ -11,12 +11,12 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 import report_envelope
 from report_curves import BLUE, GREY, INK, RED, save
-from report_page import STYLE, draw, escape, table, write_page
+from report_page import STYLE, draw, escape, is_inside, table, write_page
 from report_files import opened
-from report_results import Column, _text, quantity, scale_of
+from report_results import Column, Unreadable, _text, quantity, scale_of
 
 FIRST = ("axial_strength", "indirect_tensile_strength", "flexural_strength", "shear_strength", "peak_stress", "young_modulus", "poisson_ratio", "peak_strain", "largest_stress", "energy.residual")
-MOST_READINGS, MOST_PANELS, MOST_MAPS, MOST_LINES = 8, 4, 3, 7
+MOST_READINGS, MOST_PANELS, MOST_MAPS, MOST_LINES, MOST_CURVES = 8, 4, 3, 7, 200
 COLOURS = (BLUE, RED, "#2f8f5b", "#8a5fb0", "#c78a1c", "#3d9fb0", "#7a5c45")
 STATES = ("new", "interrupted", "done", "failed")
 
@@ -79,9 +79,20 @@ class Sweep:
 
     def shown_readings(self):
         """Those worth a picture: with numbers, the best known first."""
+        return self.distinct()[:MOST_READINGS]
+
+    def distinct(self):
+        """Readings with numbers, the best known first; of several that are the same in every run, as the axial strength and the
+        largest stress may be, the first alone."""
         there = [name for name, column in self.readings.items() if np.isfinite(column.value).any()]
         ordered = [name for name in FIRST if name in there] + [name for name in there if name not in FIRST]
-        return ordered[:MOST_READINGS]
+        found = []
+        for name in ordered:
+            values = np.asarray(self.readings[name].value, float)
+            if not any(self.readings[n].unit == self.readings[name].unit and
+                       np.array_equal(values, np.asarray(self.readings[n].value, float), equal_nan=True) for n in found):
+                found.append(name)
+        return found
 
     def label(self, run, without=()):
         return ", ".join(f"{p.key} = {p.text(p.value[run])}" for p in self.varied if p not in without)
@@ -225,13 +236,54 @@ def write_cells(axes, across, up, cells):
 
 
 def draw_pictures(sweep, folder):
-    jobs = {}
+    jobs = {"sweep_curves": lambda path: plot_runs(sweep, folder, path)}
     for name in sweep.shown_readings():
         file = re.sub(r"[^\w]", "_", name)
         jobs[f"sweep_{file}"] = lambda path, name=name: plot_curves(sweep, name, path)
         for k, pair in enumerate(itertools.islice(itertools.combinations(sweep.varied, 2), MOST_MAPS)):
             jobs[f"sweep_{file}_map{k + 1}"] = lambda path, name=name, pair=pair: plot_map(sweep, name, pair, path)
     return draw(jobs, folder)
+
+
+# --- curves of the runs --------------------------------------------------------------------------------
+
+def curve_of(path):
+    """(strain, stress) of a run, or (time, column) without a test; None: not to be read."""
+    try:
+        with h5py.File(path, "r") as file:
+            history = file["history"]
+            if "strain" in history and "stress" in history:
+                strain, stress = history["strain"][()], history["stress"][()]
+                return (strain, stress) if np.isfinite(strain).any() and np.isfinite(stress).any() else None
+    except (OSError, KeyError, RuntimeError, ValueError):
+        pass
+    return None
+
+
+def plot_runs(sweep, folder, path):
+    """Stress over strain of all runs, those of one combination in one colour."""
+    done = [k for k in range(len(sweep.status)) if sweep.status[k] == 2 and is_inside(sweep.folder[k])][:MOST_CURVES]
+    curves = [(k, curve_of(os.path.join(folder, sweep.folder[k], "results.h5"))) for k in done]
+    curves = [(k, c) for k, c in curves if c]
+    if not curves:
+        return None
+    factor, unit = scale_of(np.concatenate([stress for _, (_, stress) in curves]), "Pa")
+    combinations = list(dict.fromkeys(int(sweep.combination[k]) for k, _ in curves))
+    colours = COLOURS if len(combinations) <= len(COLOURS) else plt.cm.viridis(np.linspace(0, 0.95, len(combinations)))
+    figure, axes = plt.subplots(figsize=(8.0, 4.6), constrained_layout=True)
+    named = set()
+    for k, (strain, stress) in curves:
+        place = combinations.index(int(sweep.combination[k]))
+        label = sweep.label(k) if place not in named and len(combinations) <= 12 else None
+        named.add(place)
+        axes.plot(100 * strain, stress / factor, color=colours[place], lw=1.1, alpha=0.85, label=label or None)
+    axes.set_xlabel("strain of the test [%]")
+    axes.set_ylabel(f"stress of the test [{unit}]")
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    save(figure, path)
+    left = sum(sweep.status == 2) - len(curves)
+    return "Stress over strain of every run, those of one combination in one colour." + (f" {left} runs have no curve here." if left else "")
 
 
 def strengths(sweep):
@@ -270,7 +322,7 @@ def mean_text(sweep, name, c):
 
 
 def means_table(sweep):
-    names = list(sweep.readings)
+    names = sweep.distinct()
     head = [p.key for p in sweep.varied] + ["runs"] + [name.replace("_", " ") for name in names]
     rows = []
     for c, run in enumerate(sweep.first):
@@ -280,11 +332,25 @@ def means_table(sweep):
     return table(rows, head)
 
 
-def runs_table(sweep):
-    head = ("run", "parameters", "seed", "status", "seconds", "steps", "state hash", "folder")
-    rows = [((k + 1, "number"), sweep.label(k), (int(sweep.seed[k]), "number"), STATES[sweep.status[k]],
+def link_of(sweep, folder, k):
+    """The report of a run where it was made, else its folder."""
+    inside = sweep.folder[k]
+    report = os.path.join(inside, "report.html")
+    return report if os.path.exists(os.path.join(folder, report)) else inside + "/"
+
+
+def reading_of(sweep, name, k):
+    value = float(np.asarray(sweep.readings[name].value, float).reshape(-1)[k])
+    return quantity(value, sweep.readings[name].unit) if np.isfinite(value) else "–"
+
+
+def runs_table(sweep, folder):
+    names = sweep.shown_readings()
+    head = ("run", "parameters", "seed", "status", *(name.replace("_", " ") for name in names), "seconds", "steps", "state hash")
+    rows = [((k + 1, "number", link_of(sweep, folder, k)), sweep.label(k), (int(sweep.seed[k]), "number"), STATES[sweep.status[k]],
+             *((reading_of(sweep, name, k), "number") for name in names),
              (f"{sweep.seconds[k]:.3g}" if np.isfinite(sweep.seconds[k]) else "", "number"),
-             (int(sweep.steps[k]) or "", "number"), sweep.state_hash[k], sweep.folder[k])
+             (int(sweep.steps[k]) or "", "number"), sweep.state_hash[k])
             for k in range(len(sweep.status))]
     return table(rows, head)
 
@@ -309,7 +375,7 @@ def page(sweep, folder, captions):
         f"gneiss {sweep.attributes.get('version', '')}", f"{len(sweep.status)} runs", f"{len(sweep.first)} combinations",
         f"{seeds} seeds" if seeds else "", sweep.attributes.get("scene_file", ""))))
     details = "".join(f"<details><summary>{name}</summary>{body}</details>" for name, body in (
-        ("Every run", runs_table(sweep)),
+        ("Every run: its readings and its report or folder", runs_table(sweep, folder)),
         ("The sweep file", f"<pre>{escape(sweep.sweep)}</pre>" if sweep.sweep else ""),
         ("The scene that was varied", f"<pre>{escape(sweep.scene)}</pre>")) if body)
     return f"""<!DOCTYPE html>
@@ -319,7 +385,7 @@ def page(sweep, folder, captions):
 <p class="soft">{escape(subtitle)}</p>
 {banner(sweep)}
 <h2>Readings</h2>
-{pictures or "<p>No run is done: there is nothing to draw.</p>"}
+{f'<div class="grid">{pictures}</div>' if pictures else "<p>No run is done: there is nothing to draw.</p>"}
 {envelope_part(sweep, folder)}
 <h2>Means and 95 % intervals</h2>
 <div class="scroll">{means_table(sweep)}</div>

@@ -39,7 +39,7 @@ CARDS["simple_shear"] = CARDS["shear"]
 
 
 def cards_of(results):
-    tested = CARDS.get(results.test_kind, MODULUS + PEAK)
+    tested = CARDS.get(results.test_kind, MODULUS + PEAK) if results.test_kind else ()
     return (*tested, ("returned_energy", "energy returned by the zone"))
 
 
@@ -281,8 +281,10 @@ def plot_moments(results, folder, path):
     if not chosen or any(s.count == 0 for _, s in chosen):
         return None
     last = chosen[-1][1]
-    colorings = [s.colorings()[0] for _, s in chosen]
-    _, _, colors, norm, label = last.colorings()[0]
+    by_name = [{c[0]: c for c in s.colorings()} for _, s in chosen]
+    name = "Damage" if all("Damage" in found for found in by_name) else "Displacement"
+    colorings = [found[name] for found in by_name]
+    _, _, colors, norm, label = colorings[-1]
     size = (last.upper - last.lower)[:2]
     figure, axes = panels(3, size[0] / size[1], min(4.6, 1.2 + 7.0 * size[1] / size[0]))
     factors = [s.displacement_scale()[0] for _, s in chosen]

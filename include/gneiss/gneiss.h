@@ -159,7 +159,8 @@ typedef struct gneiss_progress {
     double time, end;    /* s; now and time.end */
     double dt;           /* s; the coming step */
     double wall_seconds; /* in all sittings */
-    double eta;          /* s of wall time to `end`; NaN before the first step */
+    double eta;          /* s of wall time to `end`, or to the strain that ends a test; NaN before
+                            the first step */
     double unbalanced;   /* mean resultant over mean contact force, as in the history */
     double
         energy_residual;   /* what the ledger does not explain, over the work; NaN without ledger */
@@ -303,8 +304,10 @@ GNEISS_API gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_r
 
 /* Columns of the history: "step", "time", "stress", "wall_top_force_z", ... (docs/results.md), as
  * views of doubles with one component and a row per item. Rows are taken every so many steps, as
- * output.history_rows says, from the first step on. By name, or by index in [0, column count). The
- * name in the view belongs to the world. GNEISS_ERROR_INPUT: no such column. */
+ * output.history_rows says, from the first step on; in a run that a condition may end there are
+ * more, and every second one is removed when there are twice as many as are wanted. By name, or by
+ * index in [0, column count). The name in the view belongs to the world. GNEISS_ERROR_INPUT: no
+ * such column. */
 GNEISS_API size_t gneiss_world_history_count(const gneiss_world *world);
 GNEISS_API gneiss_status gneiss_world_history(const gneiss_world *world, const char *name,
                                               gneiss_view *view, gneiss_error *error);

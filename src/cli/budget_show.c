@@ -1,33 +1,18 @@
 #include "cli/budget_show.h"
 
+#include "cli/shown.h"
 #include "run/budget.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A prefix that keeps numbers near 1. */
-static double scale_of(const char *unit, double value, const char **prefix) {
-    bool pressure = strcmp(unit, "Pa") == 0;
-    double factor = !pressure            ? 1.0
-                    : fabs(value) >= 1e9 ? 1e9
-                    : fabs(value) >= 1e6 ? 1e6
-                    : fabs(value) >= 1e3 ? 1e3
-                                         : 1.0;
-    *prefix = factor == 1e9   ? " GPa"
-              : factor == 1e6 ? " MPa"
-              : factor == 1e3 ? " kPa"
-              : pressure      ? " Pa"
-                              : "";
-    return factor;
-}
-
-static void print_one(const char *name, const char *unit, double value, const gn_error_causes *c) {
+static void print_one(const gn_readings *r, const char *name, const char *unit, double value,
+                      const gn_error_causes *c) {
     char text[512];
-    const char *prefix;
-    double factor = scale_of(unit, value, &prefix);
-    printf("    %-22s %.4g%s +- %.2g %s\n", name, value / factor, prefix,
-           fabs(value) / factor * gn_causes_total(c),
-           gn_budget_text(c, value / factor, text, sizeof text));
+    const gn_shown shown = gn_shown_unit(r, name, unit, value);
+    printf("    %-22s %.4g%s%s +- %.6g %s\n", name, value / shown.factor, *shown.unit ? " " : "",
+           shown.unit, gn_two_digits(fabs(value) / shown.factor * gn_causes_total(c)),
+           gn_budget_text(c, value / shown.factor, text, sizeof text));
 }
 
 /* What is in no sum is the same for most readings, and told once. */
@@ -49,7 +34,8 @@ gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
     }
     printf("  error budget, 95 of 100\n");
 #define X(name, unit, text)                                                                        \
-    if (b->of[GN_READING_##name].count) print_one(#name, unit, r->name, &b->of[GN_READING_##name]);
+    if (b->of[GN_READING_##name].count)                                                            \
+        print_one(r, #name, unit, r->name, &b->of[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
     print_notes(b);

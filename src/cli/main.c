@@ -1,5 +1,6 @@
 /* The `gneiss` program. */
 #include "base/timer.h"
+#include "cli/help.h"
 #include "cli/options.h"
 #include "cli/pack.h"
 #include "cli/plan.h"
@@ -8,6 +9,7 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep.h"
+#include "cli/wrong_file.h"
 #include "io/files.h"
 #include "run/folder.h"
 #include "sim/conversion.h"
@@ -18,6 +20,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { LONG_RUN = 60 }; /* s of computing that are not replaced without being asked for */
@@ -80,6 +83,7 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));
     GN_TRY(gn_print_beginning(o, run, error));
+    GN_TRY(gn_expect_end(o, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
@@ -242,6 +246,10 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
 /* The report is a Python script: where it was installed, in the program's source tree, or moved
  * along with the program. A folder tools beside an installed one may be anybody's. */
 static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
+    struct stat target;
+    if (stat(o->target, &target) == 0 && !S_ISDIR(target.st_mode))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
+                       o->target);
     const char *script = getenv("GNEISS_REPORT");
     char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
     if (!script) {
@@ -271,7 +279,7 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
 extern const char __executable_start[], etext[];
 
 static void command_info(void) {
-    printf("gneiss %s (%s)\n", gn_version(), gn_build());
+    gn_print_version(stdout);
     printf("threads           %d\n", omp_get_num_procs());
     printf("instruction sets ");
     for (int k = 0; k < GN_KERNEL_SETS; k++) {
@@ -290,6 +298,27 @@ static void command_info(void) {
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
+static gneiss_status command_help(const gn_options *o, gneiss_error *error) {
+    const gn_command *command = o->target ? gn_command_named(o->target) : NULL;
+    if (o->target && !command) return gn_no_command(o->target, error);
+    gn_print_help(stdout, command);
+    return GNEISS_OK;
+}
+
+static gneiss_status command_keys(const gn_options *o, gneiss_error *error) {
+    char nearest[256], sought[256] = "";
+    if (gn_scene_print_keys(stdout, o->markdown, (const char *const *)o->words, o->word_count) > 0)
+        return GNEISS_OK;
+    for (size_t k = 0, used = 0; k < o->word_count && used < sizeof sought; k++)
+        used += (size_t)snprintf(sought + used, sizeof sought - used, "%s%s", k ? " " : "",
+                                 o->words[k]);
+    bool meant = o->word_count == 1 && gn_scene_nearest_key(o->target, nearest, sizeof nearest);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "keys: expected %s that a key or its description holds, found '%s'%s%s%s",
+                   o->word_count > 1 ? "words" : "a text", sought, meant ? "; did you mean '" : "",
+                   meant ? nearest : "", meant ? "'?" : "");
+}
+
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
     if (strcmp(o->command, "run") == 0) return command_run_all(o, error);
     if (strcmp(o->command, "sweep") == 0) return gn_command_sweep(o, error);
@@ -302,12 +331,12 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
         command_info();
         return GNEISS_OK;
     }
-    if (gn_scene_print_keys(stdout, o->markdown, o->target) > 0) return GNEISS_OK;
-    char nearest[256];
-    bool meant = gn_scene_nearest_key(o->target, nearest, sizeof nearest);
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "keys: expected a text that a key or its description holds, found '%s'%s%s%s",
-                   o->target, meant ? "; did you mean '" : "", nearest, meant ? "'?" : "");
+    if (strcmp(o->command, "help") == 0) return command_help(o, error);
+    if (strcmp(o->command, "version") == 0) {
+        gn_print_version(stdout);
+        return GNEISS_OK;
+    }
+    return command_keys(o, error);
 }
 
 /* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
@@ -331,7 +360,10 @@ int main(int argc, char **argv) {
     bool done = false;
     signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
-    if (status == GNEISS_OK && !done) status = dispatch(&options, &error);
+    if (status == GNEISS_OK && !done) {
+        status = dispatch(&options, &error);
+        if (status == GNEISS_ERROR_INPUT) gn_name_wrong_file(&options, &error);
+    }
     /* An earlier flush may have met the error, and nothing be left to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");

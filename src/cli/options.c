@@ -2,96 +2,12 @@
 
 #include "base/instruction_sets.h"
 #include "base/names.h"
+#include "cli/help.h"
 #include "run/run.h"
 
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef struct command {
-    const char *name, *arguments, *text;
-    bool needs_target;
-} command;
-
-static const command commands[] = {
-    {"run", "SCENE", "run a scene", true},
-    {"check", "SCENE", "read a scene and look its specimen over, run nothing", true},
-    {"plan", "SCENE", "print what a run would compute, store and cost", true},
-    {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
-     true},
-    {"sweep", "FILE", "run a scene with several values of its keys, side by side", true},
-    {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
-    {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true},
-    {"keys", "[TEXT]",
-     "print the keys of a scene file, or those that hold a text (--markdown for docs)", false},
-    {"info", "", "print version, instruction sets, threads", false},
-};
-enum { COMMANDS = sizeof commands / sizeof *commands };
-
-#define LISTED(set, lanes, has) #set ", "
-#define SETS_LISTED             GN_INSTRUCTION_SETS(LISTED) "auto"
-
-void gn_print_usage(FILE *out) {
-    fprintf(out,
-            "gneiss %s: bonded discrete and finite elements for rock and concrete\n\nusage: gneiss "
-            "COMMAND "
-            "[options]\n\ncommands:\n",
-            gn_version());
-    for (size_t k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-7s %-9s %s\n", commands[k].name, commands[k].arguments, commands[k].text);
-    fputs(
-        "\noptions:\n"
-        "  --out DIR          output folder (default: runs/<scene name>)\n"
-        "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
-        "walls.top.friction=0.2\n"
-        "  --threads N        threads (default, and 0: all cores)\n"
-        "  --seed N           of every random number\n"
-        "  --precision P      double or mixed\n"
-        "  --isa NAME         " SETS_LISTED " (default: GNEISS_ISA, else the widest)\n"
-        "  --force            run: replace also what a finished run of more than a minute left, "
-        "and "
-        "files that\n"
-        "                     are not gneiss's\n"
-        "  --allow-gmsh       let gmsh mesh a specimen that is a geometry (.geo, .step, ...), "
-        "which "
-        "can make it\n"
-        "                     execute any command: for files that you trust\n"
-        "  --seeds N          run, sweep: with so many seeds (or these: 3,7,11); mean and 95 % "
-        "interval of\n"
-        "                     every reading; run writes to runs/<scene name>-seeds\n"
-        "  --jobs N           sweep, run of several seeds or confinements: runs at a time "
-        "(default: "
-        "as many as\n"
-        "                     threads)\n"
-        "  --dry-run          sweep, run of several: list the runs and what they may cost, run "
-        "nothing\n"
-        "  --array [I/N]      sweep: only shard I of N, or the one that Slurm's job array says\n"
-        "  --collect          sweep: only the summary of what is there\n"
-        "  --error E          plan: the cheapest settings for an error of 5%, what causes it, and "
-        "seconds\n"
-        "  --reading R        plan --error: of the strength (default) or the stiffness\n"
-        "  --particles any    plan --error: their number may be changed, too, and contacts "
-        "calibrated anew\n"
-        "  --write FILE       plan --error: the scene with what is proposed (--force replaces "
-        "FILE)\n"
-        "  --quiet            only what came out: no progress, no profile; readings and warnings "
-        "stay\n"
-        "  --log json         progress and summary as JSON lines on standard output\n"
-        "  --markdown         keys: as Markdown\n"
-        "  --help (-h), --version\n"
-        "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder that "
-        "is not\n"
-        "there, too), 3 file could not be read or written, 4 out of memory, 5 run went bad, 6 "
-        "interrupted\n"
-        "(a checkpoint was written if the run had begun)\n",
-        out);
-}
-
-static const command *find_command(const char *name) {
-    for (size_t k = 0; k < COMMANDS; k++)
-        if (strcmp(commands[k].name, name) == 0) return &commands[k];
-    return NULL;
-}
 
 static gneiss_status add_override(gn_options *o, const char *key, const char *value,
                                   gneiss_error *error) {
@@ -117,17 +33,17 @@ static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *erro
     return add_override(o, key, equals + 1, error);
 }
 
-static gneiss_status no_command(const char *name, gneiss_error *error) {
+gneiss_status gn_no_command(const char *name, gneiss_error *error) {
     char advice[GN_ADVICE_SIZE] = "";
     gn_names names = gn_names_for(name);
-    for (size_t k = 0; k < COMMANDS; k++) gn_names_add(&names, commands[k].name);
+    for (size_t k = 0; gn_command_at(k); k++) gn_names_add(&names, gn_command_at(k)->name);
     if (names.nearest) gn_names_advice(&names, advice, sizeof advice);
     return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s'%s (gneiss --help lists them)",
                    name, advice);
 }
 
 /* Options that only sweeps have. */
-static gneiss_status check_sweep_options(const gn_options *o, const command *c,
+static gneiss_status check_sweep_options(const gn_options *o, const gn_command *c,
                                          gneiss_error *error) {
     bool sweep = strcmp(c->name, "sweep") == 0, run = strcmp(c->name, "run") == 0;
     bool several = sweep || run; /* of a run the scene says: gn_command_several */
@@ -152,7 +68,7 @@ static gneiss_status check_sweep_options(const gn_options *o, const command *c,
 }
 
 /* Options of `plan --error`. */
-static gneiss_status check_plan_options(const gn_options *o, const command *c,
+static gneiss_status check_plan_options(const gn_options *o, const gn_command *c,
                                         gneiss_error *error) {
     const char *given = o->error           ? "--error"
                         : o->reading       ? "--reading"
@@ -168,7 +84,7 @@ static gneiss_status check_plan_options(const gn_options *o, const command *c,
     return GNEISS_OK;
 }
 
-static bool reads_scenes(const command *c) {
+static bool reads_scenes(const gn_command *c) {
     static const char *const without[] = {"report", "keys", "info"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
         if (strcmp(c->name, without[k]) == 0) return false;
@@ -177,8 +93,8 @@ static bool reads_scenes(const command *c) {
 
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
-    const command *c = find_command(o->command);
-    if (!c) return no_command(o->command, error);
+    const gn_command *c = gn_command_named(o->command);
+    if (!c) return gn_no_command(o->command, error);
     if (c->needs_target && !o->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
     if (!*c->arguments && o->target)
@@ -192,7 +108,7 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
                        "gneiss %s: --allow-gmsh is for commands that read a scene", c->name);
     GN_TRY(check_sweep_options(o, c, error));
     GN_TRY(check_plan_options(o, c, error));
-    if (first + 1 < argc)
+    if (first + 1 < argc && !c->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", c->name,
                        argv[first + 1]);
@@ -361,6 +277,13 @@ static gneiss_status no_option(char **argv, gneiss_error *error) {
                    name, advice);
 }
 
+/* The first argument that is a command; NULL: none. */
+static const gn_command *command_among(int argc, char **argv) {
+    for (int k = 1; k < argc; k++)
+        if (gn_command_named(argv[k])) return gn_command_named(argv[k]);
+    return NULL;
+}
+
 gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
                                gneiss_error *error) {
     memset(o, 0, sizeof *o);
@@ -370,11 +293,11 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
         int option = getopt_long(argc, argv, ":h", long_options, NULL);
         if (option < 0) break;
         if (option == 'h' || option == OPT_HELP || option == OPT_VERSION) {
-            if (option != OPT_VERSION)
-                gn_print_usage(stdout);
-            else
-                printf("gneiss %s (%s)\n", gn_version(), gn_build());
             *done = true;
+            if (option != OPT_VERSION)
+                gn_print_help(stdout, command_among(argc, argv));
+            else
+                gn_print_version(stdout);
             return GNEISS_OK;
         }
         if (option == ':')
@@ -391,6 +314,8 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
     o->command = argv[optind];
     int first = optind + 1;
     o->target = first < argc ? argv[first] : NULL;
+    o->words = first < argc ? argv + first : NULL;
+    o->word_count = (size_t)(argc - first);
     return check_target(o, argc, argv, first, error);
 }
 

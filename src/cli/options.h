@@ -13,11 +13,13 @@ enum { GN_MAX_OVERRIDES = 64 };
 typedef struct gn_options {
     const char *command;
     const char *target; /* scene file or output folder; NULL when not given */
-    const char *out;    /* --out */
-    bool quiet, json;   /* --quiet, --log json */
-    bool force;         /* run: replace a finished long run */
-    bool markdown;      /* keys --markdown */
-    bool allow_gmsh;    /* --allow-gmsh: a geometry may be meshed, which may execute commands */
+    char **words;       /* [word_count] all that stands behind the command */
+    size_t word_count;
+    const char *out;  /* --out */
+    bool quiet, json; /* --quiet, --log json */
+    bool force;       /* run: replace a finished long run */
+    bool markdown;    /* keys --markdown */
+    bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
     /* sweep; the first also run: --seeds, --jobs, --array ("": as Slurm says); NULL: not given */
     const char *seeds, *jobs, *array;
     bool dry_run, collect; /* sweep */
@@ -35,6 +37,7 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool 
                                gneiss_error *error);
 void gn_options_free(gn_options *options);
 
-void gn_print_usage(FILE *out);
+/* GNEISS_ERROR_INPUT, with the command that may have been meant. */
+gneiss_status gn_no_command(const char *name, gneiss_error *error);
 
 #endif

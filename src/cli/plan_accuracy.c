@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "cli/progress.h"
+#include "cli/shown.h"
 #include "io/files.h"
 #include "plan/rewrite.h"
 #include "plan/setting.h"
@@ -64,7 +65,8 @@ static void print_settings(const gn_plan *plan, const gn_proposal *p) {
         printf("  start            %s\n", p->first_break ? "first_break" : "rest");
         printf("  mass scaling     %s", p->masses > 1.0 ? "" : "none\n");
         if (p->masses > 1.0)
-            printf("%.3g of the step without, %.2g %% more mass\n", p->masses, 100.0 * p->added);
+            printf("%.3g of the step without, %.6g %% more mass\n", p->masses,
+                   gn_two_digits(100.0 * p->added));
     }
 }
 
@@ -73,7 +75,7 @@ static const char *percent(double error, char *text, size_t size) {
     if (error > 1.0)
         snprintf(text, size, "above 100");
     else
-        snprintf(text, size, "%.2g", 100.0 * error);
+        snprintf(text, size, "%.6g", gn_two_digits(100.0 * error));
     return text;
 }
 

@@ -6,7 +6,9 @@
 #include "cli/line.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_stages.h"
+#include "cli/shown.h"
 #include "io/files.h"
+#include "plan/estimate.h"
 #include "sim/body_paths.h"
 #include "sim/overlap.h"
 
@@ -54,6 +56,7 @@ static void progress_json(const gn_progress *p) {
     if (p->element_steps_per_second > 0.0)
         gn_json_number(j, "element_steps_per_second", p->element_steps_per_second);
     gn_json_number(j, "eta", p->eta);
+    gn_json_bool(j, "eta_at_most", p->eta_at_most);
     gn_json_number(j, "unbalanced", p->unbalanced);
     gn_json_integer(j, "broken", p->broken);
     gn_json_number(j, "energy_residual", p->residual);
@@ -64,6 +67,16 @@ static void progress_json(const gn_progress *p) {
     if (text) puts(text);
     free(text);
     fflush(stdout);
+}
+
+gneiss_status gn_expect_end(const gn_options *o, gn_run *run, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    gn_estimate estimate;
+    if (o->quiet || w->step > 0 || w->scene.stage_count || w->scene.test.kind == GN_TEST_NONE)
+        return GNEISS_OK;
+    GN_TRY(gn_estimate_make(w, &estimate, error));
+    run->expected_end = gn_estimate_end(w, &estimate);
+    return GNEISS_OK;
 }
 
 void gn_print_progress(const gn_options *o, const gn_run *run) {
@@ -84,7 +97,9 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
                     sizeof rate);
     gn_line_brief(gn_line_add(&line, 4, "%s %s-steps/s", rate, particles ? "particle" : "element"),
                   "%s/s", rate);
-    gn_line_add(&line, 1, "ETA %s", gn_format_seconds(p.eta, eta, sizeof eta));
+    gn_line_brief(gn_line_add(&line, 1, "ETA %s%s", p.eta_at_most ? "at most " : "",
+                              gn_format_seconds(p.eta, eta, sizeof eta)),
+                  "ETA %s%s", p.eta_at_most ? "< " : "", eta);
     gn_line_add(&line, 6, "unbalanced %.2g", p.unbalanced);
     if (particles) gn_line_add(&line, 3, "broken %lld", (long long)p.broken);
     if (!isnan(p.residual)) gn_line_add(&line, 5, "residual %.1e", p.residual);
@@ -226,7 +241,13 @@ static void print_reading(const char *label, double value, const char *unit, con
                note);
 }
 
-/* Readings that only some kinds of tests have, and zones, in the unit that they are kept in. */
+static void print_scaled(const gn_readings *r, const char *label, const char *name,
+                         const char *unit, double value, const char *note, const char *reason) {
+    const gn_shown shown = gn_shown_unit(r, name, unit, value);
+    print_reading(label, value / shown.factor, shown.unit, note, reason);
+}
+
+/* Readings that only some kinds of tests have, and zones. */
 static void print_own_readings(const gn_run *run, const gn_readings *r) {
     const bool own[GN_READING_COUNT] = {
 #define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
@@ -234,8 +255,8 @@ static void print_own_readings(const gn_run *run, const gn_readings *r) {
     char label[64];
 #define X(name, unit, text)                                                                        \
     if (own[GN_READING_##name] && gn_run_reads(run, GN_READING_##name))                            \
-        print_reading(words_of(#name, label, sizeof label), r->name,                               \
-                      strcmp(unit, "1") ? unit : "", "", r->reason[GN_READING_##name]);
+        print_scaled(r, words_of(#name, label, sizeof label), #name, unit, r->name, "",            \
+                     r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
 }
@@ -244,21 +265,25 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
 #define PRINT(label, name, factor, unit, note)                                                     \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
     print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
-    PRINT("Young's modulus", young_modulus, 1e-9, "GPa", "(before bonds break, platen strain)");
-    PRINT("", young_modulus_average, 1e-9, "GPa", "(over the average strain)");
+#define SCALED(label, name, note)                                                                  \
+    if (gn_run_reads(run, GN_READING_##name))                                                      \
+    print_scaled(r, label, #name, "Pa", r->name, note, r->reason[GN_READING_##name])
+    SCALED("Young's modulus", young_modulus, "(before bonds break, platen strain)");
+    SCALED("", young_modulus_average, "(over the average strain)");
     PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
     if (run->world.scene.dimension == 2) {
-        PRINT("plane strain, E", plane_young_modulus, 1e-9, "GPa", "");
+        SCALED("plane strain, E", plane_young_modulus, "");
         PRINT("plane strain, nu", plane_poisson_ratio, 1, "", "");
     }
-    PRINT("peak stress", peak_stress, 1e-6, "MPa", "");
+    SCALED("peak stress", peak_stress, "");
     PRINT("strain at the peak", peak_strain, 100, "%", "");
     if (isnan(r->peak_stress)) {
-        PRINT("largest stress so far", largest_stress, 1e-6, "MPa", "");
+        SCALED("largest stress so far", largest_stress, "");
         PRINT("strain there", largest_strain, 100, "%", "");
     }
     PRINT("ends out of balance by", end_imbalance, 100, "%", "");
 #undef PRINT
+#undef SCALED
 }
 
 static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {

@@ -5,6 +5,9 @@
 #include "cli/options.h"
 #include "run/run.h"
 
+/* Before the first step: when a test is foretold to end, by which the ETA is counted. */
+gneiss_status gn_expect_end(const gn_options *options, gn_run *run, gneiss_error *error);
+
 /* One line, rewritten in place on a terminal and as wide as that, one line a call elsewhere. */
 void gn_print_progress(const gn_options *options, const gn_run *run);
 

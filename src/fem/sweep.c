@@ -103,7 +103,8 @@ static work prepare(gn_fem_solid *solid, double dt, bool measure) {
 }
 
 void gn_fem_sweep(gn_fem_solid *solid, double dt, bool measure) {
-    static const gn_deal_work growth = {find_growth, find_pressures}, forces = {find_forces, move};
+    static const gn_deal_work growth = {find_growth, find_pressures, NULL},
+                              forces = {find_forces, move, NULL};
     work k = prepare(solid, dt, measure);
     const double begin = gn_now();
     const int sweeps = solid->form == GN_FEM_PRESSURE ? 2 : 1;

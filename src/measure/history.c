@@ -83,6 +83,17 @@ gneiss_status gn_history_append(gn_history *history, const double *row, gneiss_e
     return GNEISS_OK;
 }
 
+void gn_history_keep(gn_history *history, size_t begin, const bool *keep) {
+    size_t rows = begin;
+    for (size_t r = begin; r < history->row_count; r++) {
+        if (!keep[r]) continue;
+        for (size_t c = 0; c < history->column_count; c++)
+            history->columns[c].value[rows] = history->columns[c].value[r];
+        rows++;
+    }
+    if (rows < history->row_count) history->row_count = rows;
+}
+
 const double *gn_history_column(const gn_history *history, const char *name) {
     const gn_column *column = find(history, name);
     return column ? column->value : NULL;

@@ -29,6 +29,9 @@ gneiss_status gn_history_add_column(gn_history *history, const char *name, const
 /* Appends a row of `column_count` values. */
 gneiss_status gn_history_append(gn_history *history, const double *row, gneiss_error *error);
 
+/* Removes the rows from `begin` on for which `keep` (indexed by the number of the row) is false. */
+void gn_history_keep(gn_history *history, size_t begin, const bool *keep);
+
 /* Values of a column by name, NULL if there is none. Valid until the next append. */
 const double *gn_history_column(const gn_history *history, const char *name);
 

@@ -197,3 +197,17 @@ gneiss_status gn_estimate_make(const gn_world *w, gn_estimate *e, gneiss_error *
     e->speed = e->closing / (e->wave * fmin(e->strain, e->end));
     return GNEISS_OK;
 }
+
+/* By bisection: the way of the ends grows with time. */
+double gn_estimate_end(const gn_world *w, const gn_estimate *e) {
+    double low = 0.0, high = w->scene.end;
+    if (e->absent || !isfinite(e->end) || !(e->end > 0.0)) return 0.0;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (low + high);
+        if (gn_test_path(&w->scene, middle) < e->end * w->test_length)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}

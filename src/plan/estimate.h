@@ -30,4 +30,7 @@ typedef struct gn_estimate {
 /* Only `absent` and what it needs when the scene is no test that the study stands for. */
 gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gneiss_error *error);
 
+/* s: when the run is foretold to end; 0: not known. */
+double gn_estimate_end(const gn_world *world, const gn_estimate *estimate);
+
 #endif

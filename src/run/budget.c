@@ -164,6 +164,13 @@ static int by_error(const void *a, const void *b) {
     return (x->error < y->error) - (x->error > y->error);
 }
 
+/* Without an exponent, which "%.2g" writes from 100 on. */
+static double two_digits(double value) {
+    if (!isfinite(value) || value == 0.0) return value;
+    const double unit = pow(10.0, floor(log10(fabs(value))) - 1.0);
+    return round(value / unit) * unit;
+}
+
 const char *gn_budget_text(const gn_error_causes *c, double value, char *text, size_t size) {
     const double worth_saying = 0.02 * gn_causes_total(c);
     gn_error_causes sorted = *c;
@@ -173,8 +180,8 @@ const char *gn_budget_text(const gn_error_causes *c, double value, char *text, s
     for (size_t k = 0; k < sorted.count && used < size; k++) {
         const gn_error_cause *cause = &sorted.cause[k];
         if (cause->error < worth_saying) break;
-        used += (size_t)snprintf(text + used, size - used, "%s%s %.2g %s", k ? ", " : "(",
-                                 cause->name, fabs(value) * cause->error,
+        used += (size_t)snprintf(text + used, size - used, "%s%s %.6g %s", k ? ", " : "(",
+                                 cause->name, two_digits(fabs(value) * cause->error),
                                  cause->measured ? "measured" : "estimated");
     }
     if (used && used < size) snprintf(text + used, size - used, ")");

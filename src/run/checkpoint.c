@@ -6,8 +6,10 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "run/checkpoint_internal.h"
+#include "run/kept.h"
 #include "run/parts.h"
 #include "run/run.h"
+#include "run/spacing.h"
 #include "run/stages.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
@@ -50,9 +52,18 @@ static const gn_piece pieces[] = {
     DOUBLES(world.test_area),
     DOUBLES(world.gauge.volume),
     INTEGER(history_interval),
+    INTEGER(history_halvings),
+    INTEGER(history_begin),
     INTEGER(snapshot_interval),
     INTEGER(snapshot_next),
     DOUBLES(snapshot_span),
+    INTEGER(kept.halvings),
+    INTEGER(kept.base),
+    INTEGER(kept.part),
+    DOUBLES(kept.peak),
+    INTEGER(kept.fell),
+    INTEGER(kept.halved),
+    INTEGER(kept.due),
     DOUBLES(peak),
     INTEGER(bad_since),
     LIMIT(first_break.time),
@@ -136,6 +147,14 @@ static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *er
     return gn_checkpoint_put_arrays(file, &array, 1, error);
 }
 
+enum { KEPT_NUMBERS = sizeof(gn_kept_snapshot) / sizeof(double) };
+
+static gneiss_status put_kept(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    gn_kept_snapshot none = {0}, *list = run->kept.list ? run->kept.list : &none;
+    gn_checkpoint_array array = {"kept", GN_F64, run->kept.count, KEPT_NUMBERS, (void **)&list};
+    return gn_checkpoint_put_arrays(file, &array, 1, error);
+}
+
 static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     const int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
@@ -159,6 +178,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     list_gauge(&gauge, &belongs, w->gauged, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, GAUGE_ARRAYS, error));
+    GN_TRY(put_kept(run, file, error));
     GN_TRY(gn_dem_save(w, file, error));
     GN_TRY(gn_boundary_save(w, file, error));
     GN_TRY(gn_elements_save(w, file, error));
@@ -237,9 +257,45 @@ static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_err
                           "%s: expected particle numbers below %zu, found others", path, n);
 }
 
+static bool kept_is_good(const gn_run *run) {
+    bool good = true;
+    for (size_t n = 0; n < run->kept.count; n++) {
+        const gn_kept_snapshot *s = &run->kept.list[n];
+        good = good && s->step >= 0.0 && s->step <= (double)run->world.step &&
+               s->step == floor(s->step) && s->part >= 0.0 &&
+               s->part < (1 << GN_SNAPSHOT_HALVINGS) &&
+               (s->kind == GN_KEPT_PEAK || s->kind == GN_KEPT_HALF || s->kind == GN_KEPT_REGULAR);
+    }
+    return good;
+}
+
+static gneiss_status get_kept(gn_run *run, const gn_h5 *file, const char *path,
+                              gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    GN_TRY(gn_h5_rows(file, "arrays/kept", &k->count, error));
+    k->capacity = k->count;
+    gn_checkpoint_array array = {"kept", GN_F64, k->count, KEPT_NUMBERS, (void **)&k->list};
+    GN_TRY(gn_checkpoint_get_arrays(file, &array, 1, error));
+    return kept_is_good(run) ? GNEISS_OK
+                             : gn_fail(error, GNEISS_ERROR_INPUT,
+                                       "%s: arrays/kept: expected snapshots of earlier steps, "
+                                       "found others",
+                                       path);
+}
+
+/* Rows and snapshots between those that are wanted up to the end. */
+static bool spacing_is_good(const gn_run *run) {
+    const gn_kept *k = &run->kept;
+    return run->history_halvings >= 0 &&
+           run->history_halvings <= gn_row_halvings(run->history_interval) &&
+           run->history_begin >= 0 && k->halvings >= 0 && k->halvings <= GN_SNAPSHOT_HALVINGS &&
+           k->part >= 0 && k->part < (1 << GN_SNAPSHOT_HALVINGS) && k->base >= 0 && k->due >= 0 &&
+           k->due <= (GN_KEPT_PEAK | GN_KEPT_HALF | GN_KEPT_REGULAR);
+}
+
 static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
-    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 &&
+    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && spacing_is_good(run) &&
                 run->snapshot_next >= 0 && run->snapshot_span >= 0.0 && w->step >= 0 &&
                 isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past);
     return good ? GNEISS_OK
@@ -317,8 +373,11 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_boundary_load(w, file, path, error));
     GN_TRY(gn_elements_load(w, file, path, error));
     GN_TRY(check_gauge(w, path, error));
+    GN_TRY(get_kept(run, file, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(check_stages(run, path, error));
+    GN_TRY(gn_run_note_looks(run, error));
+    gn_kept_resume(run);
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(w, error));
     GN_TRY(gn_world_restore(w, error));

@@ -4,7 +4,9 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "run/kept.h"
 #include "run/parts.h"
+#include "run/spacing.h"
 #include "run/stages.h"
 #include "scene/manifest.h"
 #include "scene/stops.h"
@@ -34,21 +36,30 @@ static int64_t interval(const gn_run *run, double span, int64_t wanted) {
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
-static void set_intervals(gn_run *run, bool history, bool snapshots) {
+/* `begins`: a run or a stage, whose rows and snapshots may be closer at first. */
+static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
     const gn_scene *s = &run->world.scene;
-    if (history) run->history_interval = interval(run, span_of(run), s->history_rows);
+    if (history) {
+        gn_run_space_rows(run, interval(run, span_of(run), s->history_rows));
+        if (!begins) run->history_halvings = 0;
+    }
     if (!snapshots) return;
     run->snapshot_span = span_of(run);
     run->snapshot_interval = s->snapshots > 0 ? interval(run, run->snapshot_span, s->snapshots) : 0;
     const int64_t every = run->snapshot_interval, step = run->world.step;
     if (every) run->snapshot_next = step / every * every + (step % every ? every : 0);
+    gn_kept_begin(run, begins);
 }
 
-/* After snapshots: by the step as it is now. */
-static void next_snapshot(gn_run *run) {
+/* After snapshots: those wanted up to the end by the step as it is now. */
+static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
-    run->snapshot_interval = interval(run, run->snapshot_span, w->scene.snapshots);
-    run->snapshot_next = w->step + run->snapshot_interval;
+    const bool regular = run->kept.due & GN_KEPT_REGULAR;
+    if (regular && !run->kept.part)
+        run->snapshot_interval = interval(run, run->snapshot_span, w->scene.snapshots);
+    GN_TRY(gn_kept_note(run, error));
+    if (regular) gn_kept_plan(run);
+    return GNEISS_OK;
 }
 
 static void set_clock(gn_run *run) {
@@ -75,7 +86,7 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
         gn_run_free(run);
         return status;
     }
-    set_intervals(run, true, true);
+    set_intervals(run, true, true, true);
     set_clock(run);
     run->wall_start = start;
     run->cpu_start = cpu_start;
@@ -149,27 +160,25 @@ static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Whether the test has begun with so many rows as mean over those before `end`, and the mean. */
+/* Whether the test has begun with so many looks as mean over those before `end`, and the mean. */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
-    const double *stress = gn_history_column(&run->history, "stress");
+    const double *stress = run->looks.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;
     *mean = 0.0;
     for (size_t k = end - count; k < end; k++) *mean += stress[k] / (double)count;
     return true;
 }
 
-/* The largest of the means of `count` rows since the test began; of all of them where it has just
+/* The largest of the means of `count` looks since the test began; of all of them where it has just
  * begun, as after a resume. */
 static double look_for_peak(gn_run *run, size_t count) {
-    const double *stress = gn_history_column(&run->history, "stress"),
-                 *strain = gn_history_column(&run->history, "strain");
-    const size_t rows = run->history.row_count;
+    const size_t looks = run->looks.count;
     const bool before = run->beginning.begun;
     double mean = NAN;
-    gn_beginning_look(&run->beginning, strain, stress, rows);
+    gn_beginning_look(&run->beginning, run->looks.strain, run->looks.stress, looks);
     if (!run->beginning.begun) return NAN;
     if (!before) run->peak = 0.0;
-    for (size_t end = before ? rows : run->beginning.least + 1; end <= rows; end++)
+    for (size_t end = before ? looks : run->beginning.least + 1; end <= looks; end++)
         if (mean_before(run, end, count, &mean)) run->peak = fmax(run->peak, mean);
     return mean;
 }
@@ -178,7 +187,7 @@ static double look_for_peak(gn_run *run, size_t count) {
  * Means of rows, so that what rings does not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
     const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
-    const bool fell = run->history.row_count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
+    const bool fell = run->looks.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
                       broken_through(run) && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
                       mean < (1.0 - stops->peak_drop) * run->peak;
     if (stops->peak_drop > 0.0 && fell)
@@ -188,9 +197,8 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
 /* As the scene says: the first fall of a row counts. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
-    const bool counts = run->world.effects & GN_FX_BONDS
-                            ? broken(run) > 0
-                            : run->history.row_count > ROWS_BEFORE_PEAK;
+    const bool counts =
+        run->world.effects & GN_FX_BONDS ? broken(run) > 0 : run->looks.count > ROWS_BEFORE_PEAK;
     if (counts && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
         stress < (1.0 - peak_drop) * run->peak)
         stop(run, "stress fell by %g of its peak", peak_drop);
@@ -210,7 +218,7 @@ static void check_stop_conditions(gn_run *run) {
     if (s->test.kind != GN_TEST_NONE && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
         last(run, "strain") >= stops.strain)
         (stops.strain_by_kind ? stop_by_kind : stop)(run, "strain reached %g", stops.strain);
-    if (gn_run_balanced(run, run->history.row_count, s->stop_unbalanced))
+    if (gn_run_balanced(run, run->looks.count, s->stop_unbalanced))
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
@@ -331,14 +339,16 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
     for (size_t k = 0; k < count; k++) /* which is looked at again */
         if (ends_stage(&overrides[k])) w->stages[w->stage].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
-                  sets(overrides, count, "output.snapshots"));
+                  sets(overrides, count, "output.snapshots"), false);
     return GNEISS_OK;
 }
 
 /* A run that had ended has still ended, unless the overrides say otherwise. */
 static void take_up(gn_run *run) {
     set_clock(run);
-    if (last(run, "step") == (double)(run->world.step - 1)) check_stop_conditions(run);
+    if (last(run, "step") == (double)(run->world.step - 1) &&
+        gn_run_is_look(run, run->history.row_count - 1))
+        check_stop_conditions(run);
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
 }
@@ -383,6 +393,8 @@ gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t
 void gn_run_free(gn_run *run) {
     gn_world_free(&run->world);
     gn_run_unwatch(run);
+    gn_looks_free(&run->looks);
+    gn_kept_free(&run->kept);
     gn_snapshot_times_free(&run->snapshot_times);
     if (run->folder_lock > 0) close(run->folder_lock);
     memset(run, 0, sizeof *run);
@@ -390,12 +402,23 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
-static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
+static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
-    GN_TRY(gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error));
+    return gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error);
+}
+
+static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
+    GN_TRY(write_files(run, error));
+    GN_TRY(next_snapshot(run, error));
+    return gn_output_series(run, error);
+}
+
+static gneiss_status write_last_snapshots(gn_run *run, gneiss_error *error) {
+    GN_TRY(write_files(run, error));
+    GN_TRY(gn_kept_finish(run, error));
     return gn_output_series(run, error);
 }
 
@@ -431,17 +454,9 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
     bool entered;
     GN_TRY(gn_run_stages_go(run, &entered, error));
     if (!entered) return GNEISS_OK;
-    set_intervals(run, true, true);
+    set_intervals(run, true, true, true);
     *first = true;
     return GNEISS_OK;
-}
-
-/* Rows fall on multiples of the interval. Where elements turn into particles, with which steps
- * become shorter, they are the interval apart in time instead, from the last one on. */
-static bool row_is_due(const gn_run *run) {
-    const gn_world *w = &run->world;
-    if (!gn_converts(w) || !run->history.row_count) return w->step % run->history_interval == 0;
-    return w->time - last(run, "time") > ((double)run->history_interval - 0.5) * w->dt;
 }
 
 /* As many steps from row to row as take the same time, now that they are others. */
@@ -452,6 +467,18 @@ static void keep_row_spacing(gn_run *run, double step_before) {
     run->history_interval = steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
+static gneiss_status after_row(gn_run *run, gneiss_error *error) {
+    const size_t row = run->history.row_count - 1;
+    const bool look = gn_run_is_look(run, row);
+    if (look) {
+        GN_TRY(gn_run_note_look(run, row, error));
+        GN_TRY(gn_run_check_ledger(run, error));
+        check_stop_conditions(run);
+    }
+    gn_kept_row(run, look);
+    return gn_run_thin_rows(run, error);
+}
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
     const double step_before = w->dt;
@@ -460,17 +487,15 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     const bool before = run->finished;
     if (gn_run_staged(run)) GN_TRY(go_to_stage(run, &first, error));
     if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
-    if (run->directory[0] && run->snapshot_interval && (first || w->step >= run->snapshot_next)) {
+    if (run->directory[0] && run->snapshot_interval && gn_kept_is_due(run, first)) {
         double start = gn_now();
         gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));
-        next_snapshot(run);
     }
-    if (first || row_is_due(run)) {
+    if (first || gn_run_row_is_due(run)) {
         GN_TRY(gn_history_step(w, &run->history, error));
-        GN_TRY(gn_run_check_ledger(run, error));
-        check_stop_conditions(run);
+        GN_TRY(after_row(run, error));
     } else if (gn_run_time_left(run) <= 1.5 * w->dt) {
         GN_TRY(gn_history_last(w, error));
     } else {
@@ -535,6 +560,34 @@ gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* s, of the test at the pace of its strain so far; INFINITY: no strain ends it, or none is there.
+ */
+static double end_by_strain(const gn_run *run) {
+    const gn_world *w = &run->world;
+    const bool staged = gn_run_staged(run);
+    const double stop =
+        staged ? w->scene.stages[w->stage].strain : gn_scene_stops(&w->scene).strain;
+    const double from = staged ? w->stages[w->stage].time : 0.0,
+                 grown = last(run, "strain") - (staged ? w->stages[w->stage].strain : 0.0);
+    if (w->scene.test.kind == GN_TEST_NONE || !(stop > 0.0) || !(grown > 0.0)) return INFINITY;
+    return from + (w->time - from) * stop / grown;
+}
+
+/* s to the end that is expected; *at_most: to the bound of a run that may end at any time before.
+ */
+static double time_to_go(const gn_run *run, bool *at_most) {
+    const gn_world *w = &run->world;
+    const double bound = gn_run_time_left(run);
+    const bool last_stage = !gn_run_staged(run) || w->stage + 1 == w->scene.stage_count;
+    *at_most = gn_run_may_end_early(run) || !last_stage;
+    if (!last_stage) return bound;
+    double end = end_by_strain(run);
+    if (run->expected_end > w->time) end = fmin(end, run->expected_end);
+    if (!(end - w->time < bound)) return bound;
+    *at_most = false;
+    return fmax(0.0, end - w->time);
+}
+
 gn_progress gn_run_progress(const gn_run *run) {
     const gn_world *w = &run->world;
     gn_progress p = {0};
@@ -550,7 +603,8 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
-    p.eta = rate > 0.0 ? fmax(0.0, gn_run_time_left(run) / w->dt / rate) : NAN;
+    const double left = time_to_go(run, &p.eta_at_most);
+    p.eta = rate > 0.0 ? fmax(0.0, left / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
     p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
     p.broken = w->dem.broken_tension + w->dem.broken_shear;
@@ -570,7 +624,7 @@ static gneiss_status write_results(const gn_run *run, gneiss_error *error) {
 
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = write_snapshots(run, error);
+    gneiss_status status = write_last_snapshots(run, error);
     bool save = status == GNEISS_ERROR_MEMORY;
     status = also_write(status, gn_checkpoint_save, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;

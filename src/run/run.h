@@ -10,24 +10,55 @@
 
 #include <signal.h>
 
+/* Stress (Pa) and strain of the rows at which stop conditions are evaluated (run/spacing.h). */
+typedef struct gn_looks {
+    size_t count, capacity;
+    double *stress, *strain;
+} gn_looks;
+
+/* Snapshots of the run, or of its stage, that may be removed again (run/kept.h). */
+typedef struct gn_kept_snapshot {
+    double step;
+    double part;   /* of the interval between those that are wanted up to the end; 0: one of them */
+    double stress; /* Pa, at the last row of the history */
+    double kind;   /* gn_kept_kind */
+} gn_kept_snapshot;
+typedef struct gn_kept {
+    int64_t halvings; /* of the interval, as of now */
+    int64_t base;     /* step of the last one that is wanted up to the end */
+    int64_t part;     /* of the next one */
+    double peak;      /* largest stress since the test began, Pa */
+    int64_t fell;     /* the stress has been below the peak since: 0, 1 */
+    int64_t halved;   /* it has been at half of it, 0, 1 */
+    int64_t due;      /* kinds (gn_kept_kind) of what the next step is to begin with */
+    size_t count, capacity;
+    gn_kept_snapshot *list;
+    gn_beginning beginning; /* of the test, by the looks */
+} gn_kept;
+
 typedef struct gn_run {
     gn_world world;
     gn_history history;
     struct gn_run_read *read; /* what was read off it last (readings.c) */
     char directory[GN_PATH_SIZE];
-    int64_t history_interval;  /* steps */
+    int64_t history_interval; /* steps */
+    int64_t history_halvings; /* of the interval, as of now (run/spacing.h) */
+    int64_t history_begin;    /* row from which on there may be too many */
+    gn_looks looks;
     int64_t snapshot_interval; /* steps, 0: none */
     int64_t snapshot_next;     /* step of the next ones */
     double snapshot_span;      /* s, in which as many are wanted as the scene says */
-    double wall_before;        /* s of wall time in earlier sittings */
-    double wall_start;         /* gn_now() at the start of this one */
-    double cpu_before;         /* s of processors, all threads, in earlier sittings */
-    double cpu_start;          /* gn_process_time() at the start of this one */
-    double next_checkpoint;    /* gn_now() */
-    double peak;               /* largest stress since the test began, Pa */
-    gn_beginning beginning;    /* of the test, by the history so far */
-    int64_t bad_since;         /* step since which the ledger has not closed, -1: it does */
+    gn_kept kept;
+    double wall_before;     /* s of wall time in earlier sittings */
+    double wall_start;      /* gn_now() at the start of this one */
+    double cpu_before;      /* s of processors, all threads, in earlier sittings */
+    double cpu_start;       /* gn_process_time() at the start of this one */
+    double next_checkpoint; /* gn_now() */
+    double peak;            /* largest stress since the test began, Pa */
+    gn_beginning beginning; /* of the test, by the history so far */
+    int64_t bad_since;      /* step since which the ledger has not closed, -1: it does */
     bool finished;
+    double expected_end; /* s, of the test, as foretold by its specimen; 0: not known */
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* of the output folder */
     int folder_lock;            /* descriptor that keeps other runs out of the folder; 0: none */
@@ -43,7 +74,8 @@ typedef struct gn_progress {
     double cpu_seconds;                                         /* of all threads, all sittings */
     double particle_steps_per_second, contact_steps_per_second; /* of all sittings */
     double element_steps_per_second;                            /* the same */
-    double eta; /* s, to `end`; a stop condition may come first */
+    double eta;       /* s, to the end that is expected, or at most to `end` */
+    bool eta_at_most; /* a stop condition may end it at any time before */
     double unbalanced, residual;
     int64_t broken;
     double stress, strain;      /* NaN without a test */

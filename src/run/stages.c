@@ -3,15 +3,16 @@
 #include "run/stages.h"
 
 #include "base/vec3.h"
+#include "run/spacing.h"
 #include "sim/internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Unbalanced forces, and stress after a peak, count once so many rows of the stage are there: the
- * first ones swing through zero. Servos have to hold for as many as that. */
-enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD };
+/* Unbalanced forces, and stress after a peak, count once so many looks (spacing.h) of the stage are
+ * there: the first ones swing through zero. Servos have to hold for as many as that. */
+enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
 static gn_stage_state *state_of(const gn_run *run) {
     return &run->world.stages[run->world.stage];
@@ -111,9 +112,9 @@ static bool released(const gn_run *run, size_t row) {
 static bool membrane_holds(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD || !run->world.scene.has_membrane || has_servo(&run->world)) return false;
     for (size_t r = 1; r <= ROWS_HELD; r++) {
-        const gn_servo_row row = membrane_row(run, run->history.row_count - r);
-        if (!(row.wanted > 0.0 ? holds(run, row) : released(run, run->history.row_count - r)))
-            return false;
+        const size_t look = gn_run_look(run, r);
+        const gn_servo_row row = membrane_row(run, look);
+        if (!(row.wanted > 0.0 ? holds(run, row) : released(run, look))) return false;
     }
     return true;
 }
@@ -123,10 +124,10 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD || !has_servo(w)) return false;
     for (int a = 0; a < 3; a++)
         for (size_t r = 1; w->scene.box[a].stress.count && r <= ROWS_HELD; r++)
-            if (!holds(run, gn_run_side_servo(run, a, run->history.row_count - r))) return false;
+            if (!holds(run, gn_run_side_servo(run, a, gn_run_look(run, r)))) return false;
     for (size_t k = 0; k < w->scene.wall_count; k++)
         for (size_t r = 1; w->scene.walls[k].servo.active && r <= ROWS_HELD; r++)
-            if (!holds(run, gn_run_wall_servo(run, k, run->history.row_count - r))) return false;
+            if (!holds(run, gn_run_wall_servo(run, k, gn_run_look(run, r)))) return false;
     return true;
 }
 
@@ -158,7 +159,7 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
     gn_stage_state *s = state_of(run);
-    size_t row = run->history.row_count - 1, rows = run->history.row_count - (size_t)s->row;
+    size_t row = run->history.row_count - 1, rows = gn_run_looks(run, (size_t)s->row, ROWS_MOST);
     if (w->scene.test.kind != GN_TEST_NONE) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
         /* The first row is of the instant of the change, and has what stops ends that moved. */

@@ -8,8 +8,9 @@
 typedef struct printer {
     FILE *out;
     bool markdown;
-    const char *sought; /* NULL: every key */
-    int rank;           /* of the keys that are printed now */
+    const char *const *sought; /* [sought_count]; none: every key */
+    size_t sought_count;
+    int rank; /* of the keys that are printed now */
     size_t count;
 } printer;
 
@@ -135,16 +136,69 @@ static void print_key(printer *p, const char *path, const gn_key *key) {
             fallback, key->text);
 }
 
+/* Words of the field and of other programs, and what the paths of the keys hold that they are
+ * about.
+ */
+static const struct {
+    const char *word, *parts[4];
+} synonyms[] = {
+    {"cmod", {"test.opening", "test.control.opening", "elements.beam.notch"}},
+    {"ctod", {"test.opening", "test.control.opening", "elements.beam.notch"}},
+    {"crack mouth", {"test.opening", "test.control.opening", "elements.beam.notch"}},
+    {"confining", {"membrane.pressure", "test.confinement", "servo.stress", "membrane.ramp"}},
+    {"cell pressure", {"membrane.pressure", "test.confinement", "servo.stress", "membrane.ramp"}},
+    {"cell", {"membrane", "test.confinement"}},
+    {"jacket", {"membrane"}},
+    {"restart", {"output.checkpoint", "specimen.from"}},
+    {"resume", {"output.checkpoint", "specimen.from"}},
+    {"vtk", {"output.snapshots", "output.fields", "output.contacts"}},
+    {"paraview", {"output.snapshots", "output.fields", "output.contacts"}},
+    {"dump", {"output.snapshots", "output.history_rows", "output.checkpoint"}},
+    {"clump", {"bodies", "bodies[].free"}},
+    {"rigid", {"bodies"}},
+    {"cluster", {"group", "bonds"}},
+    {"joint", {"group", "contacts[].between", "bonds.passive_gaps"}},
+    {"fault", {"group", "contacts[].between", "bonds.passive_gaps"}},
+    {"cement", {"bonds", "tensile_strength", "shear_strength"}},
+    {"cohesion", {"shear_strength", "mohr_coulomb", "group"}},
+    {"ucs", {"test.kind", "tensile_strength", "shear_strength"}},
+    {"platen", {"walls", "test.lower", "test.upper"}},
+    {"weibull", {"strength_scatter", "stiffness_scatter"}},
+    {"timestep", {"time.step", "time.safety"}},
+    {"cores", {"run.threads"}},
+    {"openmp", {"run.threads"}},
+};
+
+static bool is_synonym(const char *word, const char *path) {
+    for (size_t k = 0; k < sizeof synonyms / sizeof *synonyms; k++)
+        for (size_t n = 0; n < 4 && synonyms[k].parts[n]; n++)
+            if (strncasecmp(word, synonyms[k].word, strlen(synonyms[k].word)) == 0 &&
+                strstr(path, synonyms[k].parts[n]))
+                return true;
+    return false;
+}
+
 enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
-/* Where a key holds the text, the nearest first; RANKS: nowhere. */
-static int rank_of(const printer *p, const char *path, const gn_key *key) {
+/* Where a key holds a word, the nearest first; RANKS: nowhere. */
+static int rank_of_word(const char *word, const char *path, const gn_key *key) {
     char type[256];
-    if (!p->sought) return RANK_START;
-    if (strncasecmp(path, p->sought, strlen(p->sought)) == 0) return RANK_START;
-    if (strcasestr(path, p->sought)) return RANK_NAME;
+    if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
+    if (strcasestr(path, word)) return RANK_NAME;
     describe(type, sizeof type, key);
-    return strcasestr(key->text, p->sought) || strcasestr(type, p->sought) ? RANK_TEXT : RANKS;
+    return strcasestr(key->text, word) || strcasestr(type, word) || is_synonym(word, path)
+               ? RANK_TEXT
+               : RANKS;
+}
+
+/* Of several words the one that it holds farthest behind; all of them are wanted. */
+static int rank_of(const printer *p, const char *path, const gn_key *key) {
+    int rank = RANK_START;
+    for (size_t k = 0; k < p->sought_count; k++) {
+        const int word = rank_of_word(p->sought[k], path, key);
+        if (word > rank) rank = word;
+    }
+    return rank;
 }
 
 static void print_section(printer *p, const gn_section *section, const char *above) {
@@ -159,8 +213,9 @@ static void print_section(printer *p, const gn_section *section, const char *abo
     }
 }
 
-size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought) {
-    printer p = {.out = out, .markdown = markdown, .sought = sought};
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
+                           size_t sought_count) {
+    printer p = {.out = out, .markdown = markdown, .sought = sought, .sought_count = sought_count};
     if (markdown)
         fputs("# Keys of a scene\n\n"
               "Written by `gneiss keys --markdown` from the table that also drives the reading of "

@@ -9,9 +9,12 @@ static const gn_key output_keys[] = {
     KEY("directory", TEXT, gn_scene, output_directory, .fallback = "",
         .text = "folder of the results; left out: runs/ and the name of the scene"),
     KEY("history_rows", INTEGER, gn_scene, history_rows, .range = "[0, 10000000]",
-        .fallback = "1000", .text = "rows of the history up to time.end"),
+        .fallback = "1000",
+        .text = "rows of the history up to time.end; up to twice as many where a test ends before"),
     KEY("snapshots", INTEGER, gn_scene, snapshots, .range = "[0, 1000000]", .fallback = "10",
-        .text = "snapshots up to time.end; 0: only the last state"),
+        .text =
+            "snapshots up to the end, besides those at the peak of a test and at half of it; 0: "
+            "only the last state"),
     KEY("checkpoint", REAL, gn_scene, checkpoint_wall, .unit = "s", .range = "[0, inf)",
         .word = "off", .fallback = "5 min",
         .text = "wall time between checkpoints; off: only on a signal and at the end"),

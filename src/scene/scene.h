@@ -570,10 +570,12 @@ char *gn_scene_write_specimen(const gn_scene *scene);
 gn_effects gn_scene_effects(const gn_scene *scene);
 gn_effects gn_scene_not_built(const gn_scene *scene);
 
-/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `sought` (may be
- * NULL) restricts it to keys that hold it in any letters: first those that begin with it, then
- * those with it in their name, then in what stands behind. Returns the number of keys printed. */
-size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought);
+/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. The words `sought`
+ * [sought_count] (none: every key) restrict it to keys that hold all of them in any letters: first
+ * those that begin with them, then those with them in their name, then in what stands behind, or of
+ * which another word is used. Returns the number of keys printed. */
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
+                           size_t sought_count);
 
 /* The key, by its name alone or with all above it, that `sought` is probably a slip for; false, and
  * "": none is near enough. */

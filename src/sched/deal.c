@@ -428,6 +428,7 @@ static uint64_t needed(const gn_deal *deal, int t, size_t p) {
 static void await_items(worker *k, size_t p) {
     const gn_deal *deal = k->deal;
     const span s = threads_of(deal, p);
+    const double before = k->lost;
     for (int t = s.first; t <= s.last; t++) {
         const uint64_t wanted = needed(deal, t, p), own = open_of(k, t).back;
         if (!wanted) continue;
@@ -436,6 +437,7 @@ static void await_items(worker *k, size_t p) {
         for (uint64_t place = own; place < wanted; place++)
             k->lost += await(&deal->taken[task_at(deal, t, place)], k->sweep);
     }
+    if (k->work->waited && k->lost > before) k->work->waited(k->context, k->lost - before);
 }
 
 /* The first of a thread's particles that need tasks others have taken. */

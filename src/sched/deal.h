@@ -79,6 +79,8 @@ typedef struct gn_deal {
 typedef struct gn_deal_work {
     void (*items)(void *context, int list, size_t block);
     void (*particles)(void *context, size_t block);
+    /* After a thread has waited for another one, so many s; may be NULL. */
+    void (*waited)(void *context, double seconds);
 } gn_deal_work;
 
 /* For up to `threads` threads, with equal shares to begin with. To be freed either way. */

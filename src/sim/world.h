@@ -18,6 +18,7 @@
     X(pairs, "unbonded contact kernels")                                                           \
     X(walls, "wall contacts and wall motion")                                                      \
     X(motion, "gather, damping, integration")                                                      \
+    X(waiting, "waiting for the other threads")                                                    \
     X(elements, "finite elements: forces, motion, readings")                                       \
     X(exchange, "zones of particles and elements")                                                 \
     X(lists, "neighbour search and lists")                                                         \

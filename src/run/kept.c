@@ -1,0 +1,313 @@
+#include "run/kept.h"
+
+#include "base/memory.h"
+#include "io/listing.h"
+#include "run/parts.h"
+#include "run/spacing.h"
+#include "run/stages.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* An interval has PARTS parts at most. Up to LEAST_COUNT regular ones are there while the run goes
+ * on even where fewer are wanted: half of the peak is to be near one of them. A file costs tens of
+ * milliseconds, so that intervals are those of no more than MOST_WRITTEN up to time.end. */
+enum {
+    PARTS = 1 << GN_SNAPSHOT_HALVINGS,
+    LEAST_STEPS = 40,
+    LEAST_COUNT = 12,
+    MOST_WRITTEN = 128,
+    ROWS_BEFORE = 100
+};
+
+/* Growth of stress and of time from one candidate of the peak to the next: before a bond has broken
+ * and after that. A fall by FALL is one from a peak. */
+static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.05, GROWTH_FALLEN = 1.01, FALL = 0.01;
+
+/* --- what a run has --- */
+
+/* Tests that have a peak; of stages those that look at the test, and the last one. */
+static bool has_peak(const gn_run *run) {
+    const gn_scene *s = &run->world.scene;
+    const gn_test_kind kind = s->test.kind;
+    if (kind == GN_TEST_NONE || kind == GN_TEST_HYDROSTATIC || kind == GN_TEST_OEDOMETER)
+        return false;
+    if (!gn_run_staged(run)) return true;
+    const gn_stage *e = &s->stages[run->world.stage];
+    return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 ||
+           run->world.stage + 1 == s->stage_count;
+}
+
+static double last_in(const gn_run *run, const char *column) {
+    const double *value = gn_history_column(&run->history, column);
+    return value && run->history.row_count ? value[run->history.row_count - 1] : NAN;
+}
+
+static int64_t halvings_of(const gn_run *run) {
+    const int64_t wanted = run->world.scene.snapshots;
+    int64_t most = 0;
+    while (most < GN_SNAPSHOT_HALVINGS && wanted << (most + 1) <= MOST_WRITTEN) most++;
+    return gn_halvings(run->snapshot_interval, LEAST_STEPS, most);
+}
+
+void gn_kept_begin(gn_run *run, bool closer) {
+    gn_kept *k = &run->kept;
+    gn_kept_snapshot *list = k->list;
+    const size_t capacity = k->capacity;
+    *k = (gn_kept){.list = list, .capacity = capacity, .base = run->world.step};
+    if (closer && run->snapshot_interval && (gn_run_may_end_early(run) || has_peak(run)))
+        k->halvings = halvings_of(run);
+}
+
+void gn_kept_resume(gn_run *run) {
+    const gn_looks *looks = &run->looks;
+    gn_beginning_look(&run->kept.beginning, looks->strain, looks->stress, looks->count);
+}
+
+void gn_kept_free(gn_kept *kept) {
+    gn_free(kept->list);
+    *kept = (gn_kept){0};
+}
+
+/* --- the peak --- */
+
+/* The last candidate of the peak; NULL: none. */
+static const gn_kept_snapshot *candidate(const gn_kept *k, gn_kept_kind kind) {
+    for (size_t n = k->count; n > 0; n--)
+        if (k->list[n - 1].kind == (double)kind) return &k->list[n - 1];
+    return NULL;
+}
+
+static bool bonds_hold(const gn_run *run) {
+    const gn_dem *d = &run->world.dem;
+    return run->world.effects & GN_FX_BONDS && d->broken_tension + d->broken_shear == 0;
+}
+
+/* Of the peak, or of what is larger than the last candidate by enough. */
+static bool is_candidate(gn_run *run, double stress) {
+    gn_kept *k = &run->kept;
+    const gn_kept_snapshot *before = candidate(k, GN_KEPT_PEAK);
+    const double least = before ? before->stress : 0.0;
+    const double growth = bonds_hold(run) ? GROWTH_WHOLE : GROWTH_BROKEN;
+    const double from = before ? before->step : 0.0, now = (double)run->world.step;
+    if (stress < (1.0 - FALL) * k->peak && !k->fell) {
+        k->fell = 1;
+        return stress > GROWTH_FALLEN * least;
+    }
+    return stress > growth * least && now > growth * from;
+}
+
+/* Whether the test goes on; its first rows are none of it. */
+static bool has_begun(gn_run *run, bool look) {
+    gn_kept *k = &run->kept;
+    const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
+    if (gn_run_staged(run)) return rows > 1;
+    const bool before = k->beginning.begun;
+    if (look)
+        gn_beginning_look(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
+    if (k->beginning.begun && !before) k->peak = 0.0;
+    return k->beginning.begun;
+}
+
+void gn_kept_row(gn_run *run, bool look) {
+    gn_kept *k = &run->kept;
+    if (!run->directory[0] || !run->snapshot_interval || !has_peak(run) || !has_begun(run, look))
+        return;
+    const double stress = last_in(run, "stress");
+    if (stress > k->peak) {
+        k->peak = stress;
+        k->fell = k->halved = 0;
+    }
+    const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
+    if (rows < ROWS_BEFORE || !(k->peak > 0.0) || !gn_run_loaded(run, k->peak)) return;
+    if (is_candidate(run, stress)) k->due |= GN_KEPT_PEAK;
+    if (stress <= 0.5 * k->peak && !k->halved) {
+        k->halved = 1;
+        k->due |= GN_KEPT_HALF;
+    }
+}
+
+/* --- removal --- */
+
+static gneiss_status remove_file(const gn_run *run, const char *name, int64_t step,
+                                 gneiss_error *error) {
+    char *path = gn_step_path(run->directory, name, step, ".hdf");
+    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the name of a snapshot");
+    gneiss_status status = GNEISS_OK;
+    if (unlink(path) != 0 && errno != ENOENT)
+        status =
+            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
+    free(path);
+    return status;
+}
+
+/* Files of a step; unless another entry has them as well. */
+static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *error) {
+    static const char *const names[] = {"particles", "bonds", "contacts", "bodies"};
+    const gn_kept *k = &run->kept;
+    for (size_t n = 0; n < k->count; n++)
+        if (k->list[n].step == step) return GNEISS_OK;
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++)
+        GN_TRY(remove_file(run, names[n], (int64_t)step, error));
+    for (size_t n = 0; n < run->world.element_count; n++) {
+        char file[GN_ELEMENT_PATH];
+        GN_TRY(remove_file(run, gn_elements_file(n, "elements", file), (int64_t)step, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status drop(gn_run *run, size_t at, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    const double step = k->list[at].step;
+    memmove(k->list + at, k->list + at + 1, (k->count - at - 1) * sizeof *k->list);
+    k->count--;
+    return remove_files(run, step, error);
+}
+
+/* --- regular ones --- */
+
+static int64_t part_size(const gn_kept *k) {
+    return PARTS >> k->halvings;
+}
+
+static bool is_on_grid(const gn_kept *k, const gn_kept_snapshot *s) {
+    return s->kind == GN_KEPT_REGULAR && (int64_t)s->part % part_size(k) == 0;
+}
+
+static size_t count_regular(const gn_kept *k) {
+    size_t count = 0;
+    for (size_t n = 0; n < k->count; n++) count += is_on_grid(k, &k->list[n]);
+    return count;
+}
+
+/* Of those before the peak the one whose stress is nearest to `share` of it; k->count: none. */
+static size_t nearest_before(const gn_kept *k, double share) {
+    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
+    size_t nearest = k->count;
+    for (size_t n = 0; n < k->count; n++) {
+        if (k->list[n].kind != GN_KEPT_REGULAR || (peak && k->list[n].step > peak->step)) continue;
+        const double off = fabs(k->list[n].stress - share * k->peak);
+        if (nearest == k->count || off < fabs(k->list[nearest].stress - share * k->peak))
+            nearest = n;
+    }
+    return nearest;
+}
+
+/* The one nearest to the peak is a candidate or, where that comes too late or too early, a regular
+ * one. */
+static bool is_needed(const gn_kept *k, size_t at) {
+    const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
+    if (!(k->peak > 0.0)) return false;
+    if (at == nearest_before(k, 0.5)) return true;
+    return at == nearest_before(k, 1.0) && !(peak && peak->stress >= k->list[at].stress);
+}
+
+static gneiss_status thin(gn_run *run, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    k->halvings--;
+    for (size_t n = k->count; n > 0; n--)
+        if (k->list[n - 1].kind == GN_KEPT_REGULAR && !is_on_grid(k, &k->list[n - 1]) &&
+            !is_needed(k, n - 1))
+            GN_TRY(drop(run, n - 1, error));
+    return GNEISS_OK;
+}
+
+void gn_kept_plan(gn_run *run) {
+    gn_kept *k = &run->kept;
+    k->part = k->halvings ? (k->part / part_size(k) + 1) * part_size(k) : PARTS;
+    if (k->part >= PARTS) k->part = 0;
+    run->snapshot_next =
+        k->base + (k->part ? k->part * run->snapshot_interval / PARTS : run->snapshot_interval);
+}
+
+static size_t most_regular(const gn_run *run) {
+    const int64_t wanted = run->world.scene.snapshots;
+    return (size_t)(wanted > LEAST_COUNT ? wanted : LEAST_COUNT);
+}
+
+/* The thinning that follows would remove it at once. */
+static bool is_superfluous(const gn_run *run) {
+    const gn_kept *k = &run->kept;
+    return k->halvings > 0 && k->part % (2 * part_size(k)) != 0 &&
+           count_regular(k) + 1 > most_regular(run);
+}
+
+bool gn_kept_is_due(gn_run *run, bool first) {
+    gn_kept *k = &run->kept;
+    if (first) k->part = 0;
+    if (first || run->world.step >= run->snapshot_next) {
+        if (is_superfluous(run))
+            gn_kept_plan(run);
+        else
+            k->due |= GN_KEPT_REGULAR;
+    }
+    return k->due != 0;
+}
+
+/* --- those that were written --- */
+
+static gneiss_status grow(gn_kept *k, gneiss_error *error) {
+    const size_t capacity = k->capacity ? 2 * k->capacity : 64;
+    gn_kept_snapshot *list = gn_alloc_array(capacity, sizeof *list);
+    if (!list) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a list of snapshots");
+    if (k->count) memcpy(list, k->list, k->count * sizeof *list);
+    gn_free(k->list);
+    k->list = list;
+    k->capacity = capacity;
+    return GNEISS_OK;
+}
+
+static gneiss_status add(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    if (k->count == k->capacity) GN_TRY(grow(k, error));
+    const double stress = last_in(run, "stress");
+    k->list[k->count++] =
+        (gn_kept_snapshot){(double)run->world.step, kind == GN_KEPT_REGULAR ? (double)k->part : 0.0,
+                           isnan(stress) ? 0.0 : stress, (double)kind};
+    return GNEISS_OK;
+}
+
+static gneiss_status note_regular(gn_run *run, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    GN_TRY(add(run, GN_KEPT_REGULAR, error));
+    while (k->halvings > 0 && count_regular(k) > most_regular(run)) GN_TRY(thin(run, error));
+    return GNEISS_OK;
+}
+
+/* The one before of its kind; with a peak also what came after an earlier one. */
+static gneiss_status replace(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    const double now = (double)run->world.step;
+    for (size_t n = k->count; n > 0; n--) {
+        const gn_kept_snapshot *s = &k->list[n - 1];
+        const bool same = s->kind == (double)kind && s->step < now;
+        if (same || (kind == GN_KEPT_PEAK && s->kind == GN_KEPT_HALF))
+            GN_TRY(drop(run, n - 1, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_kept_note(gn_run *run, gneiss_error *error) {
+    static const gn_kept_kind tested[] = {GN_KEPT_PEAK, GN_KEPT_HALF};
+    gn_kept *k = &run->kept;
+    const int64_t due = k->due;
+    k->due = 0;
+    for (size_t n = 0; n < 2; n++) {
+        if (!(due & (int64_t)tested[n])) continue;
+        GN_TRY(add(run, tested[n], error));
+        GN_TRY(replace(run, tested[n], error));
+    }
+    if (!(due & GN_KEPT_REGULAR)) return GNEISS_OK;
+    if (!k->part) k->base = run->world.step;
+    return note_regular(run, error);
+}
+
+gneiss_status gn_kept_finish(gn_run *run, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    const int64_t wanted = run->world.scene.snapshots;
+    while (k->halvings > 0 && (int64_t)count_regular(k) > wanted) GN_TRY(thin(run, error));
+    return GNEISS_OK;
+}

@@ -1,0 +1,156 @@
+#include "run/spacing.h"
+
+#include "run/stages.h"
+#include "scene/stops.h"
+#include "sim/conversion.h"
+#include "sim/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A row costs some 20 us, so that rows are not closer than this many steps for being thinned later;
+ * with GN_ROW_HALVINGS the end may come at 1/32 of time.end before there are fewer rows than are
+ * wanted. */
+enum { LEAST_STEPS = 5 };
+
+bool gn_run_may_end_early(const gn_run *run) {
+    const gn_scene *s = &run->world.scene;
+    if (gn_run_staged(run)) {
+        const gn_stage *e = &s->stages[run->world.stage];
+        return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 || e->unbalanced > 0.0 ||
+               e->held > 0.0;
+    }
+    const gn_stops stops = gn_scene_stops(s);
+    const bool tested = s->test.kind != GN_TEST_NONE;
+    return stops.peak_drop > 0.0 || (tested && stops.strain > 0.0) || s->stop_unbalanced > 0.0;
+}
+
+int64_t gn_halvings(int64_t interval, int64_t least, int64_t most) {
+    int64_t halvings = 0;
+    if (interval > INT64_MAX >> 16) return 0; /* none are wanted */
+    while (halvings < most && interval >> (halvings + 1) >= least) halvings++;
+    return halvings;
+}
+
+int64_t gn_row_halvings(int64_t interval) {
+    return gn_halvings(interval, LEAST_STEPS, GN_ROW_HALVINGS);
+}
+
+/* Rows that are apart in time, and rates of sinks, which are means from row to row, have no parts.
+ */
+static bool adapts(const gn_run *run) {
+    const gn_world *w = &run->world;
+    return w->scene.history_rows > 0 && !gn_converts(w) && !gn_scene_flows(&w->scene) &&
+           gn_run_may_end_early(run);
+}
+
+void gn_run_space_rows(gn_run *run, int64_t interval) {
+    run->history_interval = interval;
+    run->history_begin = (int64_t)run->history.row_count;
+    run->history_halvings = adapts(run) ? gn_row_halvings(interval) : 0;
+}
+
+/* Steps from row to row after the halvings that are left: doubled from the closest on, so that rows
+ * which are kept are those of before. */
+static int64_t spacing_of(const gn_run *run) {
+    const int64_t first = gn_row_halvings(run->history_interval);
+    return run->history_interval >> first << (first - run->history_halvings);
+}
+
+static bool is_spaced(const gn_run *run, int64_t step) {
+    return step % run->history_interval == 0 ||
+           (run->history_halvings && step % spacing_of(run) == 0);
+}
+
+/* Rows fall on multiples of the interval. Where elements turn into particles, with which steps
+ * become shorter, they are the interval apart in time instead, from the last one on. */
+bool gn_run_row_is_due(const gn_run *run) {
+    const gn_world *w = &run->world;
+    const size_t rows = run->history.row_count;
+    if (!gn_converts(w) || !rows) return is_spaced(run, w->step);
+    const double last = gn_history_column(&run->history, "time")[rows - 1];
+    return w->time - last > ((double)run->history_interval - 0.5) * w->dt;
+}
+
+/* --- looks --- */
+
+/* The first row of all, or of a stage, is one as well. */
+bool gn_run_is_look(const gn_run *run, size_t row) {
+    if (row <= (size_t)run->history_begin || !adapts(run)) return true;
+    const double step = gn_history_column(&run->history, "step")[row];
+    return (int64_t)step % run->history_interval == 0;
+}
+
+size_t gn_run_looks(const gn_run *run, size_t begin, size_t most) {
+    size_t looks = 0;
+    for (size_t row = run->history.row_count; row > begin && looks < most; row--)
+        looks += gn_run_is_look(run, row - 1);
+    return looks;
+}
+
+size_t gn_run_look(const gn_run *run, size_t back) {
+    size_t row = run->history.row_count;
+    while (row > 0 && back > 0) back -= gn_run_is_look(run, --row);
+    return row;
+}
+
+static gneiss_status grow(gn_looks *looks, gneiss_error *error) {
+    const size_t capacity = looks->capacity ? 2 * looks->capacity : 256;
+    double *stress = realloc(looks->stress, capacity * sizeof *stress);
+    if (stress) looks->stress = stress;
+    double *strain = realloc(looks->strain, capacity * sizeof *strain);
+    if (strain) looks->strain = strain;
+    if (!stress || !strain)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows of stress", capacity);
+    looks->capacity = capacity;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_note_look(gn_run *run, size_t row, gneiss_error *error) {
+    gn_looks *looks = &run->looks;
+    const double *stress = gn_history_column(&run->history, "stress"),
+                 *strain = gn_history_column(&run->history, "strain");
+    if (looks->count == looks->capacity) GN_TRY(grow(looks, error));
+    looks->stress[looks->count] = stress ? stress[row] : NAN;
+    looks->strain[looks->count] = strain ? strain[row] : NAN;
+    looks->count++;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_note_looks(gn_run *run, gneiss_error *error) {
+    run->looks.count = 0;
+    for (size_t row = 0; row < run->history.row_count; row++)
+        if (gn_run_is_look(run, row)) GN_TRY(gn_run_note_look(run, row, error));
+    return GNEISS_OK;
+}
+
+void gn_looks_free(gn_looks *looks) {
+    free(looks->stress);
+    free(looks->strain);
+    *looks = (gn_looks){0};
+}
+
+/* --- too many rows --- */
+
+static gneiss_status thin(gn_run *run, gneiss_error *error) {
+    gn_history *h = &run->history;
+    const double *step = gn_history_column(h, "step");
+    bool *keep = calloc(h->row_count + 1, sizeof *keep);
+    if (!keep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows", h->row_count);
+    const size_t begin = (size_t)run->history_begin;
+    for (size_t row = begin; row < h->row_count; row++)
+        keep[row] = row == begin || is_spaced(run, (int64_t)step[row]);
+    gn_history_keep(h, begin, keep);
+    free(keep);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_thin_rows(gn_run *run, gneiss_error *error) {
+    const int64_t wanted = run->world.scene.history_rows;
+    while (run->history_halvings > 0 &&
+           (int64_t)run->history.row_count - run->history_begin >= 2 * wanted) {
+        run->history_halvings--;
+        GN_TRY(thin(run, error));
+    }
+    return GNEISS_OK;
+}

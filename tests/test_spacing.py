@@ -1,0 +1,129 @@
+"""Rows of the history, snapshots and the time left follow the end of a test, which time.end only bounds. Speaks TAP."""
+import signal
+
+from run_reference import *  # noqa: F403
+
+LATE = ("--set", "time.end=1.5 ms", "--set", "time.stop.peak_drop=0.6", "--set", "output.history_rows=100",
+        "--set", "output.snapshots=10")
+
+
+def early(folder, *arguments):
+    """A test that ends at a sixth of time.end."""
+    run(UCS, folder, "--threads", 1, *LATE, *arguments)
+    done = summary(folder)
+    assert done["time"] < 0.25 * 1.5e-3 and "of its peak" in done["stop_reason"], done["stop_reason"]
+    return history(folder)
+
+
+def share_of_peak(folder):
+    """Of every snapshot: time over that of the peak, stress over the peak."""
+    rows = history(folder)
+    peak = rows["stress"].argmax()
+    return [(time / rows["time"][peak], np.interp(time, rows["time"], rows["stress"]) / rows["stress"][peak])
+            for _, time in series(folder)]
+
+
+def check_snapshots_of_peak(folder):
+    shares = share_of_peak(folder)
+    assert any(0.9 < time < 1.1 and stress > 0.93 for time, stress in shares), shares
+    assert any(time < 1 and 0.4 < stress < 0.6 for time, stress in shares), shares
+    assert any(time > 1 and 0.3 < stress < 0.6 for time, stress in shares), shares
+
+
+@fact
+def a_test_that_ends_early_has_as_many_rows_as_are_wanted(folder):
+    steps = early(folder)["step"]
+    assert 100 <= len(steps) < 200, f"{len(steps)} rows"
+    apart = np.diff(steps)
+    assert apart.max() <= 2 * np.median(apart), apart
+
+
+@fact
+def rows_between_looks_do_not_change_the_step_of_the_end(folder):
+    """A run whose rows are as far apart as time.end asks for, which one is that resume gave the same number of rows."""
+    wide, close = os.path.join(folder, "wide"), os.path.join(folder, "close")
+    early(close)
+    run(UCS, wide, "--threads", 1, *LATE, "--set", "time.stop=none", "--set", "time.end=1 us")
+    resume(wide, *LATE[:4], "--set", "output.history_rows=100")
+    assert summary(wide)["steps"] == summary(close)["steps"] and state_hash(wide) == state_hash(close)
+    looks, rows = history(wide)["step"], history(close)["step"]
+    assert set(looks[looks > 10]) <= set(rows), set(looks) - set(rows)
+
+
+@fact
+def a_run_that_reaches_its_time_has_rows_and_snapshots_at_the_steps_that_it_asks_for(folder):
+    run(UCS, folder, "--threads", 1, "--set", "time.step=0.15 us", "--set", "time.stop.peak_drop=0.999999",
+        "--set", "output.history_rows=20", "--set", "output.snapshots=5")
+    steps = history(folder)["step"]
+    assert list(steps) == [100 * k for k in range(20)], steps
+    shares = [time / 0.3e-3 for _, time in series(folder)]
+    for wanted in range(5):
+        assert min(abs(share - wanted / 5) for share in shares) < 0.005, shares
+    assert len(shares) <= 5 + 3 + 1, shares
+
+
+@fact
+def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
+    early(folder)
+    check_snapshots_of_peak(folder)
+    assert len(series(folder)) <= 10 + 4
+
+
+@fact
+def few_snapshots_have_those_of_the_peak_as_well(folder):
+    early(folder, "--set", "output.snapshots=1")
+    check_snapshots_of_peak(folder)
+    assert len(series(folder)) <= 1 + 4
+    early(folder, "--set", "output.snapshots=0")
+    assert len(series(folder)) == 1
+
+
+@fact
+def a_test_that_does_not_stop_at_its_peak_has_snapshots_of_it(folder):
+    run(UCS, folder, "--threads", 1, "--set", "output.snapshots=3")
+    check_snapshots_of_peak(folder)
+
+
+@fact
+def a_stage_that_ends_early_has_its_rows_and_snapshots(folder):
+    with open(UCS) as file:
+        scene = file.read().replace("../../scenes", os.path.join(SCENES, "..", "..", "scenes")).replace(", stop: none", "")
+    scene = scene.replace("time: {end: 0.3 ms}", "time: {end: 3 ms}").replace("history_rows: 300", "history_rows: 100")
+    scene += "stages:\n  - {name: begin, end: {steps: 50}}\n  - {name: load, end: {peak_drop: 0.6}}\n"
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, scene), out, "--threads", 1)
+    rows = history(out)
+    count = np.count_nonzero(rows["stage"] == 1)
+    assert summary(out)["time"] < 0.6e-3 and 90 <= count < 200, (summary(out)["time"], count)
+    check_snapshots_of_peak(out)
+
+
+@fact
+def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
+    straight, threads, broken = (os.path.join(folder, name) for name in ("straight", "threads", "broken"))
+    early(straight)
+    run(UCS, threads, "--threads", 2, *LATE)
+    check_same(threads, straight)
+    for count in (4, 9):
+        shutil.rmtree(broken, ignore_errors=True)
+        expect(stop_at_snapshot(broken, count, signal.SIGINT, "--threads", 1, *LATE), 6)
+        resume(broken)
+        check_same(broken, straight)
+        for name in ("particles", "bonds"):
+            assert series(broken, name) == series(straight, name) == series(threads, name), name
+            assert all(os.path.exists(os.path.join(broken, file)) for file, _ in series(broken, name))
+
+
+@fact
+def the_time_left_is_that_to_the_end_which_is_expected(folder):
+    """The specimen foretells its peak; behind that, and where nothing is foretold, it is at most the time to time.end."""
+    done = expect(gneiss("run", UCS, "--out", folder, "--threads", 1, "--log", "json", *LATE, "--set", "time.end=15 ms"), 0)
+    lines = [json.loads(line) for line in done.stdout.splitlines()[:-1]]
+    for line in lines:
+        left = line["end"] - line["time"]
+        bound = line["seconds"] / line["time"] * left
+        assert line["eta_at_most"] or line["eta"] < 0.2 * bound, line
+
+
+if __name__ == "__main__":
+    sys.exit(main())
