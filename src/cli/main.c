@@ -1,4 +1,5 @@
 /* The `gneiss` program. */
+#include "base/threads.h"
 #include "base/timer.h"
 #include "cli/options.h"
 #include "cli/pack.h"
@@ -263,7 +264,7 @@ extern const char __executable_start[], etext[];
 
 static void command_info(void) {
     printf("gneiss %s (%s)\n", gn_version(), gn_build());
-    printf("threads           %d\n", omp_get_num_procs());
+    printf("threads           %d\n", gn_threads_of(0));
     printf("instruction sets ");
     for (int k = 0; k < GN_KERNEL_SETS; k++) {
         const gn_kernel_set *set = gn_kernel_set_at(k);
@@ -317,6 +318,8 @@ static void spin_briefly(char **argv) {
 
 int main(int argc, char **argv) {
     spin_briefly(argv);
+    omp_set_dynamic(
+        0); /* no result depends on it, but the speed does: OMP_DYNAMIC is not followed */
     gneiss_error error = {0};
     gn_options options;
     bool done = false;
