@@ -176,6 +176,40 @@ def allocations_of_a_packing_may_fail(folder):
     out_of_memory(folder, ("pack", body), lambda count: range(1, count + 1, 11))
 
 
+CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"), "--set", "time.end=0.003 ms",
+              "--set", "specimen.mean_radius=1.4 mm", "--set", "output.history_rows=5", "--set", "output.snapshots=1")
+
+
+@fact
+def allocations_of_measured_steps_of_zones_may_fail(folder):
+    # Between the set-up and the files of the end: the mean stress of zones among them.
+    out_of_memory(folder, CONVERTING, lambda count: range(1000, count - 250, 7))
+
+
+TRIAXIAL = ("run", os.path.join(SCENES, "../../scenes/triaxial.yaml"), "--set", "time.end=0.003 ms",
+            "--set", "specimen.particles=60", "--set", "output.history_rows=5", "--set", "output.snapshots=1")
+
+
+@fact
+def allocations_of_the_reading_of_stages_may_fail(folder):
+    # The scene is read first; its stages are read whole, one after the other.
+    out_of_memory(folder, TRIAXIAL, lambda count: range(1, 400, 3))
+
+
+@fact
+def a_library_that_reads_the_scene_or_units_may_lack_memory(folder):
+    # A lack for good, so that what the libraries do with half of their data cannot look like an answer. Some allocate some
+    # thousand times for the units; a crash within them is theirs.
+    count = os.path.join(folder, "count")
+    expect(faulty("check", LATTICE, all=1, count=count), 0)
+    codes = {}
+    for number in range(200, int(open(count).read()), 997):
+        done = faulty("check", LATTICE, "--threads", 1, all=1, alloc=f"{number}")
+        codes.setdefault(done.returncode, []).append(number)
+        assert done.returncode != 2, (number, done.stderr)
+    assert len(codes.get(4, ())) > 10, codes
+
+
 # --- power loss ----------------------------------------------------------------------------------------------
 
 class Disk:

@@ -1,4 +1,5 @@
 /* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
+#include "base/resident.h"
 #include "base/timer.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -17,7 +18,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 /* --- snapshots --- */
 
@@ -502,8 +502,8 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
 
 /* Bytes that the process has held at most, since it was started. */
 static int64_t peak_memory(void) {
-    struct rusage used;
-    return getrusage(RUSAGE_SELF, &used) ? 0 : (int64_t)used.ru_maxrss * 1024;
+    gn_resident r;
+    return gn_resident_read(&r) ? (int64_t)r.peak : 0;
 }
 
 /* What statics found before the first step. */
