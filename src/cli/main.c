@@ -317,6 +317,17 @@ static void spin_briefly(char **argv) {
     execv("/proc/self/exe", argv); /* on failure the default has to do */
 }
 
+static bool finished; /* main returns: no library ends the program */
+
+/* Libraries that lack memory may end the program by themselves: the scanner of UDUNITS-2 by
+ * exit(2), which would be called an input error, the OpenMP library by exit(1). They have said why.
+ */
+static void name_the_end(void) {
+    if (finished) return;
+    fputs("gneiss: out of memory: a library ended the program\n", stderr);
+    _exit(GNEISS_ERROR_MEMORY);
+}
+
 /* What is large goes back to the system when it is freed. By default the allocator of glibc keeps
  * blocks of up to 32 MB once some were freed, and files that are formed in memory leave holes: the
  * same run took 118 or 268 MB. */
@@ -329,6 +340,7 @@ static void give_back_large_blocks(void) {
 int main(int argc, char **argv) {
     spin_briefly(argv);
     give_back_large_blocks();
+    (void)atexit(name_the_end);
     omp_set_dynamic(
         0); /* no result depends on it, but the speed does: OMP_DYNAMIC is not followed */
     gneiss_error error = {0};
@@ -343,6 +355,7 @@ int main(int argc, char **argv) {
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
+    finished = true;
     /* HDF5 may hold files that it could not close without memory; its clean-up would trip over
      * them. */
     if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
