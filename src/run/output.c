@@ -93,7 +93,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_e
     return status;
 }
 
-gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
+static gneiss_status write_series(gn_run *run, gneiss_error *error) {
     gn_snapshot_times *times = &run->snapshot_times;
     if (run->world.scene.body_count)
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
@@ -108,6 +108,12 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_snapshot_series(run->directory, "contacts", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
     return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
+}
+
+gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
+    GN_TRY(write_series(run, error));
+    run->series_length = run->snapshot_times.count;
+    return GNEISS_OK;
 }
 
 /* --- results.h5 --- */

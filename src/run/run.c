@@ -391,13 +391,19 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
-static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
+/* Series files are written whole: of many snapshots when there are a thirty-second more. */
+static bool series_is_due(const gn_run *run) {
+    const size_t count = run->snapshot_times.count;
+    return count < 64 || 32 * (count - run->series_length) >= count;
+}
+
+static gneiss_status write_snapshots(gn_run *run, bool last, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
     GN_TRY(gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error));
-    return gn_output_series(run, error);
+    return last || series_is_due(run) ? gn_output_series(run, error) : GNEISS_OK;
 }
 
 typedef struct beginning {
@@ -463,7 +469,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
     if (run->directory[0] && run->snapshot_interval && (first || w->step >= run->snapshot_next)) {
         double start = gn_now();
-        gneiss_status status = write_snapshots(run, error);
+        gneiss_status status = write_snapshots(run, false, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));
         next_snapshot(run);
@@ -505,6 +511,8 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = gn_checkpoint_save(run, error);
     status = also_write(status, gn_output_results, run, error);
+    if (status == GNEISS_OK && run->directory[0] && run->series_length < run->snapshot_times.count)
+        status = gn_output_series(run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     double every = run->world.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
@@ -571,7 +579,7 @@ static gneiss_status write_results(const gn_run *run, gneiss_error *error) {
 
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = write_snapshots(run, error);
+    gneiss_status status = write_snapshots(run, true, error);
     bool save = status == GNEISS_ERROR_MEMORY;
     status = also_write(status, gn_checkpoint_save, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
@@ -587,5 +595,6 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     GN_TRY(gn_output_snapshot(run, "failed_", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
+    if (run->series_length < run->snapshot_times.count) GN_TRY(gn_output_series(run, error));
     return gn_output_results(run, error);
 }
