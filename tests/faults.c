@@ -1,9 +1,10 @@
 /* Loaded before the C library (LD_PRELOAD) by tests: calls fail on demand, and what reaches the
  * disk is recorded. GNEISS_FAULT_ALLOC=N          allocation N (counted from 1) of the program
  * itself fails GNEISS_FAULT_ALLOC=N+         it and all after it GNEISS_FAULT_COUNT=FILE their
- * number is written to FILE at exit GNEISS_FAULT_OPEN=TEXT:ERRNO  opening a file fails whose name
- * holds TEXT GNEISS_FAULT_READ, _WRITE     the same for reading from it, writing into it
- *   GNEISS_RECORD=FILE            opens, writes, syncs, renames, removals, in order */
+ * number is written to FILE at exit GNEISS_FAULT_ALL=1          those of libraries count and fail
+ * as well GNEISS_FAULT_OPEN=TEXT:ERRNO  opening a file fails whose name holds TEXT
+ * GNEISS_FAULT_READ, _WRITE     the same for reading from it, writing into it GNEISS_RECORD=FILE
+ * opens, writes, syncs, renames, removals, in order */
 #define _GNU_SOURCE
 #undef _FILE_OFFSET_BITS /* both open and open64 are defined here */
 #include <dlfcn.h>
@@ -32,7 +33,7 @@ extern void *__libc_memalign(size_t, size_t);
 static atomic_long allocations;
 static uintptr_t program_begin, program_end;
 static long fail_at;
-static bool fail_on;
+static bool fail_on, everybody, begun;
 static int record = -1;
 
 /* --- allocations --- */
@@ -50,7 +51,7 @@ static int find_program(struct dl_phdr_info *info, size_t size, void *data) {
 
 static bool refused(void *caller) {
     uintptr_t from = (uintptr_t)caller;
-    if (from < program_begin || from >= program_end) return false;
+    if (!begun || (!everybody && (from < program_begin || from >= program_end))) return false;
     long number = atomic_fetch_add(&allocations, 1) + 1;
     if (!fail_at || (fail_on ? number < fail_at : number != fail_at)) return false;
     errno = ENOMEM;
@@ -230,6 +231,8 @@ int mkdir(const char *path, mode_t mode) {
 __attribute__((constructor)) static void begin(void) {
     const char *at = getenv("GNEISS_FAULT_ALLOC"), *file = getenv("GNEISS_RECORD");
     dl_iterate_phdr(find_program, NULL);
+    everybody = getenv("GNEISS_FAULT_ALL") != NULL;
+    begun = true;
     if (at) {
         fail_at = atol(at);
         fail_on = strchr(at, '+') != NULL;

@@ -157,6 +157,45 @@ def plan_says_effects_storage_kernels_step_and_cost(folder):
         assert re.search(pattern, out), f"/{pattern}/ is missing"
 
 
+BONDED = """
+specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [40, 40, 40]%s}}
+materials: [{name: m, density: 2000, normal_stiffness: 1 MN/m, kratio: 2, bond_tension_limit: 2 N, bond_shear_limit: 5 N}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.1}
+"""
+GRAINS = """
+specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [40, 40, 40], spacing: 1.2}}
+materials: [{name: m, density: 2000, normal_stiffness: 1 MN/m, kratio: 2, friction: 0.4}]
+law: {stiffness: uniform}
+"""
+CELLS = """
+dimension: 3
+elements:
+  box: {size: [0.1, 0.1, 0.1], cells: [24, 24, 24]}
+  formulation: %s
+  materials: [{young: 30 GPa, poisson: 0.2, density: 2400}]
+"""
+PACKED = """
+specimen: {cylinder: {diameter: 23 mm, height: 46 mm}, particles: 20000}
+materials: [{name: m, density: 2650, contact_modulus: 10 GPa, kratio: 3.7, friction: 0.5, tensile_strength: 40 MPa, shear_strength: 40 MPa}]
+law: {stiffness: harmonic}
+bonds: {interaction_range: 0.05}
+"""
+SHORT = "gravity: [0, 0, -9.81]\ntime: {end: 1 us}\noutput: {snapshots: 1}\n"
+
+
+@fact
+def plan_names_the_memory_that_a_run_takes(folder):
+    kinds = {"lattice": BONDED % "", "jitter": BONDED % ", jitter: 0.05", "grains": GRAINS, "packing": PACKED,
+             "elements": CELLS % "displacement", "mixed form": CELLS % "mixed"}
+    for name, scene in kinds.items():
+        file = write_scene(folder, scene + SHORT)
+        said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
+        run(file, os.path.join(folder, name))
+        taken = summary(os.path.join(folder, name))["peak_memory"] / 1e6
+        assert abs(said / taken - 1) < 0.15, (name, said, taken)
+
+
 LOOSE = """
 dimension: 3
 specimen: {particles: [[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]}

@@ -1,7 +1,9 @@
 /* Work dealt out to threads: every block once, particles after all their items, for any number of
- * threads, shares and shapes of lists; threads help one that stands still. */
+ * threads, shares and shapes of lists; threads help one that stands still, and do the work of one
+ * that does not come. */
 #include "base/timer.h"
 #include "sched/deal.h"
+#include "smaller_team.h"
 #include "world_helpers.h"
 
 #include <omp.h>
@@ -94,30 +96,45 @@ static void give_lists(gn_deal *deal, const model *m) {
     assert_int_equal(gn_deal_lists(deal, list[0], list[1], m->particle_blocks, NULL), GNEISS_OK);
 }
 
-/* Rounds of one or two sweeps, whose second one must not run ahead of the first. */
-static void work_through(model *m, int threads, int rounds) {
+/* A round of one or two sweeps, whose second one must not run ahead of the first. */
+typedef struct round_of_sweeps {
+    model *m;
+    gn_deal *deal;
+    int sweeps;
+    _Atomic int came; /* threads that took part */
+} round_of_sweeps;
+
+static void work_through_round(void *context) {
     static const gn_deal_work work = {items, particles, NULL};
+    round_of_sweeps *r = context;
+#pragma omp parallel num_threads(r->deal->team)
+    for (int pass = 0; pass < r->sweeps; pass++) {
+#pragma omp single
+        clear(r->m);
+        r->came = omp_get_num_threads();
+        gn_deal_sweep(r->deal, pass, &work, r->m);
+#pragma omp barrier
+    }
+}
+
+/* Rounds in which up to limits[0], limits[1], ... threads come. */
+static void work_through(model *m, int threads, int rounds, const int *limits, int limit_count) {
     gn_deal deal;
     assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
     for (int round = 0; round < rounds; round++) {
         if (round % 10 == 0) give_lists(&deal, m);
-        const int sweeps = 1 + round % 2;
+        round_of_sweeps r = {.m = m, .deal = &deal, .sweeps = 1 + round % 2};
+        const int limit = limits[round % limit_count];
         gn_deal_begin(&deal);
-#pragma omp parallel num_threads(deal.team)
-        for (int pass = 0; pass < sweeps; pass++) {
-#pragma omp single
-            clear(m);
-            gn_deal_sweep(&deal, pass, &work, m);
-#pragma omp barrier
-        }
-        gn_deal_end(&deal, sweeps, 1e-5);
+        in_teams_of(limit, work_through_round, &r);
+        assert_true(r.came <= limit);
+        gn_deal_end(&deal, r.sweeps, 1e-5);
         check(m);
     }
     gn_deal_free(&deal);
 }
 
-static void every_block_once_and_in_time(void **state) {
-    (void)state;
+static void work_through_all(const int *limits, int limit_count) {
     static const size_t blocks[][3] = {
         {40, 7, 96}, {0, 33, 50}, {64, 64, 13}, {3, 0, 96}, {0, 0, 5}};
     uint64_t seed = 3;
@@ -129,9 +146,23 @@ static void every_block_once_and_in_time(void **state) {
             m->particle_blocks = blocks[k][2];
             m->still = -1;
             for (int l = 0; l < GN_DEAL_LISTS; l++) make_list(m, l, blocks[k][l], &seed);
-            work_through(m, threads, 100);
+            work_through(m, threads, 100, limits, limit_count);
         }
     free(m);
+}
+
+static void every_block_once_and_in_time(void **state) {
+    (void)state;
+    static const int all[] = {5};
+    work_through_all(all, 1);
+}
+
+/* The cuts are made for the threads that are asked for, and fewer come, now and then or always. */
+static void every_block_once_and_in_time_when_fewer_threads_come(void **state) {
+    (void)state;
+    static const int one[] = {1}, changing[] = {5, 1, 2, 5, 3, 1, 1, 4};
+    work_through_all(one, 1);
+    work_through_all(changing, 8);
 }
 
 /* A thread that is held up with its first items, by another program say, finds all others done. */
@@ -192,6 +223,7 @@ static void shares_follow_the_pace(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_block_once_and_in_time),
+        cmocka_unit_test(every_block_once_and_in_time_when_fewer_threads_come),
         cmocka_unit_test(others_help_a_thread_that_stands_still),
         cmocka_unit_test(shares_follow_the_pace),
     };

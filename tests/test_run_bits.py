@@ -21,6 +21,30 @@ def four_threads_give_the_same_bits_as_one(folder):
     same_with_threads(folder, 4)
 
 
+@fact
+def threads_that_the_openmp_library_does_not_give_change_no_bit(folder):
+    for limit, asked in ((1, 2), (2, 4)):
+        out = os.path.join(folder, str(limit))
+        done = run(UCS, out, "--threads", asked, environment={"OMP_THREAD_LIMIT": str(limit)})
+        expect(done, 0, f"run.threads: {asked} are asked for, the OpenMP library gives {limit}")
+        check_same(out, reference())
+
+
+@fact
+def particles_without_contacts_move_when_fewer_threads_come_than_asked(folder):
+    loose = ("--set", "specimen.lattice.spacing=1.5", "--set", "specimen.lattice.cells=[12, 12, 12]",
+             "--set", "walls.top.point=[0, 0, 1 m]", "--set", "gravity=[0, 0, -9.81]")
+    for limit in (1, 2):
+        run(LATTICE, os.path.join(folder, str(limit)), *loose, "--threads", 2, environment={"OMP_THREAD_LIMIT": str(limit)})
+    assert state_hash(os.path.join(folder, "1")) == state_hash(os.path.join(folder, "2"))
+
+
+@fact
+def threads_that_follow_the_load_of_the_machine_change_no_bit(folder):
+    run(UCS, folder, "--threads", 4, environment={"OMP_DYNAMIC": "true"})
+    check_same(folder, reference())
+
+
 def same_with_isa(folder, isa):
     """Only energies are summed over lanes, in an order of each width's own; the state is the same for all."""
     if not isas()[isa]:

@@ -1,11 +1,18 @@
 #include "base/error.h"
 
+#include "base/memory.h"
 #include "base/printable.h"
 
 #include <stdio.h>
 #include <string.h>
 
+/* A reading that is not a number for want of memory is no run that went bad. */
+static gneiss_status cause_of(gneiss_status status) {
+    return status == GNEISS_ERROR_UNSTABLE && gn_alloc_was_refused() ? GNEISS_ERROR_MEMORY : status;
+}
+
 gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *format, ...) {
+    status = cause_of(status);
     if (error) {
         va_list args;
         va_start(args, format);

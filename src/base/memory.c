@@ -1,9 +1,13 @@
 #include "base/memory.h"
 
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+
+/* Readings are not a number without memory: only this tells them from a run that went bad. */
+static atomic_bool was_refused;
 
 static const size_t huge_page = (size_t)2 << 20;
 
@@ -21,6 +25,7 @@ static void *alloc_raw(size_t bytes) {
     if (bytes > SIZE_MAX - alignment) return NULL;
     const size_t size = rounded(bytes, alignment);
     void *block = aligned_alloc(alignment, size);
+    if (!block) atomic_store(&was_refused, true);
     if (block && alignment == huge_page) (void)madvise(block, size, MADV_HUGEPAGE);
     return block;
 }
@@ -44,4 +49,8 @@ void *gn_alloc_array_raw(size_t count, size_t size) {
 
 void gn_free(void *block) {
     free(block);
+}
+
+bool gn_alloc_was_refused(void) {
+    return atomic_load(&was_refused);
 }

@@ -2,6 +2,7 @@
 #ifndef GN_BASE_MEMORY_H
 #define GN_BASE_MEMORY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { GN_ALIGNMENT = 64 };
@@ -18,5 +19,9 @@ void *gn_alloc_array(size_t count, size_t size);
 void *gn_alloc_array_raw(size_t count, size_t size);
 
 void gn_free(void *block);
+
+/* Whether any of these calls has been refused since the program began: what is not a number since
+ * then may be so for want of memory. */
+bool gn_alloc_was_refused(void);
 
 #endif

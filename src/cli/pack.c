@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/threads.h"
 #include "base/timer.h"
 #include "cli/line.h"
 #include "cli/progress.h"
@@ -15,7 +16,6 @@
 #include "sim/origin.h"
 
 #include <math.h>
-#include <omp.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -200,7 +200,7 @@ static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
     gn_pack_shape body = {0};
-    int threads = scene->threads > 0 ? (int)scene->threads : omp_get_num_procs();
+    int threads = gn_threads_of(scene->threads);
     if (!result->domain) GN_TRY(gn_pack_shape_create(scene, &body, error));
     gneiss_status status = gn_pack_measure(&result->packing, (int)scene->dimension,
                                            result->domain ? result->domain : body.domain,

@@ -9,6 +9,7 @@
 #include "cli/plan_elements.h"
 #include "cli/plan_flow.h"
 #include "cli/plan_law.h"
+#include "cli/plan_memory.h"
 #include "cli/plan_stages.h"
 #include "cli/plan_time.h"
 #include "cli/progress.h"
@@ -229,7 +230,7 @@ static gneiss_status find_start(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
+static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
     char text[32];
     double seconds;
     print_effects(w);
@@ -241,7 +242,6 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
         print_record(&gn_particle_record, "nodes", b->effects, b->nodes.soa.count);
         print_record(&gn_element_record, "elements", b->effects, b->elements.soa.count);
     }
-    printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
     if (gn_converts(w)) return gn_plan_converting(w, true, &seconds, error);
@@ -272,6 +272,12 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
     gn_print_stages(w, per_step);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
+    GN_TRY(print_all_but_memory(w, error));
+    gn_print_plan_memory(w);
     return GNEISS_OK;
 }
 

@@ -164,6 +164,11 @@ static gneiss_status warn_of_start(const gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
+    if (w->scene.threads > w->threads)
+        fprintf(stderr,
+                "gneiss: warning: run.threads: %lld are asked for, the OpenMP library gives %d "
+                "(OMP_THREAD_LIMIT): the results are the same, later\n",
+                (long long)w->scene.threads, w->threads);
     GN_TRY(warn_of_start(w, error));
     if (o->quiet || o->json) return GNEISS_OK;
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);

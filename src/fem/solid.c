@@ -2,6 +2,7 @@
 #include "fem/solid.h"
 
 #include "base/memory.h"
+#include "base/threads.h"
 #include "fem/internal.h"
 #include "neigh/pairs.h"
 #include "soa/single.h"

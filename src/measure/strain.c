@@ -397,6 +397,9 @@ static gneiss_status gauge_by_vault(const double *points, size_t count, int dime
     return status;
 }
 
+/* Lattices with more particles have no triangulation. */
+static const size_t triangulated_most = 50000;
+
 static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *counts, int dimension,
                               bool soon, gn_strain_gauge *gauge, gneiss_error *error) {
     *gauge = (gn_strain_gauge){0};
@@ -410,7 +413,8 @@ static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *coun
     bool found = false;
     if (status == GNEISS_OK)
         status = gauge_by_hull(points, count, dimension, order, gauge, &found, error);
-    if (status == GNEISS_OK && !found && soon)
+    /* A triangulation takes 1.9 kB and 0.1 ms for each particle. */
+    if (status == GNEISS_OK && !found && (soon || count > triangulated_most))
         status = gauge_by_vault(points, count, dimension, order, gauge, &found, error);
     if (status == GNEISS_OK && !found)
         status = gn_delaunay(points, count, dimension, &triangulation, error);

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/threads.h"
 #include "base/timer.h"
 #include "neigh/pairs.h"
 #include "pack/seeds.h"
@@ -9,7 +10,6 @@
 #include "pack/spheres.h"
 
 #include <math.h>
-#include <omp.h>
 #include <string.h>
 
 const char *gn_pack_stage_name(gn_pack_stage stage) {
@@ -291,7 +291,7 @@ static int planned_iterations(const job *j) {
 }
 
 static gneiss_status make(job *j, const gn_pack_shape *body, gneiss_error *error) {
-    j->threads = j->scene->threads > 0 ? (int)j->scene->threads : omp_get_num_procs();
+    j->threads = gn_threads_of(j->scene->threads);
     j->domain = body->domain;
     j->plan = schedule_of(j->def, j->dimension);
     j->planned = planned_iterations(j);

@@ -1,4 +1,5 @@
 /* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
+#include "base/resident.h"
 #include "base/timer.h"
 #include "io/files.h"
 #include "io/h5.h"
@@ -18,7 +19,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 /* --- snapshots --- */
 
@@ -94,7 +94,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_e
     return status;
 }
 
-gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
+static gneiss_status write_series(gn_run *run, gneiss_error *error) {
     gn_snapshot_times *times = &run->snapshot_times;
     if (run->world.scene.body_count)
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
@@ -109,6 +109,12 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_snapshot_series(run->directory, "contacts", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
     return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
+}
+
+gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
+    GN_TRY(write_series(run, error));
+    run->series_length = run->snapshot_times.count;
+    return GNEISS_OK;
 }
 
 /* --- results.h5 --- */
@@ -504,8 +510,8 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
 
 /* Bytes that the process has held at most, since it was started. */
 static int64_t peak_memory(void) {
-    struct rusage used;
-    return getrusage(RUSAGE_SELF, &used) ? 0 : (int64_t)used.ru_maxrss * 1024;
+    gn_resident r;
+    return gn_resident_read(&r) ? (int64_t)r.peak : 0;
 }
 
 /* What statics found before the first step. */

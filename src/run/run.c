@@ -402,6 +402,13 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
+/* Series files are written whole: of many snapshots when there are a thirty-second more, or when
+ * some were removed. */
+static bool series_is_due(const gn_run *run) {
+    const size_t count = run->snapshot_times.count, written = run->series_length;
+    return count < 64 || count <= written || 32 * (count - written) >= count;
+}
+
 static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
@@ -413,7 +420,7 @@ static gneiss_status write_files(gn_run *run, gneiss_error *error) {
 static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
     GN_TRY(write_files(run, error));
     GN_TRY(next_snapshot(run, error));
-    return gn_output_series(run, error);
+    return series_is_due(run) ? gn_output_series(run, error) : GNEISS_OK;
 }
 
 static gneiss_status write_last_snapshots(gn_run *run, gneiss_error *error) {
@@ -529,6 +536,8 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = gn_checkpoint_save(run, error);
     status = also_write(status, gn_output_results, run, error);
+    if (status == GNEISS_OK && run->directory[0] && run->series_length < run->snapshot_times.count)
+        status = gn_output_series(run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     double every = run->world.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
@@ -640,5 +649,6 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     GN_TRY(gn_output_snapshot(run, "failed_", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
+    if (run->series_length < run->snapshot_times.count) GN_TRY(gn_output_series(run, error));
     return gn_output_results(run, error);
 }

@@ -61,6 +61,7 @@ typedef struct gn_run {
     double expected_end; /* s, of the test, as foretold by its specimen; 0: not known */
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* of the output folder */
+    size_t series_length;             /* of them, those that the series files list */
     int folder_lock;            /* descriptor that keeps other runs out of the folder; 0: none */
     gn_first_break first_break; /* what the run began with; steps 0: it began at rest */
     char note[GNEISS_MESSAGE_SIZE]; /* of gn_run_resume: which checkpoint was damaged; "": none */

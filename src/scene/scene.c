@@ -95,6 +95,9 @@ static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_overri
     reader->error = &own;
     reader->problems = problems;
     gneiss_status status = parse_tree(reader, tree, overrides, override_count);
+    if (status == GNEISS_ERROR_INPUT && gn_units_exhausted(reader->units))
+        status = gn_fail(&own, GNEISS_ERROR_MEMORY, "%s: out of memory while reading units",
+                         reader->name);
     reader->error = error;
     reader->problems = NULL;
     gn_free(problems);
@@ -208,7 +211,10 @@ static gneiss_status read_scene_file(const char *path, char **text, size_t *leng
     if (!file) {
         /* A scene that is not there is a slip of the one who named it, not of the disk. */
         bool absent = errno == ENOENT || errno == ENOTDIR;
-        return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
+        return gn_fail(error,
+                       absent            ? GNEISS_ERROR_INPUT
+                       : errno == ENOMEM ? GNEISS_ERROR_MEMORY
+                                         : GNEISS_ERROR_IO,
                        "%s: cannot open the scene: %s", path, strerror(errno));
     }
     struct stat about;

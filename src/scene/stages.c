@@ -425,8 +425,10 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     if (status == GNEISS_OK) status = gn_check_stages(reader, gn_tree_root(tree));
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
         status = read_stage(reader, tree, k ? before : NULL, k, now);
-        united |= gn_scene_effects(now);
-        presses |= gn_scene_squeezes(now);
+        if (status == GNEISS_OK) { /* else lists may be missing */
+            united |= gn_scene_effects(now);
+            presses |= gn_scene_squeezes(now);
+        }
         gn_scene_free(before);
         *before = *now;
         memset(now, 0, sizeof *now);

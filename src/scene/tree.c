@@ -4,6 +4,7 @@
 #include "base/names.h"
 #include "scene/manifest.h"
 
+#include <errno.h>
 #include <libfyaml.h>
 #include <stdlib.h>
 #include <string.h>
@@ -241,6 +242,7 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
     fy_diag_cfg_default(&diag_cfg);
     diag_cfg.fp = NULL;
     diag_cfg.level = FYET_ERROR;
+    errno = 0;
     b.diag = fy_diag_create(&diag_cfg);
     if (!b.diag) return fail_memory(&b);
     /* Collected errors are not printed: nothing of the library's own reaches stderr. */
@@ -253,6 +255,8 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
         status = fail_memory(&b);
     else
         status = read_stream(&b, node);
+    /* To the library a lack of memory is an error like any other, or a shorter text. */
+    if (errno == ENOMEM) status = fail_memory(&b);
     if (b.parser) fy_parser_destroy(b.parser);
     fy_diag_destroy(b.diag);
     return status;

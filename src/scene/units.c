@@ -20,7 +20,7 @@ typedef struct conversion {
 
 struct gn_units {
     ut_system *system;
-    bool tried;
+    bool tried, exhausted;
     size_t cached;
     conversion cache[CACHE_SIZE];
 };
@@ -77,6 +77,10 @@ void gn_units_free(gn_units *units) {
     gn_free(units);
 }
 
+bool gn_units_exhausted(const gn_units *units) {
+    return units->exhausted;
+}
+
 /* The factor between two units; false and a reason for an unknown one, another dimension, or a
  * scale with an offset or a logarithm, which a factor cannot express. */
 static bool find_factor(ut_system *system, const char *from, const char *to, double *factor,
@@ -98,13 +102,18 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
     return ok;
 }
 
-/* The database has "degree" but not the "deg" that everybody writes. */
-static ut_system *open_system(void) {
+/* The database has "degree" but not the "deg" that everybody writes. Without memory the library may
+ * leave units out and call that a success: min would be a milli-inch. Only errno tells. */
+static ut_system *open_system(bool *exhausted) {
+    errno = 0;
     ut_system *system = ut_read_xml(NULL);
     ut_unit *degree = system ? ut_parse(system, "degree", UT_ASCII) : NULL;
     if (degree) ut_map_name_to_unit("deg", UT_ASCII, degree);
     ut_free(degree);
-    return system;
+    *exhausted = errno == ENOMEM;
+    if (!*exhausted || !system) return system;
+    ut_free_system(system);
+    return NULL;
 }
 
 static void unit_factor(gn_units *units, const char *from, const char *to, double *factor,
@@ -115,13 +124,15 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
             return;
         }
     ut_error_message_handler previous = ut_set_error_message_handler(ut_ignore);
-    if (!units->tried) units->system = open_system();
+    if (!units->tried) units->system = open_system(&units->exhausted);
     units->tried = true;
     bool ok = false;
+    errno = 0;
     if (units->system)
         ok = find_factor(units->system, from, to, factor, reason);
     else
         *reason = "the unit database of UDUNITS-2 cannot be read";
+    units->exhausted = units->exhausted || (!ok && errno == ENOMEM);
     ut_set_error_message_handler(previous);
     if (ok && units->cached < CACHE_SIZE) {
         conversion *entry = &units->cache[units->cached++];

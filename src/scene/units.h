@@ -13,6 +13,9 @@ typedef struct gn_units gn_units;
 gn_units *gn_units_new(void);
 void gn_units_free(gn_units *units);
 
+/* Whether UDUNITS-2 has lacked memory: a quantity that was not understood may be right. */
+bool gn_units_exhausted(const gn_units *units);
+
 /* Reads "23 mm" as 0.023 when `unit` is "m". `unit` is one of the units of gn_unit_text; "1" stands
  * for dimensionless, where "5 %" is understood. False: `reason` says why in a few words. */
 bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,

@@ -191,10 +191,11 @@ static int32_t holder(const gn_deal *deal, int l, int64_t b) {
 /* The first and the last thread with items of a block of particles. */
 typedef struct span {
     int32_t first, last;
+    bool shared; /* the block is not bound to one thread's share */
 } span;
 
 static span threads_of(const gn_deal *deal, size_t p) {
-    span s = {deal->team, -1};
+    span s = {deal->team, -1, false};
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         if (last_touch(&deal->list[l], p) < 0) continue;
         int32_t first = holder(deal, l, first_touch(&deal->list[l], p));
@@ -202,7 +203,9 @@ static span threads_of(const gn_deal *deal, size_t p) {
         if (first < s.first) s.first = first;
         if (last > s.last) s.last = last;
     }
-    /* Particles without any item go to all in equal parts. */
+    /* Particles without any item are listed in equal parts, and any thread may draw them: nothing
+     * tells whether the thread of the list has come to this sweep. */
+    s.shared = s.first != s.last;
     if (s.last < 0) s.first = s.last = (int32_t)(p * (size_t)deal->team / deal->particle_blocks);
     return s;
 }
@@ -271,21 +274,23 @@ static void put_off(gn_deal *deal) {
     }
 }
 
-/* Blocks of particles with one thread go to that, the others are listed by their last thread. */
+/* Blocks of particles whose items are all of one thread go to that, the others are listed by their
+ * last thread. So every owned block comes after at least one task: one that its thread does not
+ * begin is late, and drawn by another. */
 static void deal_out(gn_deal *deal) {
     for (int t = 0; t < deal->team + 2; t++) deal->owned_first[t] = deal->shared_first[t] = 0;
     for (size_t p = 0; p < deal->particle_blocks; p++) {
         const span s = threads_of(deal, p);
-        (s.first == s.last ? deal->owned_first : deal->shared_first)[s.last + 2]++;
+        (s.shared ? deal->shared_first : deal->owned_first)[s.last + 2]++;
     }
     add_up(deal->owned_first, deal->team);
     add_up(deal->shared_first, deal->team);
     for (size_t p = 0; p < deal->particle_blocks; p++) {
         const span s = threads_of(deal, p);
-        if (s.first == s.last)
-            deal->owned[deal->owned_first[s.last + 1]++] = (int32_t)p;
-        else
+        if (s.shared)
             deal->shared[deal->shared_first[s.last + 1]++] = (int32_t)p;
+        else
+            deal->owned[deal->owned_first[s.last + 1]++] = (int32_t)p;
     }
     put_off(deal);
     deal->task_first[0] = 0;

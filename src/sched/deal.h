@@ -9,14 +9,18 @@
  *
  * A thread that has none of its own items left takes blocks from the far end of the others' shares:
  * a processor core is often slower than its neighbour, for a moment or for long (other programs,
- * other machines on the same host), and nobody can cut the next sweep for that in advance.
+ * other machines on the same host), and nobody can cut the next sweep for that in advance. A
+ * parallel region may also get a smaller team than it asks for (OMP_THREAD_LIMIT, OMP_DYNAMIC, a
+ * caller's own region), so that no work may depend on the thread whose share it is in: every task
+ * and every block of particles can be done by any thread that came.
  *
  * Blocks of particles whose items were worked on by several threads come last: those at the cuts
  * ("shared"; they go to the thread with the last of these items, because most of the others are
- * its own as well) and those at the end of a share of which others took a part ("late"). Each is
- * worked on by its own thread or another that has nothing left, when its items are done. Who has
- * fewer shared blocks puts off the last blocks of its own until then, so that all have as much to
- * do at the end and seldom take what lies in another core's cache.
+ * its own as well), those without any item, which are shared out evenly, and those at the end of a
+ * share of which others took a part ("late"). Each is worked on by its own thread or another that
+ * has nothing left, when its items are done. Who has fewer shared blocks puts off the last blocks
+ * of its own until then, so that all have as much to do at the end and seldom take what lies in
+ * another core's cache.
  *
  * All sums are kept per block (see gn_partials) and merged in block order, so that no result
  * depends on who does what and when. */
@@ -64,10 +68,11 @@ typedef struct gn_deal {
     int32_t *place;     /* [tasks] the place of each among its thread's */
     _Atomic uint64_t *taken; /* [tasks] the sweep in which another thread last did it */
 
-    /* Blocks of particles by threads: those whose items are all in one share, and the shared. */
+    /* Blocks of particles by threads: those whose items are all in one share, and the shared,
+     * which include those without items. */
     size_t particle_blocks;
     int32_t *owned;       /* [particle_blocks] */
-    int32_t *after;       /* [particle_blocks] how many tasks of its share come before it */
+    int32_t *after;       /* [particle_blocks] how many tasks of its share come before it; > 0 */
     size_t *owned_first;  /* [threads + 2] */
     size_t *put_off;      /* [threads] from this one on they come when all tasks are done */
     int32_t *shared;      /* [particle_blocks] */
@@ -95,8 +100,8 @@ gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
 /* Decides about the coming round of one or more sweeps, by deal->team threads. */
 void gn_deal_begin(gn_deal *deal);
 
-/* Sweep number `pass` of the round, called by every thread of a parallel region of that many; a
- * barrier has to stand between two. */
+/* Sweep number `pass` of the round, called by every thread of a parallel region that asked for that
+ * many and may have got fewer; a barrier has to stand between two. */
 void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *context);
 
 /* After the region, which took `seconds` for so many sweeps. The shares follow the threads' pace.

@@ -34,7 +34,4 @@ static inline int gn_pace_threads(const gn_pace *pace) {
  * little. */
 void gn_pace_note(gn_pace *pace, double seconds, double work, double waiting);
 
-/* More are not used by anything. */
-enum { GN_THREADS_MAX = 1024 };
-
 #endif

@@ -89,8 +89,8 @@ void gn_coupled_leave(gn_world *world, const int32_t *gone);
  * particles of zones (coupling_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_world *world, double *sigma, gneiss_error *error);
 /* Pa, [9]: the mean over the particles' volume of what elements carry of it, where who sleeps is
- * included; not a number without memory for it. */
-void gn_coupled_mean_stress(const gn_world *world, double sigma[9]);
+ * included. */
+gneiss_status gn_coupled_mean_stress(const gn_world *world, double sigma[9], gneiss_error *error);
 /* Particles of zones that have left. */
 size_t gn_coupled_lost(const gn_world *world);
 

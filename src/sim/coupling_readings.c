@@ -64,7 +64,7 @@ static int32_t *elements_of(const gn_world *w) {
     return element;
 }
 
-void gn_coupled_mean_stress(const gn_world *w, double sigma[9]) {
+gneiss_status gn_coupled_mean_stress(const gn_world *w, double sigma[9], gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     const gn_fem_solid *b = gn_coupled_solid(w);
     const int row[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
@@ -82,9 +82,11 @@ void gn_coupled_mean_stress(const gn_world *w, double sigma[9]) {
             for (int c = 0; c < b->dimension; c++)
                 sigma[3 * a + c] += (1.0 - q->blend[2 * p]) * own * stress[element[p]][row[a][c]];
     }
-    for (int k = 0; k < 9; k++) sigma[k] = held ? sigma[k] / volume : NAN;
+    for (int k = 0; held && k < 9; k++) sigma[k] /= volume;
     gn_free(element);
     gn_free(stress);
+    return held ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mean stress of elements");
 }
 
 size_t gn_coupled_lost(const gn_world *w) {

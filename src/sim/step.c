@@ -62,10 +62,11 @@ static void read_elements(gn_world *w) {
 }
 
 /* What elements carry where particles are; before these have their loads. */
-static void read_zones(gn_world *w) {
+static gneiss_status read_zones(gn_world *w, gneiss_error *error) {
     const double begin = gn_now();
-    gn_coupled_mean_stress(w, w->couple.stress);
+    gneiss_status status = gn_coupled_mean_stress(w, w->couple.stress, error);
     w->seconds[GN_PHASE_measure] += gn_now() - begin;
+    return status;
 }
 
 /* What waited moves, and what moves as a whole. Works are trapezoidal: one half closes the interval
@@ -118,7 +119,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     measure |= debris;
     if (measure) GN_TRY(gn_depth_look_again(w, error));
 
-    if (measure && w->scene.has_couple) read_zones(w);
+    if (measure && w->scene.has_couple) GN_TRY(read_zones(w, error));
     GN_TRY(gn_gauge_look(w, error));
     gn_control_look(w);
     GN_TRY(gn_membrane_press(w, error));

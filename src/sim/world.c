@@ -3,6 +3,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/threads.h"
 #include "base/timer.h"
 #include "sim/coupling.h"
 #include "sim/ends.h"
@@ -16,7 +17,6 @@
 #include "sim/section.h"
 
 #include <math.h>
-#include <omp.h>
 #include <pthread.h>
 #include <string.h>
 
@@ -238,8 +238,7 @@ static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     GN_TRY(check_built(&w->scene, error));
     w->effects = gn_scene_effects(&w->scene);
-    int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
-    w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
+    w->threads = gn_threads_of(w->scene.threads);
     for (int a = 0; a < 3; a++)
         w->period[a] =
             a == w->scene.periodic_open ? 0.0 : w->scene.periodic_max[a] - w->scene.periodic_min[a];

@@ -257,6 +257,9 @@ static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *swe
         status = read_file(reader, gn_tree_root(tree), file, sweep);
         *combine = file->combine;
         if (status == GNEISS_OK) take_over(file, sweep);
+        if (status == GNEISS_ERROR_INPUT && gn_units_exhausted(sweep->units))
+            status = gn_fail(&own, GNEISS_ERROR_MEMORY, "%s: out of memory while reading units",
+                             reader->name);
         gn_free(file->readings);
     }
     if (status != GNEISS_OK && error) *error = own;
