@@ -168,6 +168,21 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
 }
 
 /* An automatic step is known only once there is a specimen; a given one has to be below the end. */
+/* Keys that change nothing, as the reader of the scene found them. */
+static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
+    const gn_scene_notes *notes = &run->world.given.notes;
+    size_t used = 0;
+    gn_warning *to = NULL;
+    for (size_t k = 0; k < notes->count; k++) {
+        if (!notes->idle[k]) continue;
+        if (!to) to = add(list, "key_without_effect");
+        int more = snprintf(to->text + used, sizeof to->text - used, "%s%s", used ? "; " : "",
+                            notes->text[k] + notes->key_at[k]);
+        used += (size_t)more;
+        if (used >= sizeof to->text) return;
+    }
+}
+
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;
@@ -404,5 +419,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_ends(run, list);
     warn_of_normal(run, list);
     warn_of_sources(run, list);
+    warn_of_idle_keys(run, list);
     return gn_warn_of_coupling(run, list, error);
 }

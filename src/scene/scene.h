@@ -393,9 +393,21 @@ typedef struct gn_element_def {
     gn_scene_place where;
 } gn_element_def;
 
+/* What is valid in a scene file, and may not be what its writer means: "FILE:LINE:COLUMN: KEY:
+ * ...", each once. `idle`: those of keys that change nothing in the scene; `key_at`: where KEY
+ * begins. */
+enum { GN_SCENE_NOTES_MAX = 12, GN_SCENE_NOTE_SIZE = 480 };
+typedef struct gn_scene_notes {
+    size_t count;
+    bool idle[GN_SCENE_NOTES_MAX];
+    int key_at[GN_SCENE_NOTES_MAX];
+    char text[GN_SCENE_NOTES_MAX][GN_SCENE_NOTE_SIZE];
+} gn_scene_notes;
+
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char *overridden;          /* keys that the command line gave, a line each, for messages */
+    gn_scene_notes notes;      /* what its reader is to be told of it */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;

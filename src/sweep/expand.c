@@ -347,6 +347,7 @@ static gneiss_status read_runs(gn_sweep *s, gn_scene *scene, gneiss_error *error
         r->threads = scene->threads;
         r->seed = scene->seed;
         s->draws |= has_random_numbers(scene);
+        gn_notes_unite(&s->notes, &scene->notes);
         if (!s->title[0]) snprintf(s->title, sizeof s->title, "%.200s", scene->title);
         gn_scene_free(scene);
     }

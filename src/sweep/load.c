@@ -257,6 +257,7 @@ static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *swe
         status = read_file(reader, gn_tree_root(tree), file, sweep);
         *combine = file->combine;
         if (status == GNEISS_OK) take_over(file, sweep);
+        gn_notes_unite(&sweep->notes, &reader->scene->notes);
         gn_free(file->readings);
     }
     if (status != GNEISS_OK && error) *error = own;

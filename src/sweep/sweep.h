@@ -76,7 +76,8 @@ typedef struct gn_sweep {
     gn_sweep_run *runs;
     uint32_t *chosen; /* [run_count][parameter_count]: places of the values */
     gn_units *units;
-    bool draws; /* some scene has random numbers in it */
+    bool draws;           /* some scene has random numbers in it */
+    gn_scene_notes notes; /* of all scenes */
 } gn_sweep;
 
 /* Reads the file and every scene of it: nothing is run that could not be read. `overrides` are of
