@@ -1093,6 +1093,31 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
 
 
 @fact
+def a_sweep_fits_every_material_by_itself(folder):
+    given = several("0.1 MPa", "5 MPa", 2e7)
+    del given["test"]["confinement"]
+    write_scene(folder, given)
+    sweep, out = os.path.join(folder, "sweep.yaml"), os.path.join(folder, "out")
+    with open(sweep, "w") as file:
+        file.write("scene: scene.yaml\nparameters: {materials.0.bond_friction: [0, 1], membrane.pressure: [0.1 MPa, 5 MPa, 20 MPa]}\n")
+    done = expect(gneiss("sweep", sweep, "--out", out, "--quiet"), 0)
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        s3, s1 = file["readings/confinement"][:].ravel(), file["readings/axial_strength"][:].ravel()
+        angles, of = file["envelope/friction_angle"][:].ravel(), file["envelope/of"][()].decode().split("\n")
+        assert list(file["runs/envelope"][:].ravel()) == [0, 0, 0, 1, 1, 1]
+    assert of == ["materials.0.bond_friction = 0", "materials.0.bond_friction = 1"], of
+    for k, angle in enumerate(angles):
+        slope = np.polyfit(s3[3 * k:3 * k + 3], s1[3 * k:3 * k + 3], 1)[0]
+        assert abs(angle - np.degrees(np.arcsin((slope - 1) / (slope + 1)))) < 1e-9 * angle, (k, angle)
+        assert f"strength over confinement, {of[k]}" in done.stdout and f"{angle:.4g}" in done.stdout, done.stdout
+    assert angles[1] > angles[0], angles
+    expect(gneiss("report", out), 0)
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
+        page = file.read()
+    assert "Strength envelopes" in page and page.count("bond_friction = 1") >= 4
+
+
+@fact
 def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
     path = write_scene(folder, several("-1 MPa", "5 MPa", "9 MPa"))
     expect(gneiss("check", path), 2, r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a value in \[0, 1e18\] Pa, found .-1 MPa")
