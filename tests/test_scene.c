@@ -182,6 +182,60 @@ static void a_short_ton_is_noted_and_a_tonne_is_not(void **state) {
     assert_non_null(gn_unit_note("3 ton_force"));
 }
 
+static void friction_without_a_tangential_spring_is_refused(void **state) {
+    (void)state;
+    static const char spring[] = "expected kratio above 0 beside it, found 0: without a tangential "
+                                 "spring contacts have no friction";
+    char message[256];
+    snprintf(message, sizeof message, "s.yaml:9:15: materials[0].friction: %s", spring);
+    refuses(variant("kratio: 2", "kratio: 0"), message);
+    snprintf(message, sizeof message, "s.yaml:20:42: contacts[0].friction: %s", spring);
+    refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
+    /* A pair may have a spring that the material does not have. */
+    gn_override none = {"materials.rock.kratio", "0"};
+    gn_scene s;
+    gneiss_error error = {0};
+    const char *pair = with("contacts: [{between: rock, kratio: 3}]\n");
+    assert_int_equal(gn_scene_parse(pair, "s.yaml", NULL, &none, 1, &s, &error), GNEISS_OK);
+    gn_scene_free(&s);
+}
+
+/* A scene with one more key in its material or behind its end has exactly one note, about it. */
+static void keys_that_change_nothing_are_noted(void **state) {
+    (void)state;
+    static const char *const keys[][2] = {
+        {"materials.rock.young", "1 GPa"},
+        {"materials.rock.normal_stiffness", "1e6"},
+        {"materials.rock.beta", "2"},
+        {"materials.rock.tensile_strength", "1 MPa"},
+        {"materials.rock.fracture_energy", "10"},
+        {"materials.rock.yield_stress_1", "1 MPa"},
+        {"materials.rock.strength_scatter", "{distribution: weibull, modulus: 9}"},
+        {"law.coupling", "quadratic"},
+        {"bonds", "{enabled: off, interaction_range: 0.2}"},
+        {"specimen.from_velocities", "rest"},
+        {"time", "{end: 1, step: 1e-9, safety: 0.5}"},
+        {"output", "{energy: off}\nrun: {residual_limit: 0.5}"},
+        {"output.burst_reach", "3"},
+        {"walls.floor.motion.vx", "1"},
+    };
+    gn_scene s = parsed(small);
+    assert_int_equal(s.notes.count, 0);
+    bool uniform = s.stiffness == GN_STIFFNESS_UNIFORM;
+    gn_scene_free(&s);
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        gneiss_error error = {0};
+        gn_override set = {keys[k][0], keys[k][1]};
+        if (strchr(keys[k][1], '\n') || (uniform && strstr(keys[k][0], "normal_stiffness")))
+            continue;
+        if (gn_scene_parse(small, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+            fail_msg("%s: %s", keys[k][0], error.message);
+        if (s.notes.count != 1 || !s.notes.idle[0])
+            fail_msg("%s: %zu notes, %s", keys[k][0], s.notes.count, s.notes.text[0]);
+        gn_scene_free(&s);
+    }
+}
+
 static void defaults_fill_what_is_left_out(void **state) {
     (void)state;
     gn_scene s = parsed(small);
@@ -585,6 +639,8 @@ int main(void) {
         cmocka_unit_test(what_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
+        cmocka_unit_test(keys_that_change_nothing_are_noted),
+        cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
         cmocka_unit_test(a_2d_scene_has_short_vectors),

@@ -155,6 +155,32 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, b->soa.count);
 }
 
+/* Whether every material says that its bonds soften in shear. */
+static bool softens_in_shear(const gn_scene *s) {
+    if (s->softening == GN_SOFTENING_RATIO) return true;
+    for (size_t k = 0; k < s->material_count; k++) {
+        const gn_material *m = &s->materials[k];
+        if (s->softening == GN_SOFTENING_ENERGY ? m->shear_fracture_energy == 0.0
+                                                : m->shear_fracture_strain == 0.0)
+            return false;
+    }
+    return true;
+}
+
+static void warn_of_shear(const gn_run *run, gn_warnings *list) {
+    const gn_contacts *b = &run->world.dem.bonds;
+    const gn_scene *s = &run->world.scene;
+    if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
+    size_t count = gn_softening_brittle_in_shear(b);
+    if (!count) return;
+    gn_warning *to = add(list, "bonds_brittle_in_shear");
+    snprintf(to->text, sizeof to->text,
+             "%zu of %zu bonds hold more elastic energy at their shear strength than they may "
+             "dissipate in shear, and break at once there: with shear_fracture_energy: auto they "
+             "soften in shear as in tension, with none they are brittle as said",
+             count, b->soa.count);
+}
+
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_mass_scaling *s = &w->dem.scaling;
@@ -403,6 +429,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     GN_TRY(gn_warn_of_readings(run, list, error));
     warn_of_skin(run, list);
     warn_of_softening(run, list);
+    warn_of_shear(run, list);
     warn_of_mass_scaling(run, list);
     warn_of_added_mass(run, list);
     warn_of_no_steps(run, list);

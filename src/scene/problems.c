@@ -112,6 +112,22 @@ void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from) {
         add_note(to, from->idle[k], from->key_at[k], from->text[k]);
 }
 
+static bool has_note(const gn_scene_notes *notes, const char *text) {
+    for (size_t k = 0; k < notes->count; k++)
+        if (strcmp(notes->text[k], text) == 0) return true;
+    return false;
+}
+
+void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
+    const gn_scene_notes before = *base;
+    base->count = 0;
+    for (size_t k = 0; k < before.count; k++)
+        if (!before.idle[k] || has_note(stage, before.text[k]))
+            add_note(base, before.idle[k], before.key_at[k], before.text[k]);
+    for (size_t k = 0; k < stage->count; k++)
+        if (!stage->idle[k]) add_note(base, false, stage->key_at[k], stage->text[k]);
+}
+
 gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
     return gn_problem_keep(reader->problems, status, reader->error);
 }

@@ -51,6 +51,8 @@ void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path
 
 /* Adds the notes of one scene to those of another that does not have them. */
 void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from);
+/* The same of a stage; a key that changes something in it is not idle. */
+void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage);
 
 /* Where a file of a scene is: `file` from `folder` on (NULL: as it stands, and it need not be
  * there), and in it `in_folder` (NULL: none), else a packing, if it is a folder. NULL and

@@ -152,7 +152,9 @@ typedef struct gn_material {
 } gn_material;
 
 /* Contacts between two materials that differ from what follows from both. */
-#define GN_COMBINED (-2.0) /* no value of its own */
+/* J/m2: a shear_fracture_energy that follows from fracture_energy, strengths and stiffnesses. */
+#define GN_SHEAR_ENERGY_AUTO (-1.0)
+#define GN_COMBINED          (-2.0) /* no value of its own */
 typedef struct gn_contact_def {
     size_t between_count;
     char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */

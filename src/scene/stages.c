@@ -427,7 +427,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         united |= gn_scene_effects(now);
         presses |= gn_scene_squeezes(now);
-        gn_notes_unite(&base->notes, &now->notes);
+        gn_notes_of_stage(&base->notes, &now->notes);
         gn_scene_free(before);
         *before = *now;
         memset(now, 0, sizeof *now);
