@@ -189,7 +189,7 @@ static void friction_without_a_tangential_spring_is_refused(void **state) {
     char message[256];
     snprintf(message, sizeof message, "s.yaml:9:15: materials[0].friction: %s", spring);
     refuses(variant("kratio: 2", "kratio: 0"), message);
-    snprintf(message, sizeof message, "s.yaml:20:42: contacts[0].friction: %s", spring);
+    snprintf(message, sizeof message, "s.yaml:20:49: contacts[0].friction: %s", spring);
     refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
     /* A pair may have a spring that the material does not have. */
     gn_override none = {"materials.rock.kratio", "0"};
