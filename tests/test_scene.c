@@ -236,6 +236,22 @@ static void keys_that_change_nothing_are_noted(void **state) {
     }
 }
 
+static void a_key_that_some_stage_reads_is_not_noted(void **state) {
+    (void)state;
+    static const char *const bonds[] = {"", "bonds: {enabled: on}, "};
+    for (int k = 0; k < 2; k++) {
+        char stages[128];
+        snprintf(stages, sizeof stages, "stages: [{name: a, end: {time: 1 ms}}, {%sname: b}]\n",
+                 bonds[k]);
+        const char *limits = "friction: 0.5\n    bond_tension_limit: 1\n    bond_shear_limit: 2";
+        char text[8704];
+        snprintf(text, sizeof text, "%s%s", variant("friction: 0.5", limits), stages);
+        gn_scene s = parsed(text);
+        assert_int_equal(s.notes.count, k ? 0 : 2);
+        gn_scene_free(&s);
+    }
+}
+
 static void defaults_fill_what_is_left_out(void **state) {
     (void)state;
     gn_scene s = parsed(small);
@@ -641,6 +657,7 @@ int main(void) {
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
         cmocka_unit_test(keys_that_change_nothing_are_noted),
         cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
+        cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
         cmocka_unit_test(a_2d_scene_has_short_vectors),
