@@ -250,6 +250,11 @@ class Maker:
             materials[0]["stiffness_scatter"] = {"distribution": "normal", "deviation": d.uniform(0.01, 0.3)}
         if d.chance(0.15):
             self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
+        for m in materials:
+            if not (m.get("kratio") or m.get("beta")):
+                m["friction"] = 0  # that no spring could carry, and that is refused
+                for contact in self.scene.get("contacts", []):
+                    contact["friction"] = 0
 
     def outputs(self, d):
         """What files have on request, with draws apart."""

@@ -1146,6 +1146,87 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
     assert readings(one)["confinement"] == 5e6
 
 
+def parted_beam(seed, **contact):
+    """A notched beam of discs that cracks where its halves meet, which alone are weak."""
+    strong = {"density": 2400, "contact_modulus": "20 GPa", "kratio": 2.5, "tensile_strength": "100 MPa", "shear_strength": "400 MPa",
+              "fracture_energy": 1e7}
+    mm = 1e-3
+    corners = [(0, 0), (88.5, 0), (88.5, 12), (91.5, 12), (91.5, 0), (180, 0), (180, 40), (0, 40)]
+
+    def box(*sides):
+        return {"box": {"min": [sides[0] * mm, sides[1] * mm], "max": [sides[2] * mm, sides[3] * mm]}}
+
+    return {
+        "dimension": 2,
+        "specimen": {"polygon": [[x * mm, y * mm] for x, y in corners], "particles": 500, "packing": {"size_ratio": 2}, "material": "left"},
+        "materials": [{"name": "left", **strong}, {"name": "right", **strong}],
+        "contacts": [{"between": ["left", "right"], "tensile_strength": "5 MPa", "shear_strength": "20 MPa", "fracture_energy": 80, **contact}],
+        "law": {"stiffness": "harmonic", "softening": "energy"}, "bonds": {"interaction_range": 0.05},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.2}},
+        "sets": [{"name": "half", "select": box(90, -1, 181, 41), "material": "right"},
+                 {"name": "left_end", "select": box(7, 0, 13, 4), "motion": {"vx": 0, "vy": 0}},
+                 {"name": "right_end", "select": box(167, 0, 173, 4), "motion": {"vy": 0}},
+                 {"name": "load", "select": box(87, 36, 93, 40), "motion": {"vy": [[0, 0], [2e-3, -20e-3]]}}],
+        "test": {"kind": "bending", "axis": "y", "lower": ["left_end", "right_end"], "upper": "load", "span": 0.16, "height": 0.04, "notch": 12e-3},
+        "time": {"end": 40e-3, "stop": {"peak_drop": 0.98}}, "output": {"snapshots": 0, "history_rows": 500}, "run": {"seed": seed}}
+
+
+def taken_by_a_crack(folder, scene):
+    """What was dissipated over 80 J/m2 and the bond area between the halves that broke."""
+    out = os.path.join(folder, "out")
+    done = expect(gneiss("run", write_scene(folder, scene), "--out", out, "--force", "--quiet"), 0)
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        i, j, state = (np.asarray(file[f"bonds/{name}"][:]).ravel().astype(int) for name in ("i", "j", "state"))
+        radius = file["particles/radius"][:].ravel()
+        right = (file["particles/position"][:] - file["particles/displacement"][:])[:, 0] > 90e-3
+        lost = sum(float(np.ravel(file[f"energy/{name}"][:])[0]) for name in ("damage", "bond_breaking"))
+    broken = (right[i] != right[j]) & ((state == 1) | (state == 2))
+    area = 4 * radius[i] * radius[j] / (radius[i] + radius[j])  # two harmonic radii times 1 m
+    return lost / (80 * area[broken].sum()), done
+
+
+@fact
+def a_notched_beam_takes_the_fracture_energy_that_is_given_alone(folder):
+    taken = [taken_by_a_crack(folder, parted_beam(seed))[0] for seed in (1, 2, 3)]
+    assert abs(np.mean(taken) - 1) < 0.05, taken
+    # Without an energy in shear bonds that open and slip end before they have opened.
+    brittle = parted_beam(1)
+    for material in brittle["materials"]:
+        material["shear_fracture_energy"] = "none"
+    assert taken_by_a_crack(folder, brittle)[0] < 0.5
+
+
+@fact
+def a_shear_energy_that_is_too_small_to_soften_is_warned_of(folder):
+    scene = parted_beam(1, shear_fracture_energy=20)
+    assert "bonds_brittle_in_shear" in taken_by_a_crack(folder, scene)[1].stderr
+
+
+@fact
+def a_sweep_fits_every_material_by_itself(folder):
+    given = several("0.1 MPa", "5 MPa", 2e7)
+    del given["test"]["confinement"]
+    write_scene(folder, given)
+    sweep, out = os.path.join(folder, "sweep.yaml"), os.path.join(folder, "out")
+    with open(sweep, "w") as file:
+        file.write("scene: scene.yaml\nparameters: {materials.0.bond_friction: [0, 1], membrane.pressure: [0.1 MPa, 5 MPa, 20 MPa]}\n")
+    done = expect(gneiss("sweep", sweep, "--out", out, "--quiet"), 0)
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        s3, s1 = file["readings/confinement"][:].ravel(), file["readings/axial_strength"][:].ravel()
+        angles, of = file["envelope/friction_angle"][:].ravel(), file["envelope/of"][()].decode().split("\n")
+        assert list(file["runs/envelope"][:].ravel()) == [0, 0, 0, 1, 1, 1]
+    assert of == ["materials.0.bond_friction = 0", "materials.0.bond_friction = 1"], of
+    for k, angle in enumerate(angles):
+        slope = np.polyfit(s3[3 * k:3 * k + 3], s1[3 * k:3 * k + 3], 1)[0]
+        assert abs(angle - np.degrees(np.arcsin((slope - 1) / (slope + 1)))) < 1e-9 * angle, (k, angle)
+        assert f"strength over confinement, {of[k]}" in done.stdout and f"{angle:.4g}" in done.stdout, done.stdout
+    assert angles[1] > angles[0], angles
+    expect(gneiss("report", out), 0)
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
+        page = file.read()
+    assert "Strength envelopes" in page and page.count("bond_friction = 1") >= 4
+
+
 @fact
 def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
     path = write_scene(folder, several("-1 MPa", "5 MPa", "9 MPa"))

@@ -114,13 +114,30 @@ def curves_of_an_envelope_are_those_of_its_readings(folder):
                                   ("hoek_brown_strength", 100e6, "Pa")):
             file.create_dataset(f"envelope/{name}", data=[value]).attrs["unit"] = unit
             file.create_dataset(f"none/{name}", data=[np.nan]).attrs["absent"] = "too few"
-        coulomb, hoek = report_envelope.curves(report_envelope.read(file["envelope"]))
-        none = report_envelope.read(file["none"])
+        (label, found), = report_envelope.read(file["envelope"])
+        coulomb, hoek = report_envelope.curves(found)
+        (_, none), = report_envelope.read(file["none"])
+    assert label == ""
     k = (1 + np.sin(np.radians(35))) / (1 - np.sin(np.radians(35)))
     assert abs(coulomb(5e6) / (2 * 12e6 * np.sqrt(k) + k * 5e6) - 1) < 1e-12
     assert abs(hoek(5e6) / (5e6 + 100e6 * np.sqrt(15 * 0.05 + 1)) - 1) < 1e-12
     assert report_envelope.curves(none) == (None, None)
-    assert report_envelope.rows_of(none)[0] == ("friction angle", "–", "too few")
+    assert report_envelope.rows_of("", none)[0] == ("", "friction angle", "–", "too few")
+
+
+def each_of_several_envelopes_has_its_rows_and_its_reason(folder):
+    path = os.path.join(folder, "sweep.h5")
+    with h5py.File(path, "w") as file:
+        for name in report_envelope.TEXTS:
+            data = file.create_dataset(f"envelope/{name}", data=[[30.0], [np.nan]])
+            data.attrs["unit"], data.attrs["absent"] = "1", "\nthe line falls"
+        file["envelope/of"] = "friction = 0.1\nfriction = 0.5"
+        first, second = report_envelope.read(file["envelope"])
+    assert first[0] == "friction = 0.1" and first[1]["hoek_brown_mi"] == (30.0, "1"), first
+    assert second[0] == "friction = 0.5" and second[1]["hoek_brown_mi"] == (None, "the line falls"), second
+    caption = report_envelope.plot([1, 2, 3, 1, 2], [5, 7, 9, 2, 1], [0, 0, 0, 1, -1], [first, second], os.path.join(folder, "a.png"))
+    assert "a colour for each combination" in caption
+    check_png(os.path.join(folder, "a.png"))
 
 
 def stages_are_those_of_the_history(folder):
@@ -690,7 +707,7 @@ def main():
         parameters_have_units_and_few_digits_and_no_idle_keys,
         panes_of_walls_are_before_the_specimen, a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
         a_damaged_chunk_is_refused, stages_are_those_of_the_history, names_of_stages_and_legends_do_not_lie_over_each_other, curves_of_a_test_are_those_of_the_last_stage,
-        curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
+        curves_of_an_envelope_are_those_of_its_readings, each_of_several_envelopes_has_its_rows_and_its_reason, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         gravity_or_z_is_up_unless_a_specimen_stands, a_bed_is_seen_from_above_and_what_moves_by_its_speed, colours_are_those_of_quantiles,
         links_lead_below_the_page, bodies_are_cut_where_the_slice_is, of_bodies_the_folds_are_drawn, walls_are_where_they_have_come_to,

@@ -75,7 +75,13 @@ static void units_turn_into_si(void **state) {
                  {"2 kg m s-2", "N", 2},
                  {"2 kg*m/s^2", "N", 2},
                  {"2 m³/m2", "m", 2},
-                 {"1.5 µm", "m", 1.5e-6}};
+                 {"1.5 µm", "m", 1.5e-6},
+                 {"20", GN_PLAIN_NUMBER, 20},
+                 {"600 1/min", GN_EVENT_RATE, 10},
+                 {"2 kHz", GN_EVENT_RATE, 2000},
+                 {"5 %/s", "1/s", 0.05},
+                 {"90 deg", "rad", 1.57079632679489662},
+                 {"1 cps", "rad/s", 6.28318530717958648}};
     gn_units *units = gn_units_new();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         double value;
@@ -89,18 +95,49 @@ static void units_turn_into_si(void **state) {
 
 static void what_is_no_quantity_is_refused(void **state) {
     (void)state;
-    static const char *const cases[][2] = {{"23 kg", "m"},       {"", "m"},
-                                           {"mm", "m"},          {"nan", "m"},
-                                           {".inf", "m"},        {"1e999", "m"},
-                                           {"0x10", "m"},        {"1 2 mm", "m"},
-                                           {"5 %", "m"},         {"5 mm", "1"},
-                                           {"5 deg", "1"},       {"3 Hz", "rad/s"},
-                                           {"3 Hz", "s"},        {"5 degC", "m"},
-                                           {"1,5 mm", "m"},      {"5 frob", "m"},
-                                           {"1e308 Gm", "m"},    {"3 m since 2000-01-01", "m"},
-                                           {"--3", "m"},         {"3 m^", "m"},
-                                           {"3 m2/", "m"},       {"3 /m", "m"},
-                                           {"3 m after s", "m"}, {"3 mm mm", "m"}};
+    static const char *const cases[][2] = {{"23 kg", "m"},
+                                           {"", "m"},
+                                           {"mm", "m"},
+                                           {"nan", "m"},
+                                           {".inf", "m"},
+                                           {"1e999", "m"},
+                                           {"0x10", "m"},
+                                           {"1 2 mm", "m"},
+                                           {"5 %", "m"},
+                                           {"5 mm", "1"},
+                                           {"5 deg", "1"},
+                                           {"3 Hz", "rad/s"},
+                                           {"3 Hz", "s"},
+                                           {"5 degC", "m"},
+                                           {"1,5 mm", "m"},
+                                           {"5 frob", "m"},
+                                           {"1e308 Gm", "m"},
+                                           {"3 m since 2000-01-01", "m"},
+                                           {"--3", "m"},
+                                           {"3 m^", "m"},
+                                           {"3 m2/", "m"},
+                                           {"3 /m", "m"},
+                                           {"3 m after s", "m"},
+                                           {"3 mm mm", "m"},
+                                           {"3 hertz", "rad/s"},
+                                           {"3 1/s", "rad/s"},
+                                           {"3 kBq", "rad/s"},
+                                           {"0.5 m/m", "rad"},
+                                           {"50 ppm", "rad"},
+                                           {"2 sr", "rad"},
+                                           {"600 rpm", "1/s"},
+                                           {"3 rad/s", "1/s"},
+                                           {"3 Hz", "1/s"},
+                                           {"3 kHz", "1/s"},
+                                           {"3 becquerel", "1/s"},
+                                           {"2 m rad", "m"},
+                                           {"2 m/deg", "m"},
+                                           {"2 N/rad", "N"},
+                                           {"600 rpm", GN_EVENT_RATE},
+                                           {"10 cps", GN_EVENT_RATE},
+                                           {"10 %/s", GN_EVENT_RATE},
+                                           {"10 percent/s", GN_EVENT_RATE},
+                                           {"50 %", GN_PLAIN_NUMBER}};
     gn_units *units = gn_units_new();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         double value;
@@ -109,6 +146,110 @@ static void what_is_no_quantity_is_refused(void **state) {
             fail_msg("'%s' as %s gave %g", cases[k][0], cases[k][1], value);
     }
     gn_units_free(units);
+}
+
+static void a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope(void **state) {
+    (void)state;
+    static const char *const refused[] = {"0.5 m/m", "500 ppm", "2 sr", "90 deg", "0.5 rad/m"};
+    gn_units *units = gn_units_new();
+    double value;
+    char reason[96];
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        if (gn_units_read_slope(units, refused[k], &value, reason, sizeof reason))
+            fail_msg("'%s' gave %g", refused[k], value);
+    assert_true(gn_units_read_slope(units, "45 deg", &value, reason, sizeof reason));
+    assert_close(value, 1.0, 1e-15);
+    assert_true(gn_units_read_slope(units, "50 %", &value, reason, sizeof reason));
+    assert_close(value, 0.5, 1e-15);
+    gn_units_free(units);
+}
+
+static void a_short_ton_is_noted_and_a_tonne_is_not(void **state) {
+    (void)state;
+    gn_scene s = parsed(variant("2650 kg/m3", "2.65 ton/m3"));
+    assert_close(s.materials[0].density, 2.65 * 907.18474, 1e-12);
+    assert_int_equal(s.notes.count, 1);
+    assert_non_null(strstr(s.notes.text[0], "materials[0].density: ton is the short ton of"));
+    gn_scene_free(&s);
+    s = parsed(variant("2650 kg/m3", "2.65 t/m3"));
+    assert_close(s.materials[0].density, 2650, 1e-12);
+    assert_int_equal(s.notes.count, 0);
+    gn_scene_free(&s);
+    assert_null(gn_unit_note("3 tonne"));
+    assert_null(gn_unit_note("3 metric_ton"));
+    assert_non_null(gn_unit_note("3 kton"));
+    assert_non_null(gn_unit_note("3e2 kN tons"));
+    assert_non_null(gn_unit_note("3 ton_force"));
+}
+
+static void friction_without_a_tangential_spring_is_refused(void **state) {
+    (void)state;
+    static const char spring[] = "expected kratio above 0 beside it, found 0: without a tangential "
+                                 "spring contacts have no friction";
+    char message[256];
+    snprintf(message, sizeof message, "s.yaml:9:15: materials[0].friction: %s", spring);
+    refuses(variant("kratio: 2", "kratio: 0"), message);
+    snprintf(message, sizeof message, "s.yaml:20:49: contacts[0].friction: %s", spring);
+    refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
+    /* A pair may have a spring that the material does not have. */
+    gn_override none = {"materials.rock.kratio", "0"};
+    gn_scene s;
+    gneiss_error error = {0};
+    const char *pair = with("contacts: [{between: rock, kratio: 3}]\n");
+    assert_int_equal(gn_scene_parse(pair, "s.yaml", NULL, &none, 1, &s, &error), GNEISS_OK);
+    gn_scene_free(&s);
+}
+
+/* A scene with one more key in its material or behind its end has exactly one note, about it. */
+static void keys_that_change_nothing_are_noted(void **state) {
+    (void)state;
+    static const char *const keys[][2] = {
+        {"materials.rock.young", "1 GPa"},
+        {"materials.rock.normal_stiffness", "1e6"},
+        {"materials.rock.beta", "2"},
+        {"materials.rock.tensile_strength", "1 MPa"},
+        {"materials.rock.fracture_energy", "10"},
+        {"materials.rock.yield_stress_1", "1 MPa"},
+        {"materials.rock.strength_scatter", "{distribution: weibull, modulus: 9}"},
+        {"law.coupling", "quadratic"},
+        {"bonds", "{enabled: off, interaction_range: 0.2}"},
+        {"specimen.from_velocities", "rest"},
+        {"time", "{end: 1, step: 1e-9, safety: 0.5}"},
+        {"output", "{energy: off}\nrun: {residual_limit: 0.5}"},
+        {"output.burst_reach", "3"},
+        {"walls.floor.motion.vx", "1"},
+    };
+    gn_scene s = parsed(small);
+    assert_int_equal(s.notes.count, 0);
+    bool uniform = s.stiffness == GN_STIFFNESS_UNIFORM;
+    gn_scene_free(&s);
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        gneiss_error error = {0};
+        gn_override set = {keys[k][0], keys[k][1]};
+        if (strchr(keys[k][1], '\n') || (uniform && strstr(keys[k][0], "normal_stiffness")))
+            continue;
+        if (gn_scene_parse(small, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+            fail_msg("%s: %s", keys[k][0], error.message);
+        if (s.notes.count != 1 || !s.notes.idle[0])
+            fail_msg("%s: %zu notes, %s", keys[k][0], s.notes.count, s.notes.text[0]);
+        gn_scene_free(&s);
+    }
+}
+
+static void a_key_that_some_stage_reads_is_not_noted(void **state) {
+    (void)state;
+    static const char *const bonds[] = {"", "bonds: {enabled: on}, "};
+    for (int k = 0; k < 2; k++) {
+        char stages[128];
+        snprintf(stages, sizeof stages, "stages: [{name: a, end: {time: 1 ms}}, {%sname: b}]\n",
+                 bonds[k]);
+        const char *limits = "friction: 0.5\n    bond_tension_limit: 1\n    bond_shear_limit: 2";
+        char text[8704];
+        snprintf(text, sizeof text, "%s%s", variant("friction: 0.5", limits), stages);
+        gn_scene s = parsed(text);
+        assert_int_equal(s.notes.count, k ? 0 : 2);
+        gn_scene_free(&s);
+    }
 }
 
 static void defaults_fill_what_is_left_out(void **state) {
@@ -512,6 +653,11 @@ int main(void) {
         cmocka_unit_test(the_rock_scene_reads_as_written),
         cmocka_unit_test(units_turn_into_si),
         cmocka_unit_test(what_is_no_quantity_is_refused),
+        cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
+        cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
+        cmocka_unit_test(keys_that_change_nothing_are_noted),
+        cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
+        cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
         cmocka_unit_test(a_2d_scene_has_short_vectors),

@@ -217,7 +217,8 @@ static void effects_are_what_the_scene_calls_for(void **state) {
     gn_effects base = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_WALLS | GN_FX_ENERGY;
     assert_int_equal(effects_of(parsed(small)), base | GN_FX_SHEAR | GN_FX_FRICTION);
     assert_int_equal(effects_of(parsed(variant("friction: 0.5", "friction: 0"))), base);
-    assert_int_equal(effects_of(parsed(variant("kratio: 2", "kratio: 0"))), base);
+    assert_int_equal(effects_of(parsed(variant("kratio: 2\n    friction: 0.5", "kratio: 0"))),
+                     base);
     assert_int_equal(effects_of(parsed(with("output: {energy: off, orientation: on}\n"))),
                      (base & ~(gn_effects)GN_FX_ENERGY) | GN_FX_SHEAR | GN_FX_FRICTION |
                          GN_FX_ORIENTATION);

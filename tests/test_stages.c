@@ -713,8 +713,12 @@ static void time_end_says_which_stage_was_not_over(void **state) {
     gn_warnings warnings;
     gneiss_error error = {0};
     assert_int_equal(gn_run_warnings(run, &warnings, &error), GNEISS_OK);
-    assert_int_equal(warnings.count, 1);
+    assert_int_equal(warnings.count, 2);
     assert_string_equal(warnings.warning[0].name, "stages_left");
+    assert_string_equal(warnings.warning[1].name, "key_without_effect");
+    assert_string_equal(warnings.warning[1].text,
+                        "walls[2].kratio: it changes nothing here: the wall has no friction; "
+                        "walls[3].kratio: it changes nothing here: the wall has no friction");
     run_end(run);
 }
 

@@ -800,6 +800,26 @@ def several_slips_are_told_at_once(folder):
 
 
 @fact
+def units_of_another_kind_are_refused_as_in_a_scene(folder):
+    def refused(key, values, message):
+        expect(gneiss("sweep", sweep_file(folder, parameters={key: values}, **({"sampling": {"method": "latin", "count": 3}}
+                                          if "mean" in values else {})), "--dry-run"), 2, message)
+
+    slope = "expected a coefficient such as '0.5' or an angle of friction such as '30 deg', found '0.5 m/m'"
+    refused("materials.block.friction", [0.5, "0.5 m/m"], slope)
+    refused("materials.block.friction", {"from": 0.1, "to": "0.5 m/m", "count": 3}, slope)
+    refused("materials.block.friction", {"mean": "30 deg", "deviation": "5 deg"}, "deviation: expected a number")
+    refused("walls.top.motion.vz", ["-1 m/s", "-1 m rad/s"], r"an angle is in it")
+    for command in ("check", "plan"):
+        expect(gneiss(command, LATTICE, "--set", "materials.block.friction=0.5 m/m"), 2, slope)
+        done = gneiss(command, LATTICE, "--set", "materials.block.density=2.5 ton/m3")
+        assert "note: --set materials.block.density: materials[0].density: ton is the short ton" in done.stderr, done.stderr
+    done = expect(gneiss("sweep", sweep_file(folder, parameters={"materials.block.density": {"from": "1 ton/m3", "to": "2 t/m3", "count": 2}}),
+                         "--dry-run"), 0)
+    assert "parameters.materials.block.density.from: ton is the short ton" in done.stderr, done.stderr
+
+
+@fact
 def files_that_are_not_there_or_no_sweeps_are_told(folder):
     expect(gneiss("sweep", os.path.join(folder, "none.yaml")), 2, "none.yaml: cannot open the sweep")
     expect(gneiss("sweep", folder), 2)

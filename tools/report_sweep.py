@@ -65,6 +65,7 @@ class Sweep:
                            for name, group in file.get("statistics", {}).items()}
         runs = file["runs"]
         self.combination = np.asarray(runs["combination"][()], int)
+        self.envelope_of_run = np.asarray(runs["envelope"][()], int).reshape(-1) if "envelope" in runs else None
         self.seed = np.asarray(runs["seed"][()])
         self.status = np.asarray(runs["status"][()], int)
         self.seconds, self.steps = np.asarray(runs["seconds"][()], float), np.asarray(runs["steps"][()], int)
@@ -295,11 +296,14 @@ def envelope_part(sweep, folder):
     """Friction angle, cohesion, m_i, with their picture; "" without."""
     if sweep.envelope is None:
         return ""
-    found, both = sweep.envelope, strengths(sweep)
-    coulomb, hoek = report_envelope.curves(found)
-    captions = draw({"sweep_envelope": lambda path: report_envelope.plot(*both, coulomb, hoek, path)}, folder)
-    rows = table(report_envelope.rows_of(found), ("of the envelope", "value", "absent because"))
-    return f"<h2>Strength envelope</h2>{embedded(folder, 'sweep_envelope', captions['sweep_envelope'])}{rows}"
+    envelopes, both = sweep.envelope, strengths(sweep)
+    place = sweep.envelope_of_run if sweep.envelope_of_run is not None else np.zeros(len(both[0]))
+    captions = draw({"sweep_envelope": lambda path: report_envelope.plot(*both, place, envelopes, path)}, folder)
+    several = len(envelopes) > 1
+    rows = [row if several else row[1:] for label, found in envelopes for row in report_envelope.rows_of(label, found)]
+    head = ("of the runs with", "of the envelope", "value", "absent because")
+    return (f"<h2>Strength envelope{'s' if several else ''}</h2>{embedded(folder, 'sweep_envelope', captions['sweep_envelope'])}"
+            f"{table(rows, head if several else head[1:])}")
 
 
 # --- the page ------------------------------------------------------------------------------------------

@@ -119,7 +119,10 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, *scene, error);
     (*scene)->allow_gmsh = o->allow_gmsh;
-    if (status == GNEISS_OK) return GNEISS_OK;
+    if (status == GNEISS_OK) {
+        gn_print_notes(&(*scene)->notes);
+        return GNEISS_OK;
+    }
     free(*scene);
     *scene = NULL;
     return status;

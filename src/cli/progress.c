@@ -330,6 +330,10 @@ gneiss_status gn_print_warnings(const gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+void gn_print_notes(const gn_scene_notes *notes) {
+    for (size_t k = 0; k < notes->count; k++) fprintf(stderr, "gneiss: note: %s\n", notes->text[k]);
+}
+
 /* What came in and went out. */
 static void print_flow(const gn_run *run) {
     const gn_world *w = &run->world;

@@ -28,6 +28,9 @@ gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gne
 /* On standard error, also when quiet. */
 gneiss_status gn_print_warnings(const gn_run *run, gneiss_error *error);
 
+/* What a scene may not mean as it says it; on standard error, also when quiet. */
+void gn_print_notes(const gn_scene_notes *notes);
+
 /* "2 h 03 min", "12.4 s" into text. */
 const char *gn_format_seconds(double seconds, char *text, size_t size);
 

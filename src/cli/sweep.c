@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/timer.h"
 #include "cli/plan.h"
+#include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep_show.h"
 #include "io/files.h"
@@ -281,6 +282,7 @@ static gneiss_status command(const gn_options *o, bool alone, bool *wanted, gnei
     bool told = status == GNEISS_ERROR_MEMORY || !alone || o->seeds || *wanted;
     if (status != GNEISS_OK && !told) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {
+        gn_print_notes(&s->notes);
         status = sweep_into(o, s, way, error);
         gn_sweep_free(s);
     }

@@ -195,30 +195,48 @@ static void print_envelope_reading(const char *name, const char *unit, double va
     printf("  %-26s %10.4g%s%s\n", name, value / factor, *shown ? " " : "", shown);
 }
 
-/* What all confinements say together. */
-static void print_envelope(const gn_summary *m) {
-    const gn_envelope e = gn_envelope_of(m);
-    if (!e.there) return;
-    printf("strength over confinement, all runs\n");
-    const char *reason = e.no_coulomb;
+static void print_fit(const gn_envelope *e) {
+    const char *reason = e->no_coulomb;
 #define X(name, unit, text)                                                                        \
-    if (strncmp(#name, "hoek", 4) == 0) reason = e.no_hoek_brown;                                  \
-    print_envelope_reading(#name, unit, e.name, reason);
+    if (strncmp(#name, "hoek", 4) == 0) reason = e->no_hoek_brown;                                 \
+    print_envelope_reading(#name, unit, e->name, reason);
     GN_ENVELOPE_READINGS(X)
 #undef X
 }
 
-static void json_envelope(gn_json *j, const gn_summary *m) {
-    const gn_envelope e = gn_envelope_of(m);
-    if (!e.there) return;
-    gn_json_object(j, "envelope");
-#define X(name, unit, text) gn_json_number(j, #name, e.name);
-    GN_ENVELOPE_READINGS(X)
+enum { SHOWN_ENVELOPES = 12 };
+
+/* The line over confinements, of each combination of the other parameters. */
+static void print_envelopes(const gn_summary *m, const gn_envelopes *e) {
+    char label[LABEL];
+    if (e->confined && !e->count)
+        printf("strength over confinement: no envelope, since no runs differ in their confinement "
+               "alone\n");
+    for (size_t k = 0; k < e->count && k < SHOWN_ENVELOPES; k++) {
+        gn_envelope_label(m, e, k, label, sizeof label);
+        printf("strength over confinement, %s\n", *label ? label : "all runs");
+        print_fit(&e->of[k]);
+    }
+    if (e->count > SHOWN_ENVELOPES)
+        printf("and %zu more envelopes: see sweep.h5\n", e->count - SHOWN_ENVELOPES);
+}
+
+static void json_envelopes(gn_json *j, const gn_summary *m, const gn_envelopes *e) {
+    char label[LABEL];
+    if (!e->count) return;
+    gn_json_array(j, "envelopes");
+    for (size_t k = 0; k < e->count; k++) {
+        gn_json_object(j, NULL);
+        gn_json_text(j, "of", gn_envelope_label(m, e, k, label, sizeof label));
+#define X(name, unit, text) gn_json_number(j, #name, e->of[k].name);
+        GN_ENVELOPE_READINGS(X)
 #undef X
+        gn_json_end(j);
+    }
     gn_json_end(j);
 }
 
-static void json_summary(const gn_summary *m) {
+static void json_summary(const gn_summary *m, const gn_envelopes *e) {
     gn_json *j = gn_json_begin();
     gn_json_text(j, "sweep", "summary");
     gn_json_text(j, "directory", m->directory);
@@ -241,7 +259,7 @@ static void json_summary(const gn_summary *m) {
         gn_json_end(j);
     }
     gn_json_end(j);
-    json_envelope(j, m);
+    json_envelopes(j, m, e);
     print_json(j);
 }
 
@@ -267,25 +285,33 @@ static void warn_of_absent(const gn_summary *m) {
     }
 }
 
-void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
+static void print_summary(const gn_options *o, const gn_summary *summary,
+                          const gn_envelopes *envelopes) {
     enum { SHOWN = 10 };
-    if (summary->several_builds)
-        fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
-                        "--force computes them again\n");
-    warn_of_absent(summary);
-    if (o->json) {
-        json_summary(summary);
-        return;
-    }
     for (size_t c = 0; c < summary->sweep->combination_count && c < SHOWN; c++)
         print_combination(summary, c);
     if (summary->sweep->combination_count > SHOWN)
         printf("and %zu more combinations\n", summary->sweep->combination_count - SHOWN);
-    print_envelope(summary);
+    print_envelopes(summary, envelopes);
     print_failed(summary);
     if (o->quiet) return;
     printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
            summary->directory, summary->directory);
+}
+
+void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
+    if (summary->several_builds)
+        fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
+                        "--force computes them again\n");
+    warn_of_absent(summary);
+    gn_envelopes envelopes;
+    if (gn_envelopes_make(summary, &envelopes, NULL) != GNEISS_OK)
+        fprintf(stderr, "gneiss: warning: no memory for the envelopes of strength\n");
+    if (o->json)
+        json_summary(summary, &envelopes);
+    else
+        print_summary(o, summary, &envelopes);
+    gn_envelopes_free(&envelopes);
 }
 
 /* ---- --dry-run ---- */

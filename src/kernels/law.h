@@ -258,6 +258,8 @@ gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c);
 /* How many bonds were to soften in tension and are too long for it: their spring holds more energy
  * than they may dissipate, so that they break at once. */
 size_t gn_softening_too_long(const gn_contacts *list);
+/* Of those that soften in tension, how many break at once in shear. */
+size_t gn_softening_brittle_in_shear(const gn_contacts *list);
 
 /* The law of a list, by its effects; by those of a scene that of its bonds. */
 static inline const gn_law *gn_law_of(gn_effects effects) {

@@ -23,6 +23,34 @@ static double end_of(const gn_law_model *m, double area, double strength, double
     return 0.0;
 }
 
+/* Where shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
+ * crack open and slip at once, and with this much those of a notched beam dissipate their fracture
+ * energy (docs/physics.md). */
+#define SHEAR_SHARE 2.0
+/* But it is not less than the elastic energy at the strength and this part of what is dissipated
+ * beyond that in tension, so that a bond which softens in tension softens in shear. */
+#define LEAST_SHARE 0.5
+
+typedef struct ends {
+    double first;         /* share of the energies under the first line */
+    double end, pulled;   /* m, of opening: where a single line ends, the elastic limit */
+    double pull, shear;   /* N, strengths */
+    double sheared, area; /* m, the elastic limit in shear; m2 */
+} ends;
+
+/* m, of slip, where a single line ends. */
+static double slip_of(const gn_law_model *m, const gn_material *a, const ends *e) {
+    const bool by_energy = m->scene->softening == GN_SOFTENING_ENERGY;
+    if (by_energy && a->shear_fracture_energy == GN_SHEAR_ENERGY_AUTO) {
+        const double beyond = e->first * e->end - e->pulled, weight = e->pull / e->shear;
+        if (!(beyond > 0.0)) return 0.0;
+        return fmax(SHEAR_SHARE * weight * e->end,
+                    (e->sheared + LEAST_SHARE * weight * beyond) / e->first);
+    }
+    return end_of(m, e->area, e->shear, e->sheared, a->shear_fracture_energy,
+                  a->shear_fracture_strain * sqrt(e->area), a->fracture_ratio);
+}
+
 /* The second line, from the share `kink` of the strengths. The first one, down to an opening that
  * holds a part of the fracture energy, is there already; `all` and `all_slip`, m, are where a
  * single line would end that holds all of it. From the kink at the opening w_k (of which the
@@ -53,12 +81,13 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
     double end = end_of(m, area, rn, pulled,
                         GN_OWN(q, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
                         fmin(a->fracture_strain, b->fracture_strain) * list->length0[c], ratio);
-    double slip = end_of(
-        m, area, rt, sheared,
-        GN_OWN(q, shear_fracture_energy, fmin(a->shear_fracture_energy, b->shear_fracture_energy)),
-        fmin(a->shear_fracture_strain, b->shear_fracture_strain) * sqrt(area), ratio);
-    const double all = end, all_slip = slip;
     const bool bilinear = m->scene->softening_curve == GN_SOFTENING_BILINEAR;
+    const ends known = {
+        bilinear ? m->scene->initial_energy : 1.0, end, pulled, rn, rt, sheared, area};
+    double slip = fmin(slip_of(m, a, &known), slip_of(m, b, &known));
+    const double own = GN_OWN(q, shear_fracture_energy, GN_COMBINED);
+    if (own != GN_COMBINED) slip = end_of(m, area, rt, sheared, own, 0.0, ratio);
+    const double all = end, all_slip = slip;
     if (bilinear) end *= m->scene->initial_energy, slip *= m->scene->initial_energy;
     bool softens = end > pulled;
     list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
@@ -159,6 +188,15 @@ size_t gn_softening_too_long(const gn_contacts *list) {
     for (size_t c = 0; list->fade && c < list->soa.count; c++)
         count += list->cause[c] != GN_BOND_NEVER &&
                  !(list->fade[c + GN_FADE_END * list->soa.capacity] > 0.0);
+    return count;
+}
+
+size_t gn_softening_brittle_in_shear(const gn_contacts *list) {
+    const size_t stride = list->soa.capacity;
+    size_t count = 0;
+    for (size_t c = 0; list->fade && c < list->soa.count; c++)
+        count += list->fade[c + GN_FADE_END * stride] > 0.0 &&
+                 !(list->fade[c + GN_FADE_SLIP * stride] > 0.0);
     return count;
 }
 

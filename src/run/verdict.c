@@ -155,6 +155,32 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, (long long)run->world.dem.bonds_at_start);
 }
 
+/* Whether every material says that its bonds soften in shear. */
+static bool softens_in_shear(const gn_scene *s) {
+    if (s->softening == GN_SOFTENING_RATIO) return true;
+    for (size_t k = 0; k < s->material_count; k++) {
+        const gn_material *m = &s->materials[k];
+        if (s->softening == GN_SOFTENING_ENERGY ? m->shear_fracture_energy == 0.0
+                                                : m->shear_fracture_strain == 0.0)
+            return false;
+    }
+    return true;
+}
+
+static void warn_of_shear(const gn_run *run, gn_warnings *list) {
+    const gn_contacts *b = &run->world.dem.bonds;
+    const gn_scene *s = &run->world.scene;
+    if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
+    size_t count = gn_softening_brittle_in_shear(b);
+    if (!count) return;
+    gn_warning *to = add(list, "bonds_brittle_in_shear");
+    snprintf(to->text, sizeof to->text,
+             "%zu of %lld bonds hold more elastic energy at their shear strength than they may "
+             "dissipate in shear, and break at once there: with shear_fracture_energy: auto they "
+             "soften in shear as in tension, with none they are brittle as said",
+             count, (long long)run->world.dem.bonds_at_start);
+}
+
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_mass_scaling *s = &w->dem.scaling;
@@ -168,6 +194,21 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
 }
 
 /* An automatic step is known only once there is a specimen; a given one has to be below the end. */
+/* Keys that change nothing, as the reader of the scene found them. */
+static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
+    const gn_scene_notes *notes = &run->world.given.notes;
+    size_t used = 0;
+    gn_warning *to = NULL;
+    for (size_t k = 0; k < notes->count; k++) {
+        if (!notes->idle[k]) continue;
+        if (!to) to = add(list, "key_without_effect");
+        int more = snprintf(to->text + used, sizeof to->text - used, "%s%s", used ? "; " : "",
+                            notes->text[k] + notes->key_at[k]);
+        used += (size_t)more;
+        if (used >= sizeof to->text) return;
+    }
+}
+
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;
@@ -436,6 +477,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     GN_TRY(gn_warn_of_readings(run, list, error));
     warn_of_skin(run, list);
     warn_of_softening(run, list);
+    warn_of_shear(run, list);
     warn_of_mass_scaling(run, list);
     warn_of_added_mass(run, list);
     warn_of_no_steps(run, list);
@@ -454,5 +496,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_normal(run, list);
     warn_of_sources(run, list);
     warn_of_sinks(run, list);
+    warn_of_idle_keys(run, list);
     return gn_warn_of_coupling(run, list, error);
 }

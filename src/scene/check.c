@@ -311,6 +311,7 @@ static gneiss_status check_law_values(const check *c, const gn_scene *s, const g
                              "have damping.contact.restitution)");
     if (!area) GN_TRY(gn_check_need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
     GN_TRY(check_rolls(c, m, area));
+    GN_TRY(gn_check_grip(c, s, m));
     if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(gn_check_need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
@@ -605,6 +606,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
         GN_TRY(gn_check_keep(&c, gn_check_test(&c, s)));
     if (gn_check_sound(&c, "output")) GN_TRY(gn_check_keep(&c, gn_check_output(&c, s)));
-    if (!gn_check_sound(&c, "time")) return GNEISS_OK;
-    return gn_check_time(&c, s);
+    if (gn_check_sound(&c, "time")) GN_TRY(gn_check_time(&c, s));
+    if (!reader->problems->count) gn_note_idle_keys(reader, root);
+    return GNEISS_OK;
 }

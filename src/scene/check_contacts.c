@@ -54,6 +54,56 @@ static const gn_material *material_of(const gn_scene *s, const gn_contact_def *d
     return &s->materials[gn_scene_find_material(s, d->between[at])];
 }
 
+/* Whether the contacts of two materials have a tangential spring; `d`, NULL: what a pair says. */
+static bool has_spring(const gn_scene *s, const gn_material *a, const gn_material *b,
+                       const gn_contact_def *d) {
+    const bool area = gn_scene_by_area(s);
+    const double own = !d ? GN_COMBINED : area ? d->beta : d->kratio;
+    if (gn_scene_hertz(s)) return true;
+    if (own != GN_COMBINED) return own > 0.0;
+    return area ? a->beta > 0.0 && b->beta > 0.0 : a->kratio > 0.0 && b->kratio > 0.0;
+}
+
+/* A pair of materials may have a spring where neither of them does. */
+static bool has_spring_in_a_pair(const gn_scene *s, const gn_material *m) {
+    for (size_t k = 0; k < s->contact_count; k++) {
+        const gn_contact_def *d = &s->contacts[k];
+        bool names = false;
+        for (size_t n = 0; n < d->between_count; n++) names |= strcmp(d->between[n], m->name) == 0;
+        if (names && (gn_scene_by_area(s) ? d->beta : d->kratio) > 0.0) return true;
+    }
+    return false;
+}
+
+static gneiss_status no_grip(const check *c, const gn_scene *s, const char *key) {
+    return gn_check_fail(c, key,
+                         "expected %s above 0 beside it, found 0: without a tangential spring "
+                         "contacts have no friction",
+                         gn_scene_by_area(s) ? "beta" : "kratio");
+}
+
+bool gn_material_has_spring(const gn_scene *s, const gn_material *m) {
+    return has_spring(s, m, m, NULL) || has_spring_in_a_pair(s, m);
+}
+
+/* Stages may bring a spring or a friction, so that either may stand in a scene with stages. */
+gneiss_status gn_check_grip(const check *c, const gn_scene *s, const gn_material *m) {
+    if (s->stage_count || gn_material_has_spring(s, m)) return GNEISS_OK;
+    if (m->friction > 0) return no_grip(c, s, "friction");
+    return m->bond_friction > 0 && s->bonds == GN_SWITCH_ON ? no_grip(c, s, "bond_friction")
+                                                            : GNEISS_OK;
+}
+
+static gneiss_status check_grip_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d,
+                                        const gn_material *a, const gn_material *b) {
+    if (s->stage_count || has_spring(s, a, b, d)) return GNEISS_OK;
+    if (d->friction > 0) return no_grip(c, s, "friction");
+    if (d->rolling_friction > 0) return no_grip(c, s, "rolling_friction");
+    if (d->twisting_friction > 0) return no_grip(c, s, "twisting_friction");
+    return d->bond_friction > 0 && s->bonds == GN_SWITCH_ON ? no_grip(c, s, "bond_friction")
+                                                            : GNEISS_OK;
+}
+
 gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) {
     const gn_contact_def *d = &s->contacts[index];
     if (d->between_count > 2)
@@ -72,6 +122,7 @@ gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) 
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", d->kratio);
     GN_TRY(gn_check_shear_of_pair(c, s, d));
+    if (gn_check_sound(c, "law.stiffness")) GN_TRY(check_grip_of_pair(c, s, d, a, b));
     const char *key = gn_check_sound(c, "law.stiffness") ? unread(s, d) : NULL;
     if (!key) return GNEISS_OK;
     return gn_check_fail(

@@ -103,6 +103,10 @@ static gneiss_status check_sizes(const check *c, const gn_source_def *d) {
     if (d->size_variation >= 0 && d->sizes != GN_SIZES_NORMAL)
         return gn_check_fail(c, "size_variation",
                              "expected sizes: normal beside it, found another");
+    if (d->sizes == GN_SIZES_NORMAL && d->size_ratio == 1.0)
+        return gn_check_fail(c, "size_ratio",
+                             "expected more than 1 beside sizes: normal, which lie between the "
+                             "smallest and the largest, found 1");
     return GNEISS_OK;
 }
 

@@ -191,6 +191,7 @@ static gneiss_status check_keys(const check *c, const gn_test *t) {
         {"test.load_span", t->load_span, GN_TESTS(BENDING)},
         {"test.height", t->height, GN_TESTS(BENDING)},
         {"test.notch", t->notch, GN_TESTS(BENDING)},
+        {"test.centre", t->centre != 0.2 ? t->centre : 0.0, GN_TESTS(BRAZILIAN)},
         {"test.normal", (double)t->normal + 1.0, GN_TESTS_SHEARED},
     };
     char text[256];

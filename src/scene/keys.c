@@ -16,7 +16,7 @@ typedef struct printer {
 
 /* "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
 static void describe_numbers(char *text, size_t size, const char *noun, const gn_key *key) {
-    const char *unit = key->unit && strcmp(key->unit, "1") != 0 ? key->unit : "";
+    const char *unit = key->unit && gn_unit_is_shown(key->unit) ? key->unit : "";
     if (strcmp(unit, GN_SLOPE) == 0)
         unit = "or an angle";
     else if (strchr(unit, '|'))

@@ -127,8 +127,10 @@ static const gn_key material_keys[] = {
         .range = GN_TOUGHNESSES, .word = "none", .fallback = "none",
         .text = "G_f in tension, per area of a bond; needed with softening energy"),
     KEY("shear_fracture_energy", REAL, gn_material, shear_fracture_energy, .unit = "J/m2",
-        .range = GN_TOUGHNESSES, .word = "none", .fallback = "none",
-        .text = "the same in shear without pressure; none: brittle in shear"),
+        .range = GN_TOUGHNESSES, .word = "auto", .word_value = GN_SHEAR_ENERGY_AUTO,
+        .other_word = "none", .other_value = 0, .fallback = "auto",
+        .text = "the same in shear without pressure; auto: bonds soften over as many elastic "
+                "limits as in tension; none: brittle in shear"),
     KEY("fracture_strain", REAL, gn_material, fracture_strain, .unit = "1", .range = GN_BREAKING,
         .word = "none", .fallback = "none",
         .text = "eps_f: stretch of a bond over its length where its softening ends; needed with "

@@ -4,6 +4,7 @@
 #define GN_SCENE_MANIFEST_H
 
 #include "scene/scene.h"
+#include "scene/units.h"
 
 typedef enum gn_key_type {
     GN_KEY_REAL,    /* double, a quantity in `unit` */
@@ -54,9 +55,6 @@ typedef struct gn_choice {
 
 typedef struct gn_section gn_section;
 
-/* Unit of coefficients of friction, which may also be given as the angle of friction. */
-#define GN_SLOPE "1|deg"
-
 typedef struct gn_key {
     const char *name;
     gn_key_type type;
@@ -66,7 +64,8 @@ typedef struct gn_key {
     bool required;       /* an error when its section is given without it */
     const char
         *fallback;     /* default as it would be written (each component of a vector); NULL: none */
-    const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two; GN_SLOPE */
+    const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two; GN_SLOPE,
+                          GN_PLAIN_NUMBER,  GN_EVENT_RATE */
     const char *range; /* interval in that unit, such as "(0, 1]"; NULL: any finite number */
     const char *word; /* instead of a number, such as "auto"; of a section: each of its keys has its
                          word */

@@ -7,8 +7,8 @@ static const gn_choice distributions[] = {
 static const gn_key scatter_keys[] = {
     KEY("distribution", CHOICE, gn_scatter, kind, .choices = distributions, .required = true,
         .text = "of the number drawn for a bond"),
-    KEY("modulus", REAL, gn_scatter, modulus, .unit = "1", .range = "[0.5, 1e4]", .word = "none",
-        .fallback = "none", .text = "Weibull modulus; needed by weibull"),
+    KEY("modulus", REAL, gn_scatter, modulus, .unit = GN_PLAIN_NUMBER, .range = "[0.5, 1e4]",
+        .word = "none", .fallback = "none", .text = "Weibull modulus; needed by weibull"),
     KEY("deviation", REAL, gn_scatter, deviation, .unit = "1", .range = "[1e-6, 0.33]",
         .word = "none", .fallback = "none",
         .text = "standard deviation over the mean; needed by normal, which is cut at 0 and 2"),

@@ -63,8 +63,8 @@ TABLE_OF(cylinder);
 static const gn_key source_keys[] = {
     KEY("name", NAME, gn_source_def, name, .required = true, .text = "of its columns"),
     REGION(gn_source_def),
-    KEY("rate", REAL, gn_source_def, rate, .unit = "1/s", .range = "[1e-12, 1e12]", .word = "none",
-        .fallback = "none", .text = "particles per second; rate or mass_rate"),
+    KEY("rate", REAL, gn_source_def, rate, .unit = GN_EVENT_RATE, .range = "[1e-12, 1e12]",
+        .word = "none", .fallback = "none", .text = "particles per second; rate or mass_rate"),
     KEY("mass_rate", REAL, gn_source_def, mass_rate, .unit = "kg/s", .range = "[1e-18, 1e18]",
         .word = "none", .fallback = "none", .text = "the same by mass"),
     KEY("start", REAL, gn_source_def, start, .unit = "s", .range = "[0, 1e18]", .fallback = "0",

@@ -43,8 +43,8 @@ static const gn_key time_keys[] = {
         .fallback = "auto", .text = "time step; auto: safety times the stability limit"),
     KEY("safety", REAL, gn_scene, safety, .unit = "1", .range = "(0, 1]", .fallback = "0.9",
         .text = "fraction of the stability limit 2/w_max that an automatic step takes"),
-    KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = "1", .range = "(0, inf)",
-        .word = "auto", .fallback = "auto",
+    KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = GN_PLAIN_NUMBER,
+        .range = "(0, inf)", .word = "auto", .fallback = "auto",
         .text = "steps that the shortest collision of loose particles lasts in an automatic step; "
                 "auto: 10, with hertz 12, which keeps restitution within 1 %"),
     KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",

@@ -58,25 +58,74 @@ gneiss_status gn_problems_status(gn_problems *p, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
 }
 
+/* "FILE:LINE:COLUMN: PATH: text", or "--set KEY: text"; returns where PATH or KEY begins. */
+static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_place where,
+                       const char *path, const char *text, char *out, size_t size) {
+    char place[GN_PATH_SIZE + 64], stage[32] = "";
+    bool same = node && node->set && strcmp(node->set, path) == 0;
+    if (node && node->set)
+        snprintf(place, sizeof place, "--set %.200s", node->set);
+    else
+        snprintf(place, sizeof place, "%.*s:%d:%d", GN_PATH_SIZE, reader->name, where.line,
+                 where.column);
+    /* A scene as a stage leaves it has the keys of a scene. */
+    if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
+        snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
+    snprintf(out, size, "%s: %s%.*s%s%s", place, same ? "" : stage, GN_KEY_PATH_SIZE,
+             same ? "" : path, same || !*path ? "" : ": ", text);
+    return same ? (int)strlen("--set ") : (int)strlen(place) + 2;
+}
+
 gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                            const char *path, const char *format, ...) {
-    char text[1024], place[GN_PATH_SIZE + 64], stage[32] = "";
+    char text[1024], message[2 * GN_PATH_SIZE];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    bool same = node && node->set && strcmp(node->set, path) == 0;
     gn_scene_place at = node && node->set ? (gn_scene_place){INT_MAX, 0} : where;
     gn_problem_place(reader->problems, at, path);
-    if (node && node->set)
-        snprintf(place, sizeof place, "--set %.200s", node->set);
-    else
-        snprintf(place, sizeof place, "%s:%d:%d", reader->name, where.line, where.column);
-    /* A scene as a stage leaves it has the keys of a scene. */
-    if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
-        snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
-    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s%s", place, same ? "" : stage,
-                   same ? "" : path, same || !*path ? "" : ": ", text);
+    write_place(reader, node, where, path, text, message, sizeof message);
+    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s", message);
+}
+
+/* --- notes --- */
+
+static void add_note(gn_scene_notes *notes, bool idle, int key_at, const char *text) {
+    for (size_t k = 0; k < notes->count; k++)
+        if (strcmp(notes->text[k], text) == 0) return;
+    if (notes->count == GN_SCENE_NOTES_MAX || key_at >= GN_SCENE_NOTE_SIZE) return;
+    notes->idle[notes->count] = idle;
+    notes->key_at[notes->count] = key_at;
+    snprintf(notes->text[notes->count++], GN_SCENE_NOTE_SIZE, "%.*s", GN_SCENE_NOTE_SIZE - 1, text);
+}
+
+void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path, bool idle,
+                  const char *text) {
+    char note[2 * GN_PATH_SIZE];
+    int key_at = write_place(reader, node, node->where, path, text, note, sizeof note);
+    add_note(&reader->scene->notes, idle, key_at, note);
+}
+
+void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from) {
+    for (size_t k = 0; k < from->count; k++)
+        add_note(to, from->idle[k], from->key_at[k], from->text[k]);
+}
+
+static bool has_note(const gn_scene_notes *notes, const char *text) {
+    for (size_t k = 0; k < notes->count; k++)
+        if (strcmp(notes->text[k], text) == 0) return true;
+    return false;
+}
+
+void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
+    const gn_scene_notes before = *base;
+    base->count = 0;
+    for (size_t k = 0; k < before.count; k++)
+        if (!before.idle[k] || has_note(stage, before.text[k]))
+            add_note(base, before.idle[k], before.key_at[k], before.text[k]);
+    for (size_t k = 0; k < stage->count; k++)
+        if (!stage->idle[k]) add_note(base, false, stage->key_at[k], stage->text[k]);
 }
 
 gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {

@@ -63,8 +63,9 @@ bool gn_read_quantity(const gn_reader *reader, const char *text, const char *uni
     if (strcmp(unit, GN_SLOPE) == 0)
         return gn_units_read_slope(reader->units, text, value, reason, reason_size);
     if (!bar) return gn_units_read(reader->units, text, unit, value, reason, reason_size);
+    char other[96];
     return gn_units_read(reader->units, text, "1/s", value, reason, reason_size) ||
-           gn_units_read(reader->units, text, bar + 1, value, reason, reason_size);
+           gn_units_read(reader->units, text, bar + 1, value, other, sizeof other);
 }
 
 static bool is_word(const gn_key *key, const gn_node *node) {
@@ -84,7 +85,7 @@ static const char *words_of(const gn_key *key, char text[80]) {
 static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char expected[160], words[80];
     const char *unit =
-        key->unit && strcmp(key->unit, "1") && !strchr(key->unit, '|') ? key->unit : "";
+        key->unit && gn_unit_is_shown(key->unit) && !strchr(key->unit, '|') ? key->unit : "";
     snprintf(expected, sizeof expected, "a value in %s%s%s%s", key->range, *unit ? " " : "", unit,
              words_of(key, words));
     return unexpected(reader, node, expected, "");
@@ -98,10 +99,11 @@ static gneiss_status read_number(const gn_reader *reader, const gn_key *key, con
         gn_read_quantity(reader, node->text, unit, value, reason, sizeof reason)) {
         if (key->range && !gn_range_holds(key->range, *value))
             return out_of_range(reader, key, node);
+        const char *note = gn_unit_note(node->text);
+        if (note) gn_read_note(reader, node, reader->path, false, note);
         return GNEISS_OK;
     }
-    snprintf(expected, sizeof expected, "%s%s",
-             gn_unit_text(strchr(unit, '|') ? strchr(unit, '|') + 1 : unit), words_of(key, words));
+    snprintf(expected, sizeof expected, "%s%s", gn_unit_text(unit), words_of(key, words));
     return unexpected(reader, node, expected, reason);
 }
 

@@ -45,6 +45,15 @@ gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scen
                            const char *path, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 
+/* Keeps a note about the value of a node in the scene that is read (gn_scene_notes). */
+void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path, bool idle,
+                  const char *text);
+
+/* Adds the notes of one scene to those of another that does not have them. */
+void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from);
+/* The same of a stage; a key that changes something in it is not idle. */
+void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage);
+
 /* Where a file of a scene is: `file` from `folder` on (NULL: as it stands, and it need not be
  * there), and in it `in_folder` (NULL: none), else a packing, if it is a folder. NULL and
  * path[GN_PATH_SIZE], or why it cannot be read. */

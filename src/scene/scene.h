@@ -152,7 +152,9 @@ typedef struct gn_material {
 } gn_material;
 
 /* Contacts between two materials that differ from what follows from both. */
-#define GN_COMBINED (-2.0) /* no value of its own */
+/* J/m2: a shear_fracture_energy that follows from fracture_energy, strengths and stiffnesses. */
+#define GN_SHEAR_ENERGY_AUTO (-1.0)
+#define GN_COMBINED          (-2.0) /* no value of its own */
 typedef struct gn_contact_def {
     size_t between_count;
     char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
@@ -393,11 +395,23 @@ typedef struct gn_element_def {
     gn_scene_place where;
 } gn_element_def;
 
+/* What is valid in a scene file, and may not be what its writer means: "FILE:LINE:COLUMN: KEY:
+ * ...", each once. `idle`: those of keys that change nothing in the scene; `key_at`: where KEY
+ * begins. */
+enum { GN_SCENE_NOTES_MAX = 12, GN_SCENE_NOTE_SIZE = 480 };
+typedef struct gn_scene_notes {
+    size_t count;
+    bool idle[GN_SCENE_NOTES_MAX];
+    int key_at[GN_SCENE_NOTES_MAX];
+    char text[GN_SCENE_NOTES_MAX][GN_SCENE_NOTE_SIZE];
+} gn_scene_notes;
+
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char *overridden;          /* keys that the command line gave, a line each, for messages */
     bool allow_gmsh; /* the user lets gmsh mesh a geometry, which may execute commands (no key: a
                       * file cannot say it) */
+    gn_scene_notes notes; /* what its reader is to be told of it */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;

@@ -428,6 +428,7 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
         if (status == GNEISS_OK) { /* else lists may be missing */
             united |= gn_scene_effects(now);
             presses |= gn_scene_squeezes(now);
+            gn_notes_of_stage(&base->notes, &now->notes);
         }
         gn_scene_free(before);
         *before = *now;
@@ -436,9 +437,11 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
         if (status == GNEISS_OK) status = gn_scene_copy(before, now, reader->error);
         if (status != GNEISS_OK) break;
         gn_effects known = base->united;
+        const gn_scene_notes notes = base->notes;
         gn_scene_free(base);
         *base = *now;
         base->united = known;
+        base->notes = notes;
         memset(now, 0, sizeof *now);
     }
     gn_scene_free(before);

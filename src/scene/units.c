@@ -25,24 +25,48 @@ struct gn_units {
     conversion cache[CACHE_SIZE];
 };
 
-static const struct {
-    const char *unit, *text;
-} kinds[] = {
-    {"1", "a number such as '0.5' or '50 %'"},
-    {"m", "a length such as '23 mm'"},
-    {"m2", "an area such as '4 cm2'"},
-    {"s", "a time such as '5 ms'"},
-    {"kg/m3", "a density such as '2650 kg/m3'"},
-    {"Pa", "a stress or modulus such as '10 GPa'"},
-    {"N/m", "a stiffness such as '15 MN/m'"},
-    {"J/m2", "an energy per area such as '80 J/m2'"},
-    {"N", "a force such as '2 kN'"},
-    {"m/s", "a velocity such as '0.1 m/s'"},
-    {"m/s2", "an acceleration such as '9.81 m/s2'"},
-    {"rad/s", "a spin such as '30 deg/s'"},
-    {"1/s", "a rate such as '50 1/s'"},
-    {"deg", "a coefficient such as '0.5' or an angle of friction such as '30 deg'"},
+/* Units of keys. Where one is a name of this table alone, `si` is what UDUNITS-2 knows it as. A
+ * number with a unit of the same dimension and another kind is refused with `hint`: angles by the
+ * power of the radian, others by a word of `refused`. */
+typedef struct unit_kind {
+    const char *unit, *text, *si, *hint;
+    const char *refused[8];
+} unit_kind;
+
+#define KIND(UNIT, TEXT, ...)                                                                      \
+    { .unit = UNIT, .text = TEXT, __VA_ARGS__ }
+#define FREQUENCIES "hz", "hertz", "bq", "becquerel", "curie", "ci"
+static const unit_kind kinds[] = {
+    KIND("1", "a number such as '0.5' or '50 %'", ),
+    KIND(GN_PLAIN_NUMBER, "a number such as '20'", ),
+    KIND("m", "a length such as '23 mm'", ),
+    KIND("m2", "an area such as '4 cm2'", ),
+    KIND("s", "a time such as '5 ms'", ),
+    KIND("kg", "a mass such as '2 kg'", ),
+    KIND("kg/s", "a mass per time such as '2 kg/s'", ),
+    KIND("kg m2", "a moment of inertia such as '0.1 kg m2'", ),
+    KIND("kg/m3", "a density such as '2650 kg/m3'", ),
+    KIND("Pa", "a stress or modulus such as '10 GPa'", ),
+    KIND("N/m", "a stiffness such as '15 MN/m'", ),
+    KIND("J/m2", "an energy per area such as '80 J/m2'", ),
+    KIND("N", "a force such as '2 kN'", ),
+    KIND("m/s", "a velocity such as '0.1 m/s'", ),
+    KIND("m/s2", "an acceleration such as '9.81 m/s2'", ),
+    KIND("rad", "an angle such as '30 deg'", .hint = "write rad or deg"),
+    KIND("rad/s", "a spin such as '30 deg/s'", .hint = "write rad/s, deg/s or rpm",
+         .refused = {FREQUENCIES}),
+    KIND("1/s", "a rate such as '50 1/s'", .hint = "write 1/s", .refused = {FREQUENCIES}),
+    KIND(GN_EVENT_RATE, "a number per time such as '50 1/s' or '50 Hz'", .si = "1/s",
+         .hint = "write 1/s, 1/min or Hz", .refused = {"%", "percent", "ppm", "ppt", "ppb", "ppv"}),
+    KIND("1/s|1", "a rate such as '50 1/s', or a fraction such as '0.5' or '50 %'", ),
+    KIND(GN_SLOPE, "a coefficient such as '0.5' or an angle of friction such as '30 deg'", ),
 };
+
+static const unit_kind *kind_of(const char *unit) {
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        if (strcmp(kinds[k].unit, unit) == 0) return &kinds[k];
+    return NULL;
+}
 
 bool gn_units_read_whole(const char *text, int64_t *value) {
     char *rest;
@@ -62,9 +86,12 @@ bool gn_units_read_whole(const char *text, int64_t *value) {
 }
 
 const char *gn_unit_text(const char *unit) {
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-        if (strcmp(kinds[k].unit, unit) == 0) return kinds[k].text;
-    return "a quantity";
+    const unit_kind *kind = kind_of(unit);
+    return kind ? kind->text : "a quantity";
+}
+
+bool gn_unit_is_shown(const char *unit) {
+    return strcmp(unit, "1") != 0 && strcmp(unit, GN_PLAIN_NUMBER) != 0;
 }
 
 gn_units *gn_units_new(void) {
@@ -80,6 +107,56 @@ void gn_units_free(gn_units *units) {
 bool gn_units_exhausted(const gn_units *units) {
     return units->exhausted;
 }
+
+/* ---- the power of the radian in a unit ---- */
+
+static ut_status visit_basic(const ut_unit *unit, void *power) {
+    const char *name = ut_get_name(unit, UT_ASCII);
+    if (name && strcmp(name, "radian") == 0) *(int *)power = 1;
+    return UT_SUCCESS;
+}
+
+static ut_status visit_product(const ut_unit *unit, int count, const ut_unit *const *basic,
+                               const int *powers, void *power) {
+    (void)unit;
+    for (int k = 0; k < count; k++) {
+        int radian = 0;
+        visit_basic(basic[k], &radian);
+        *(int *)power += radian * powers[k];
+    }
+    return UT_SUCCESS;
+}
+
+static int angle_power(const ut_unit *unit);
+
+static ut_status visit_galilean(const ut_unit *unit, double scale, const ut_unit *under,
+                                double offset, void *power) {
+    (void)unit, (void)scale, (void)offset;
+    *(int *)power = angle_power(under);
+    return UT_SUCCESS;
+}
+
+static ut_status visit_timestamp(const ut_unit *unit, const ut_unit *second, double origin,
+                                 void *power) {
+    (void)unit, (void)second, (void)origin, (void)power;
+    return UT_SUCCESS;
+}
+
+static ut_status visit_logarithmic(const ut_unit *unit, double base, const ut_unit *reference,
+                                   void *power) {
+    (void)unit, (void)base, (void)reference, (void)power;
+    return UT_SUCCESS;
+}
+
+static int angle_power(const ut_unit *unit) {
+    static const ut_visitor visitor = {visit_basic, visit_product, visit_galilean, visit_timestamp,
+                                       visit_logarithmic};
+    int power = 0;
+    ut_accept_visitor(unit, &visitor, &power);
+    return power;
+}
+
+/* ---- factors ---- */
 
 /* The factor between two units; false and a reason for an unknown one, another dimension, or a
  * scale with an offset or a logarithm, which a factor cannot express. */
@@ -97,6 +174,10 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
         cv_free(converter);
     }
     if (!ok) *reason = source ? "another dimension" : "unknown unit";
+    if (ok && angle_power(source) != angle_power(target)) {
+        ok = false;
+        *reason = angle_power(source) ? "an angle is in it" : "no angle is in it";
+    }
     ut_free(source);
     ut_free(target);
     return ok;
@@ -199,6 +280,35 @@ static double scaled(double number, double factor) {
     return number * factor;
 }
 
+/* Whether `word` stands in the text of a unit, by itself or behind a prefix ("kHz"). */
+static bool has_word(const char *text, const char *word) {
+    for (; *text; text++) {
+        if (!is_letter(*text)) continue;
+        const char *end = text;
+        while (is_letter(*end)) end++;
+        size_t length = (size_t)(end - text), own = strlen(word);
+        bool ends = length >= own && strncasecmp(end - own, word, own) == 0;
+        bool plural = length > own && strncasecmp(end - own - 1, word, own) == 0 && end[-1] == 's';
+        if (ends || plural) return true;
+        text = end - 1;
+    }
+    return false;
+}
+
+static const char *refused_word(const unit_kind *kind, const char *given) {
+    for (size_t k = 0; kind && k < sizeof kind->refused / sizeof *kind->refused; k++)
+        if (kind->refused[k] && has_word(given, kind->refused[k])) return kind->hint;
+    return NULL;
+}
+
+static const char *dimensionless(const char *given, bool count, double *factor) {
+    if (!*given) return NULL;
+    if (count) return "another dimension: expected no unit";
+    if (strcmp(given, "%") != 0) return "another dimension: expected no unit or %";
+    *factor = 0.01;
+    return NULL;
+}
+
 bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,
                    size_t reason_size) {
     snprintf(reason, reason_size, "%s", "");
@@ -211,19 +321,19 @@ bool gn_units_read(gn_units *units, const char *text, const char *unit, double *
     int length = snprintf(given, sizeof given, "%s", rest);
     while (length > 0 && length <= UNIT_SIZE && given[length - 1] == ' ') given[--length] = '\0';
     const char *why = NULL;
-    if (strcmp(unit, "1") == 0) {
-        if (strcmp(given, "%") == 0)
-            factor = 0.01;
-        else if (*given)
-            why = "another dimension: expected no unit or %";
+    const unit_kind *kind = kind_of(unit);
+    if (!gn_unit_is_shown(unit)) {
+        why = dimensionless(given, strcmp(unit, GN_PLAIN_NUMBER) == 0, &factor);
     } else if (*given) {
-        /* Hz and rad/s have the same dimension, and differ by 2 pi. */
-        if (strcmp(unit, "rad/s") == 0 && strstr(given, "Hz"))
-            why = "write rad/s, deg/s or rpm";
-        else if (!looks_like_unit(given))
+        why = refused_word(kind, given);
+        if (!why && !looks_like_unit(given))
             why = "unknown unit";
-        else
-            unit_factor(units, given, unit, &factor, &why);
+        else if (!why)
+            unit_factor(units, given, kind && kind->si ? kind->si : unit, &factor, &why);
+    }
+    if (why && kind && kind->hint && strstr(why, "angle")) {
+        snprintf(reason, reason_size, " (%s: %s)", why, kind->hint);
+        return false;
     }
     if (why) {
         snprintf(reason, reason_size, " (%s)", why);
@@ -241,9 +351,41 @@ bool gn_units_read_slope(gn_units *units, const char *text, double *value, char 
                          size_t reason_size) {
     double angle;
     if (gn_units_read(units, text, "1", value, reason, reason_size)) return true;
-    if (!gn_units_read(units, text, "rad", &angle, reason, reason_size)) return false;
+    if (!gn_units_read(units, text, "rad", &angle, reason, reason_size)) {
+        if (*reason)
+            snprintf(reason, reason_size,
+                     " (expected no unit, %% or one of angles; a slope of 0.5 m/m is 0.5)");
+        return false;
+    }
     *value = tan(angle);
     if (angle >= 0.0 && angle < 0.5 * M_PI) return true;
     snprintf(reason, reason_size, " (expected an angle in [0, 90) deg)");
     return false;
+}
+
+/* Whether a word of a unit is `name`, with a prefix or in the plural. */
+static bool is_named(const char *word, size_t length, const char *name) {
+    static const char *const prefixes[] = {"", "k", "M", "kilo", "mega"};
+    size_t own = strlen(name);
+    if (length > own && word[length - 1] == 's') length--;
+    for (size_t k = 0; k < sizeof prefixes / sizeof *prefixes; k++) {
+        size_t before = strlen(prefixes[k]);
+        if (length == before + own && strncmp(word, prefixes[k], before) == 0 &&
+            strncmp(word + before, name, own) == 0)
+            return true;
+    }
+    return false;
+}
+
+const char *gn_unit_note(const char *text) {
+    for (const char *at = text, *end; *at; at = end) {
+        for (end = at; is_letter(*end);) end++;
+        size_t length = (size_t)(end - at);
+        if (is_named(at, length, "ton"))
+            return "ton is the short ton of 907.185 kg; the metric one, 1000 kg, is t or tonne";
+        if (is_named(at, length, "ton_force") || is_named(at, length, "force_ton"))
+            return "ton_force is that of a short ton, 8896.44 N; that of 1000 kg is 9.80665 kN";
+        if (!length) end++;
+    }
+    return NULL;
 }

@@ -8,6 +8,13 @@
 
 typedef struct gn_units gn_units;
 
+/* Units of keys that UDUNITS-2 alone would take for others of the same dimension: a coefficient of
+ * friction, which may also be given as the angle of friction; a number that is no share ("50 %");
+ * a number of events in a time, which is no spin ("600 rpm") and no strain rate ("5 %/s"). */
+#define GN_SLOPE        "1|deg"
+#define GN_PLAIN_NUMBER "count"
+#define GN_EVENT_RATE   "count/s"
+
 /* The unit system is read on the first quantity that needs it. NULL: out of memory. UDUNITS-2 keeps
  * state of its own for the whole process: one thread at a time. */
 gn_units *gn_units_new(void);
@@ -17,7 +24,9 @@ void gn_units_free(gn_units *units);
 bool gn_units_exhausted(const gn_units *units);
 
 /* Reads "23 mm" as 0.023 when `unit` is "m". `unit` is one of the units of gn_unit_text; "1" stands
- * for dimensionless, where "5 %" is understood. False: `reason` says why in a few words. */
+ * for dimensionless, where "5 %" is understood. Units of the same dimension and another kind are
+ * refused: angles where none are asked for and the reverse, frequencies of spins and of rates of
+ * damping and strain. False: `reason` says why in a few words. */
 bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,
                    size_t reason_size);
 
@@ -31,5 +40,11 @@ bool gn_units_read_whole(const char *text, int64_t *value);
 
 /* "a length such as '23 mm'" for "m". */
 const char *gn_unit_text(const char *unit);
+
+/* Whether the unit has a name that is written behind numbers; "1" and GN_PLAIN_NUMBER have none. */
+bool gn_unit_is_shown(const char *unit);
+
+/* A sentence about a quantity whose unit has another meaning for many; NULL: there is none. */
+const char *gn_unit_note(const char *text);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * Coulomb: s1 = C + K s3 with K = (1 + sin phi)/(1 - sin phi), C = 2 c sqrt(K). Hoek & Brown
  * (1980), intact rock: s1 = s3 + sqrt(m_i s_ci s3 + s_ci^2), so that (s1 - s3)^2 is a line over s3.
- * Both by least squares over all runs. */
+ * Both by least squares over the runs that differ in confinement and seed alone. */
 #ifndef GN_SWEEP_ENVELOPE_H
 #define GN_SWEEP_ENVELOPE_H
 
@@ -26,8 +26,23 @@ typedef struct gn_envelope {
     char no_coulomb[160], no_hoek_brown[160]; /* why they are absent; "" */
 } gn_envelope;
 
-gn_envelope gn_envelope_of(const gn_summary *m);
-/* The same of numbers; those that are not finite are left out. */
+/* Envelopes of a sweep, one for each combination of the parameters that are no confinement. */
+typedef struct gn_envelopes {
+    bool confined;   /* axial strengths at confinements that differ, in whatever runs */
+    size_t count;    /* of those that are `there` */
+    gn_envelope *of; /* [count] */
+    size_t *first;   /* [count]: a run of each */
+    int64_t *of_run; /* [run_count]: the envelope that a run is part of; -1: none */
+    bool *grouping;  /* [parameter_count]: whether envelopes differ in the parameter */
+} gn_envelopes;
+
+gneiss_status gn_envelopes_make(const gn_summary *m, gn_envelopes *envelopes, gneiss_error *error);
+void gn_envelopes_free(gn_envelopes *envelopes);
+/* "friction = 0.3": the parameters of an envelope that vary; "". */
+const char *gn_envelope_label(const gn_summary *m, const gn_envelopes *envelopes, size_t which,
+                              char *text, size_t size);
+
+/* Of numbers; those that are not finite are left out. */
 gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,
                             size_t stride);
 

@@ -51,16 +51,31 @@ static const char *unit_behind(const gn_sweep_parameter *p, const char *text) {
     return bare ? p->unit : "";
 }
 
+/* Adds "key = value" of a parameter. */
+static size_t add_label(const gn_sweep *s, size_t run, size_t p, char *text, size_t size,
+                        size_t used) {
+    const char *value = gn_sweep_value_of(s, run, p)->text;
+    const char *unit = unit_behind(&s->parameters[p], value);
+    return used + (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "",
+                                   s->parameters[p].key, value, *unit ? " " : "", unit);
+}
+
+const char *gn_sweep_label_of(const gn_sweep *s, size_t run, const bool *shown, char *text,
+                              size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t p = 0; p < s->parameter_count && used < size; p++)
+        if (shown[p] && s->parameters[p].count > 1) used = add_label(s, run, p, text, size, used);
+    return text;
+}
+
 const char *gn_sweep_label(const gn_sweep *s, size_t run, bool seed, char *text, size_t size) {
     size_t used = 0, varied = s->seed_count > 1;
     text[0] = '\0';
     for (size_t p = 0; p < s->parameter_count; p++) varied += s->parameters[p].count > 1;
     for (size_t p = 0; p < s->parameter_count && used < size; p++) {
-        const char *value = gn_sweep_value_of(s, run, p)->text;
-        const char *unit = unit_behind(&s->parameters[p], value);
         if (varied && s->parameters[p].count == 1) continue;
-        used += (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "",
-                                 s->parameters[p].key, value, *unit ? " " : "", unit);
+        used = add_label(s, run, p, text, size, used);
     }
     if (seed && s->seed_count && used < size)
         snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "", s->runs[run].seed);
@@ -348,6 +363,7 @@ static gneiss_status read_runs(gn_sweep *s, gn_scene *scene, gneiss_error *error
         r->threads = scene->threads;
         r->seed = scene->seed;
         s->draws |= has_random_numbers(scene);
+        gn_notes_unite(&s->notes, &scene->notes);
         if (!s->title[0]) snprintf(s->title, sizeof s->title, "%.200s", scene->title);
         gn_scene_free(scene);
     }

@@ -67,7 +67,7 @@ static const gn_key range_keys[] = {
     KEY("mean", REAL, gn_range_def, mean, .unit = "unit of the key",
         .text = "of a normal distribution; from and to, if given, cut it off"),
     KEY("deviation", REAL, gn_range_def, deviation, .unit = "unit of the key",
-        .text = "its standard deviation"),
+        .text = "its standard deviation; of a coefficient of friction a number, no angle"),
     KEY("of", TREE, gn_range_def, of, .unit = "list of values",
         .text = "a distribution over these, all as likely"),
 };

@@ -260,6 +260,7 @@ static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *swe
         if (status == GNEISS_ERROR_INPUT && gn_units_exhausted(sweep->units))
             status = gn_fail(&own, GNEISS_ERROR_MEMORY, "%s: out of memory while reading units",
                              reader->name);
+        gn_notes_unite(&sweep->notes, &reader->scene->notes);
         gn_free(file->readings);
     }
     if (status != GNEISS_OK && error) *error = own;

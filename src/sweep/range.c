@@ -241,8 +241,11 @@ static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn
     memcpy(keys, own.keys, own.key_count * sizeof *keys);
     for (size_t k = 0; k < own.key_count; k++) {
         if (keys[k].type != GN_KEY_REAL) continue;
+        bool deviation = keys[k].offset == offsetof(gn_range_def, deviation);
         keys[k].unit = unit_of(meant);
-        if (keys[k].offset != offsetof(gn_range_def, deviation)) keys[k].range = meant->range;
+        /* The tangent of a deviation of angles is no deviation of their tangents. */
+        if (deviation && strcmp(keys[k].unit, GN_SLOPE) == 0) keys[k].unit = "1";
+        if (!deviation) keys[k].range = meant->range;
     }
     own.keys = keys;
     return gn_read_keys(reader, &own, node, r);
@@ -299,7 +302,7 @@ gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn
     }
     p->numeric = p->count > 0;
     for (size_t k = 0; k < p->count; k++) p->numeric &= !isnan(p->values[k].number);
-    p->unit = p->numeric && strcmp(unit_of(p->meant), "1") != 0 ? unit_of(p->meant) : "";
+    p->unit = p->numeric && gn_unit_is_shown(unit_of(p->meant)) ? unit_of(p->meant) : "";
     if (strchr(p->unit, '|')) p->unit = ""; /* one of two: the scene says which */
     return GNEISS_OK;
 }

@@ -284,26 +284,67 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *m, double *column,
     return put_lines(file, "runs/message", m, message_line, m->sweep->run_count, error);
 }
 
-/* What is absent has no number but the reason why. */
-static gneiss_status put_envelope_reading(gn_h5 *file, const char *name, const char *unit,
-                                          const char *text, double value, const char *reason,
+/* A reading of every envelope; `absent` says line by line why some have no number. */
+static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *e, size_t offset,
+                                          bool coulomb, const char *labels[3], double *column,
                                           gneiss_error *error) {
-    char path[GN_NAME_SIZE + 16];
-    snprintf(path, sizeof path, "envelope/%s", name);
-    GN_TRY(gn_h5_put(file, path, GN_F64, 1, 1, 0, &value, unit, text, error));
-    return isnan(value) ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
+    char path[GN_NAME_SIZE + 16], *reasons = NULL;
+    size_t size = 0;
+    bool absent = false;
+    FILE *out = open_memstream(&reasons, &size);
+    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
+    for (size_t k = 0; k < e->count; k++) {
+        memcpy(&column[k], (const char *)&e->of[k] + offset, sizeof column[k]);
+        if (k) fputc('\n', out);
+        if (isnan(column[k])) fputs(coulomb ? e->of[k].no_coulomb : e->of[k].no_hoek_brown, out);
+        absent |= isnan(column[k]);
+    }
+    snprintf(path, sizeof path, "envelope/%s", labels[0]);
+    gneiss_status status = fclose(out) == 0
+                               ? GNEISS_OK
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, path, GN_F64, e->count, 1, 0, column, labels[1], labels[2], error);
+    if (status == GNEISS_OK && absent)
+        status = gn_h5_attribute_text(file, path, "absent", reasons, error);
+    free(reasons);
+    return status;
 }
 
-static gneiss_status put_envelope(gn_h5 *file, const gn_summary *m, gneiss_error *error) {
-    const gn_envelope e = gn_envelope_of(m);
-    const char *reason = e.no_coulomb;
-    if (!e.there) return GNEISS_OK;
+/* What each envelope is of, and which runs are in it. */
+static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *m, const gn_envelopes *e,
+                                       double *column, gneiss_error *error) {
+    char label[512], *text = NULL;
+    size_t size = 0;
+    for (size_t k = 0; k < m->sweep->run_count; k++) column[k] = (double)e->of_run[k];
+    GN_TRY(gn_h5_put(file, "runs/envelope", GN_F64, m->sweep->run_count, 1, 0, column, "1",
+                     "place in the data sets of /envelope, base 0; -1: in none", error));
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
+    for (size_t k = 0; k < e->count; k++)
+        fprintf(out, "%s%s", k ? "\n" : "", gn_envelope_label(m, e, k, label, sizeof label));
+    gneiss_status status = fclose(out) == 0
+                               ? gn_h5_put_text(file, "envelope/of", text, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
+    free(text);
+    return status;
+}
+
+static gneiss_status put_envelopes(gn_h5 *file, const gn_summary *m, double *column,
+                                   gneiss_error *error) {
+    gn_envelopes e;
+    GN_TRY(gn_envelopes_make(m, &e, error));
+    gneiss_status status = GNEISS_OK;
 #define X(name, unit, text)                                                                        \
-    if (strncmp(#name, "hoek", 4) == 0) reason = e.no_hoek_brown;                                  \
-    GN_TRY(put_envelope_reading(file, #name, unit, text, e.name, reason, error));
+    if (e.count && status == GNEISS_OK)                                                            \
+        status = put_envelope_reading(file, &e, offsetof(gn_envelope, name),                       \
+                                      strncmp(#name, "hoek", 4) != 0,                              \
+                                      (const char *[]){#name, unit, text}, column, error);
     GN_ENVELOPE_READINGS(X)
 #undef X
-    return GNEISS_OK;
+    if (e.count && status == GNEISS_OK) status = put_envelope_runs(file, m, &e, column, error);
+    gn_envelopes_free(&e);
+    return status;
 }
 
 static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error *error) {
@@ -317,7 +358,7 @@ static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error 
         status = put_parameter(file, m, p, column, error);
     for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++)
         status = put_reading(file, m, r, column, error);
-    if (status == GNEISS_OK) status = put_envelope(file, m, error);
+    if (status == GNEISS_OK) status = put_envelopes(file, m, column, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;

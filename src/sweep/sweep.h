@@ -76,7 +76,8 @@ typedef struct gn_sweep {
     gn_sweep_run *runs;
     uint32_t *chosen; /* [run_count][parameter_count]: places of the values */
     gn_units *units;
-    bool draws; /* some scene has random numbers in it */
+    bool draws;           /* some scene has random numbers in it */
+    gn_scene_notes notes; /* of all scenes */
 } gn_sweep;
 
 /* Reads the file and every scene of it: nothing is run that could not be read. `overrides` are of
@@ -102,6 +103,10 @@ const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_
 
 /* "friction = 0.3, seed 2": what is varied, with the seed or without. */
 const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size);
+
+/* The same of the parameters that vary and are true in `shown` [parameter_count]. */
+const char *gn_sweep_label_of(const gn_sweep *sweep, size_t run, const bool *shown, char *text,
+                              size_t size);
 
 /* Whether a name is one of the readings that can be asked for: those of a test, energy.<term>,
  * history.<column>, where walls and the like may have any name; if not, `advice` says what may have

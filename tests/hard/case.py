@@ -35,7 +35,8 @@ def sphere_mass(radius, density=DENSITY):
 
 
 def material(**changes):
-    return {"name": "ball", "density": DENSITY, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3, **changes}
+    friction = 0.3 if changes.get("kratio", 2) else 0  # without a spring there is none
+    return {"name": "ball", "density": DENSITY, "normal_stiffness": 1e6, "kratio": 2, "friction": friction, **changes}
 
 
 STRONG = {"bond_tension_limit": 1e30, "bond_shear_limit": 1e30}

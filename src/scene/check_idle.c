@@ -1,0 +1,270 @@
+/* Keys that change nothing in the scene that they stand in. Each row of the tables below names a
+ * key, the condition under which nothing reads it, and the reason; a value that is the default is
+ * none that somebody relies on. They are notes and not errors, so that a scene can be varied. */
+#include "scene/check.h"
+#include "scene/sides.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what is given ---- */
+
+/* Whether a value in the struct is the one that the key has when it is left out. */
+static bool is_default(const gn_key *key, const void *base) {
+    const char *at = (const char *)base + key->offset;
+    if (key->presence == GN_PRESENT_BOOL || key->presence == GN_PRESENT_ENUM)
+        return !gn_key_present(key, base);
+    if (key->type == GN_KEY_TABLE) return ((const gn_table *)(const void *)at)->count == 0;
+    if (!key->fallback) return false;
+    bool word = key->word && strcmp(key->word, key->fallback) == 0;
+    double fallback = word ? key->word_value : strtod(key->fallback, NULL);
+    if (key->type == GN_KEY_REAL) return *(const double *)(const void *)at == fallback;
+    if (key->type == GN_KEY_INTEGER) return (double)*(const int64_t *)(const void *)at == fallback;
+    if (key->type != GN_KEY_CHOICE) return false;
+    for (const gn_choice *choice = key->choices; choice->name; choice++)
+        if (strcmp(choice->name, key->fallback) == 0)
+            return gn_choice_load(key, at) == choice->value;
+    return false;
+}
+
+/* Notes the key of an element, or of the scene, if it has another value than its default. */
+static void note(const check *c, const void *base, const char *key, const char *why) {
+    char path[GN_KEY_PATH_SIZE], text[256];
+    const gn_node *node = gn_node_find(c->map, key);
+    snprintf(path, sizeof path, "%s%s", c->prefix, key);
+    const gn_key *meant = gn_scene_key_at(path);
+    if (!node || !meant || is_default(meant, base)) return;
+    snprintf(text, sizeof text, "it changes nothing here: %s", why);
+    gn_read_note(c->reader, node, path, true, text);
+}
+
+/* ---- conditions ---- */
+
+static bool bonded(const gn_scene *s) {
+    return s->bonds == GN_SWITCH_ON;
+}
+
+static bool by_radius(const gn_scene *s) {
+    return s->stiffness != GN_STIFFNESS_UNIFORM && !gn_scene_by_area(s) && !gn_scene_hertz(s);
+}
+
+static const char no_bonds[] = "no bonds are formed";
+static const char other_law[] = "this law.stiffness does not read it";
+static const char other_softening[] = "this law.softening does not read it";
+
+/* Why a key of a material is not read; NULL: it is. `limits`: strengths are forces. */
+typedef struct material_row {
+    const char *key;
+    bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads it */
+    bool of_bonds;
+    int64_t softening; /* that reads it, a gn_softening; -1: any */
+} material_row;
+
+static bool uniform(const gn_scene *s) {
+    return s->stiffness == GN_STIFFNESS_UNIFORM;
+}
+static bool not_uniform(const gn_scene *s) {
+    return !uniform(s);
+}
+static bool elastic(const gn_scene *s) {
+    return gn_scene_by_area(s) || gn_scene_hertz(s);
+}
+static bool not_elastic(const gn_scene *s) {
+    return !elastic(s);
+}
+
+static const material_row material_rows[] = {
+    {"contact_modulus", by_radius, false, -1},
+    {"normal_stiffness", uniform, false, -1},
+    {"kratio", not_elastic, false, -1},
+    {"young", elastic, false, -1},
+    {"poisson", elastic, false, -1},
+    {"alpha", gn_scene_by_area, false, -1},
+    {"beta", gn_scene_by_area, false, -1},
+    {"tensile_strength", not_uniform, true, -1},
+    {"shear_strength", not_uniform, true, -1},
+    {"bond_tension_limit", uniform, true, -1},
+    {"bond_shear_limit", uniform, true, -1},
+    {"strength_scatter", NULL, true, -1},
+    {"stiffness_scatter", NULL, true, -1},
+    {"bond_friction", NULL, true, -1},
+    {"fracture_energy", NULL, true, GN_SOFTENING_ENERGY},
+    {"shear_fracture_energy", NULL, true, GN_SOFTENING_ENERGY},
+    {"fracture_strain", NULL, true, GN_SOFTENING_STRAIN},
+    {"shear_fracture_strain", NULL, true, GN_SOFTENING_STRAIN},
+    {"fracture_ratio", NULL, true, GN_SOFTENING_RATIO},
+    {"yield_stress_1", NULL, true, -1},
+    {"yield_stress_2", NULL, true, -1},
+    {"yield_stress_3", NULL, true, -1},
+};
+
+static const char *unread_by_material(const gn_scene *s, const material_row *row) {
+    if (row->read_by_law && !row->read_by_law(s)) return other_law;
+    if (row->of_bonds && !bonded(s)) return no_bonds;
+    if (row->softening >= 0 && (int64_t)s->softening != row->softening) return other_softening;
+    return NULL;
+}
+
+/* Whether something is of the material; files of particles and earlier runs may name any. */
+static bool is_used(const gn_scene *s, const char *name) {
+    bool used = *s->specimen.file || *s->specimen.from || strcmp(s->specimen.material, name) == 0 ||
+                strcmp(s->elements.contact.material, name) == 0;
+    for (size_t k = 0; k < s->set_count; k++) used |= strcmp(s->sets[k].material, name) == 0;
+    for (size_t k = 0; k < s->wall_count; k++) used |= strcmp(s->walls[k].material, name) == 0;
+    for (size_t k = 0; k < s->body_count; k++) used |= strcmp(s->bodies[k].material, name) == 0;
+    for (size_t k = 0; k < s->source_count; k++) used |= strcmp(s->sources[k].material, name) == 0;
+    return used;
+}
+
+static void note_materials(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    for (size_t k = 0; s->has_law && k < s->material_count; k++) {
+        check c = gn_check_element(reader, root, "materials", k);
+        const gn_material *m = &s->materials[k];
+        if (!is_used(s, m->name)) {
+            note(&c, m, "name", "no particle, wall or body is of this material");
+            continue;
+        }
+        if (s->stage_count && !gn_material_has_spring(s, m))
+            note(&c, m, "friction", "without a tangential spring contacts have no friction");
+        for (size_t r = 0; r < sizeof material_rows / sizeof *material_rows; r++) {
+            const char *why = unread_by_material(s, &material_rows[r]);
+            if (why) note(&c, m, material_rows[r].key, why);
+        }
+    }
+}
+
+/* What law.stiffness and law.softening do not read in a pair is refused (check_contacts.c). */
+static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    for (size_t k = 0; !bonded(s) && k < s->contact_count; k++) {
+        check c = gn_check_element(reader, root, "contacts", k);
+        for (size_t r = 0; r < sizeof material_rows / sizeof *material_rows; r++)
+            if (material_rows[r].of_bonds)
+                note(&c, &s->contacts[k], material_rows[r].key, no_bonds);
+    }
+}
+
+/* ---- the scene itself ---- */
+
+static bool unbonded(const gn_scene *s) {
+    return s->has_specimen && !bonded(s);
+}
+static bool without_events(const gn_scene *s) {
+    return unbonded(s) || s->events == GN_SWITCH_OFF;
+}
+static bool without_ledger(const gn_scene *s) {
+    return s->energy == GN_SWITCH_OFF;
+}
+static bool without_gravity(const gn_scene *s) {
+    return s->gravity[0] == 0.0 && s->gravity[1] == 0.0 && s->gravity[2] == 0.0;
+}
+static bool with_step(const gn_scene *s) {
+    return s->step > 0.0 && !s->has_couple;
+}
+static bool without_relaxation(const gn_scene *s) {
+    return !(s->couple.convert.relax > 0.0);
+}
+static bool all_faces(const gn_scene *s) {
+    return s->has_membrane && s->membrane.faces == GN_FACES_ALL;
+}
+static bool without_spins(const gn_scene *s) {
+    return s->rotation == GN_SWITCH_OFF;
+}
+static bool without_run(const gn_scene *s) {
+    return s->specimen_given && !*s->specimen.from;
+}
+static bool from_nodes(const gn_scene *s) {
+    return s->specimen.pack.start == GN_START_NODES;
+}
+
+static const struct {
+    const char *key;
+    bool (*idle)(const gn_scene *s);
+    const char *why;
+} scene_rows[] = {
+    {"law.coupling", unbonded, no_bonds},
+    {"law.confinement", unbonded, no_bonds},
+    {"law.softening", unbonded, no_bonds},
+    {"bonds.interaction_range", unbonded, no_bonds},
+    {"bonds.overlap_range", unbonded, no_bonds},
+    {"bonds.passive_gaps", unbonded, no_bonds},
+    {"bonds.radius_multiplier", unbonded, no_bonds},
+    {"bonds.moment_share", unbonded, no_bonds},
+    {"specimen.from_velocities", without_run, "the specimen comes from no other run"},
+    {"specimen.packing.size_ratio", from_nodes, "particles come from the nodes of the mesh"},
+    {"specimen.packing.size_variation", from_nodes, "particles come from the nodes of the mesh"},
+    {"couple.convert.relax_iterations", without_relaxation, "couple.convert.relax is none"},
+    {"couple.spins", without_spins, "law.rotation is off"},
+    {"membrane.axis", all_faces, "membrane.faces is all"},
+    {"time.safety", with_step, "time.step is given, which it is a factor of where it is auto"},
+    {"time.mass_scaling.gravity", without_gravity, "there is no gravity"},
+    {"output.events", unbonded, no_bonds},
+    {"output.burst_reach", without_events, "there is no list of events"},
+    {"run.residual_warning", without_ledger, "output.energy is off"},
+    {"run.residual_limit", without_ledger, "output.energy is off"},
+};
+
+/* ---- motions ---- */
+
+static bool is_zero(const gn_table *table) {
+    for (size_t k = 0; k < table->count; k++)
+        if (table->value[k] != 0.0) return false;
+    return true;
+}
+
+/* A plane that moves in itself, without friction. */
+static void note_walls(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    static const char *const keys[] = {"motion.vx", "motion.vy", "motion.vz"};
+    for (size_t k = 0; k < s->wall_count; k++) {
+        check c = gn_check_element(reader, root, "walls", k);
+        const gn_wall_def *w = &s->walls[k];
+        const int m = *w->material ? gn_scene_find_material(s, w->material) : -1;
+        const bool rough = w->friction > 0 || w->rolling_friction > 0 || w->twisting_friction > 0 ||
+                           m >= 0 || s->contact_count;
+        for (int a = 0; !rough && a < 3; a++)
+            if (w->normal[a] == 0.0 && !is_zero(&w->motion.velocity[a]))
+                note(&c, &w->motion, keys[a],
+                     "the wall moves in its own plane, and has no friction");
+        if (!rough) note(&c, w, "kratio", "the wall has no friction");
+    }
+}
+
+static void note_sets(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    for (size_t k = 0; k < s->set_count; k++) {
+        check c = gn_check_element(reader, root, "sets", k);
+        bool led = true;
+        for (int a = 0; a < (int)s->dimension; a++)
+            led = led && (s->sets[k].motion.velocity[a].count || s->sets[k].force[a] == 0.0);
+        if (led) note(&c, &s->sets[k], "force", "its motion is prescribed along it");
+    }
+}
+
+static void note_bodies(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    for (size_t k = 0; k < s->body_count; k++) {
+        check c = gn_check_element(reader, root, "bodies", k);
+        const gn_body_def *b = &s->bodies[k];
+        if (!*b->material &&
+            !(b->friction > 0 || b->rolling_friction > 0 || b->twisting_friction > 0))
+            note(&c, b, "kratio", "the body has no friction");
+    }
+}
+
+static void note_sources(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+    for (size_t k = 0; k < s->source_count; k++) {
+        check c = gn_check_element(reader, root, "sources", k);
+        if (s->sources[k].start >= s->end)
+            note(&c, &s->sources[k], "start", "the run ends before it (time.end)");
+    }
+}
+
+void gn_note_idle_keys(const gn_reader *reader, const gn_node *root) {
+    const gn_scene *s = reader->scene;
+    const check c = {.reader = reader, .map = root};
+    note_materials(reader, root, s);
+    note_contacts(reader, root, s);
+    for (size_t k = 0; k < sizeof scene_rows / sizeof *scene_rows; k++)
+        if (scene_rows[k].idle(s)) note(&c, s, scene_rows[k].key, scene_rows[k].why);
+    note_walls(reader, root, s);
+    note_sets(reader, root, s);
+    note_bodies(reader, root, s);
+    note_sources(reader, root, s);
+}
