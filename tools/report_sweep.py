@@ -4,6 +4,7 @@ import base64
 import itertools
 import os
 import re
+import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -249,15 +250,15 @@ def draw_pictures(sweep, folder):
 # --- curves of the runs --------------------------------------------------------------------------------
 
 def curve_of(path):
-    """(strain, stress) of a run, or (time, column) without a test; None: not to be read."""
+    """(strain, stress) of a run; None: it has no test, or its results cannot be read, which is said."""
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path, "a results file", "`gneiss sweep` computes the run again") as file:
             history = file["history"]
             if "strain" in history and "stress" in history:
                 strain, stress = history["strain"][()], history["stress"][()]
                 return (strain, stress) if np.isfinite(strain).any() and np.isfinite(stress).any() else None
-    except (OSError, KeyError, RuntimeError, ValueError):
-        pass
+    except (Unreadable, KeyError) as e:
+        print(f"report: a curve is left out: {e}", file=sys.stderr)
     return None
 
 
