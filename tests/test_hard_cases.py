@@ -50,7 +50,9 @@ def the_residual_of_a_scene_at_rest_is_that_of_its_run(folder):
     scene = spheres([], specimen={"lattice": {"kind": "fcc", "radius": 7.899042e-3, "cells": [2, 4, 4]}},
                     damping={"background": {"model": "viscous", "coefficient": 100}})
     out = done(folder, scene)
-    assert summary(out)["warnings"] == [] and abs(summary(out)["energy_residual"]) < 1e-2, summary(out)["energy_residual"]
+    said = [warning["name"] for warning in summary(out)["warnings"]]
+    assert said == ["key_without_effect"], said  # the strengths of the material: there are no bonds
+    assert abs(summary(out)["energy_residual"]) < 1e-2, summary(out)["energy_residual"]
 
 
 # --- specimens --------------------------------------------------------------------------------------------
@@ -255,8 +257,9 @@ def a_file_size_limit_is_an_error_and_leaves_earlier_files_alone(folder):
     after = contents(out)
     assert not [name for name in after if name.endswith(".tmp")], after.keys()
     for name in before:
-        if not name.endswith(".series"):
-            assert after.get(name) == before[name], f"{name} has changed"
+        if name.endswith(".series") or (name.endswith(".hdf") and name not in after):
+            continue  # a snapshot of the peak goes once a later one of a larger stress is there
+        assert after.get(name) == before[name], f"{name} has changed"
     resume(out, "--set", "time.end=0.4 ms")
     straight = os.path.join(folder, "straight")
     run(LATTICE, straight)
