@@ -19,13 +19,13 @@ enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
     LEAST_STEPS = 40,
     LEAST_COUNT = 12,
-    MOST_WRITTEN = 128,
+    MOST_WRITTEN = 64,
     ROWS_BEFORE = 100
 };
 
 /* Growth of stress and of time from one candidate of the peak to the next: before a bond has broken
  * and after that. A fall by FALL is one from a peak. */
-static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.05, GROWTH_FALLEN = 1.01, FALL = 0.01;
+static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.25, GROWTH_FALLEN = 1.01, FALL = 0.01;
 
 /* --- what a run has --- */
 
