@@ -236,7 +236,7 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
 
 /* The vector that entered `lag` turns ago, and whether there is one. */
 #define AT(lag)        (&ring[(v - (lag)) % RING])
-#define UNDER_WAY(lag) (v >= (lag) && v < vectors + (lag))
+#define UNDER_WAY(lag) (v - (lag) < vectors) /* below `lag` the difference wraps round */
 
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
                             gn_contact_sums *sums, variant w) {
@@ -319,14 +319,37 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 GN_CONTACT_KINDS(X)
 #undef X
 
+/* One body serves all options of a kind in one space, with spins or without: damping, energies and
+ * periods are branches that all vectors of a list take alike. */
+#define BODY(number, name, law, shear, friction, bonds)                                            \
+    static __attribute__((noinline)) void name##_body_##number(                                    \
+        const gn_contact_args *a, size_t begin, size_t end, gn_contact_sums *sums,                 \
+        unsigned options) {                                                                        \
+        if (ABSENT(number, law, shear, friction, bonds)) return;                                   \
+        contact_core(a, begin, end, sums,                                                          \
+                     (variant){LAW_##law, GN_BIT(number, 0), GN_BIT(number, 1), shear, friction,   \
+                               bonds, GN_BUILT(CONTACT_DAMPING) && GN_BIT(options, 2),             \
+                               GN_BUILT(ENERGY) && GN_BIT(options, 3),                             \
+                               !GN_MIXED && GN_BUILT(PERIODIC) && GN_BIT(options, 4)});            \
+    }
+#define X(number, ...)                                                                             \
+    BODY(0, __VA_ARGS__) BODY(1, __VA_ARGS__) BODY(2, __VA_ARGS__) BODY(3, __VA_ARGS__)
+#if GN_PART == 0
+GN_CONTACT_KINDS_0(X)
+#elif GN_PART == 1
+GN_CONTACT_KINDS_1(X)
+#else
+GN_CONTACT_KINDS_2(X)
+#endif
+#undef X
+
 #define WRAPPER(options, name, law, shear, friction, bonds)                                        \
     void GN_KERNEL(name##_##options)(const gn_contact_args *a, size_t begin, size_t end,           \
                                      gn_contact_sums *sums) {                                      \
-        if (ABSENT(options, law, shear, friction, bonds)) return;                                  \
-        contact_core(a, begin, end, sums,                                                          \
-                     (variant){LAW_##law, GN_BIT(options, 0), GN_BIT(options, 1), shear, friction, \
-                               bonds, GN_BIT(options, 2), GN_BIT(options, 3),                      \
-                               GN_BIT(options, 4)});                                               \
+        if (((options)&3) == 0) name##_body_0(a, begin, end, sums, options);                       \
+        if (((options)&3) == 1) name##_body_1(a, begin, end, sums, options);                       \
+        if (((options)&3) == 2) name##_body_2(a, begin, end, sums, options);                       \
+        if (((options)&3) == 3) name##_body_3(a, begin, end, sums, options);                       \
     }
 #define X(number, ...) GN_EACH_32(WRAPPER, __VA_ARGS__)
 #if GN_PART == 0

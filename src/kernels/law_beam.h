@@ -215,7 +215,7 @@ GN_INLINE contact_force beam_force(const gn_contact_args *a, size_t c, size_t en
     break_beams(a, c, end, &m, &q, sums, w);
     contact_force f = act_of(a, c, g, &q, e, w);
     if (__builtin_expect(gn_bits(gn_not(q.intact)) != 0, 0)) {
-        if (w.energy && gn_bits(q.breaking)) {
+        if (gn_bits(q.breaking) && w.energy) {
             gn_v released = released_moments(a, c, g, &m, w);
             e->bond_breaking = e->bond_breaking + gn_keep(q.breaking, released);
             note_released(a, c, gn_bits(q.breaking), released);
@@ -224,7 +224,7 @@ GN_INLINE contact_force beam_force(const gn_contact_args *a, size_t c, size_t en
                       gn_keep(q.intact, moment.z)};
         store_moment(a, COLUMN(a->contacts, moment), c, kept, w);
     }
-    if (w.energy && a->measure)
+    if (a->measure && w.energy)
         e->elastic_bending = e->elastic_bending +
                              gn_keep(q.intact, moment_work(&m, &m, stiffness_of_beam(a, c, w), w));
     return f;

@@ -122,7 +122,7 @@ GN_INLINE contact_force hertz_force(const gn_contact_args *a, size_t c, size_t e
     contact_force f = {p.normal, {zero, zero, zero}};
     if (w.damping) f.normal = p.normal + hertz_viscous(a, c, g, kn, beyond, &p, e, w);
     if (w.shear) f.shear = hertz_shear(a, c, g, &p, f.normal, touching, e, w);
-    if (w.energy && a->measure)
+    if (a->measure && w.energy)
         e->elastic_normal = e->elastic_normal + gn_hertz_stored(p.normal, overlap);
     return f;
 }

@@ -377,11 +377,11 @@ GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *
             total = damped(a, c, speed, path, q, e, w);
         }
         if (w.shear) limit_shear(a, c, total, q, w);
-        if (w.energy && gn_bits(gn_or(q->slipping, q->breaking)))
+        if (gn_bits(gn_or(q->slipping, q->breaking)) && w.energy)
             book_release(a, c, g, path, q, e, w);
     }
     if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q->t, w.space);
-    if (w.energy && a->measure) book_elastic(q, e, w);
+    if (a->measure && w.energy) book_elastic(q, e, w);
     return (contact_force){total, q->t};
 }
 

@@ -325,9 +325,9 @@ GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size
         if (w.space) q.t.z = gn_where(q.intact, s.slipped.z, q.t.z);
     }
     gn_m lost = gn_or(gn_or(q.slipping, q.breaking), gn_or(s.softening, s.yielding));
-    if (w.energy && __builtin_expect(gn_bits(lost) != 0, 0)) book_softening(a, c, g, &q, &s, e, w);
+    if (__builtin_expect(gn_bits(lost) != 0, 0) && w.energy) book_softening(a, c, g, &q, &s, e, w);
     gn_store3(COLUMN(a->contacts, shear) + c, a->contacts->soa.capacity, q.t, w.space);
-    if (w.energy && a->measure) {
+    if (a->measure && w.energy) {
         book_elastic(&q, e, w);
         e->elastic_normal =
             e->elastic_normal + gn_keep(s.crossing, gn_set(0.5) * (s.stored - q.normal * q.way));
