@@ -1,6 +1,7 @@
 /* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the
- * build) and expanded once per variant with literal arguments, so that an effect that is off leaves
- * no code.
+ * build) and expanded per kind of list, space and spins with literal arguments, so that what a kind
+ * does not have leaves no code. Damping, energies and periods are branches: all contacts of a list
+ * take them alike, and kernels of their own would be eight times as much to compile.
  *
  * Per contact: geometry and motion from the rows of the two particles, forces by the law
  * (law_<name>.h). Output: the block's partial sums of force and moment per particle, which
