@@ -19,7 +19,7 @@ enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
     LEAST_STEPS = 40,
     LEAST_COUNT = 12,
-    MOST_WRITTEN = 64,
+    MOST_WRITTEN = 128,
     ROWS_BEFORE = 100
 };
 
