@@ -29,13 +29,26 @@ static const range of_particles[] = {
 };
 
 static const range of_contacts[] = {
-    {"kn", -1, 0.0, ANY},      {"kt", -1, 0.0, ANY},          {"mu", -1, 0.0, ANY},
-    {"cn", -1, 0.0, ANY},      {"length0", -1, 0.0, FAR},     {"rt", -1, 0.0, ANY},
-    {"section", -1, 0.0, ANY}, {"soft", -1, 0.0, 1.0},        {"kappa", -1, 0.0, 1.0},
-    {"beam", -1, 0.0, FAR},    {"share", -1, 0.0, ANY},       {"closeness", -1, 0.0, ANY},
-    {"reduced", -1, 0.0, FAR}, {"rolling", -1, 0.0, FAR},     {"twisting", -1, 0.0, FAR},
-    {"most", -1, 0.0, FAR},    {"cause", -1, 0, GN_BOND_NEVER},           {"area", -1, 0.0, ANY},
-    {"looked", -1, -2.0, 2.0}, {"broken_time", -1, 0.0, ANY},
+    {"kn", -1, 0.0, ANY},
+    {"kt", -1, 0.0, ANY},
+    {"mu", -1, 0.0, ANY},
+    {"cn", -1, 0.0, ANY},
+    {"length0", -1, 0.0, FAR},
+    {"rt", -1, 0.0, ANY},
+    {"section", -1, 0.0, ANY},
+    {"soft", -1, 0.0, 1.0},
+    {"kappa", -1, 0.0, 1.0},
+    {"beam", -1, 0.0, FAR},
+    {"share", -1, 0.0, ANY},
+    {"closeness", -1, 0.0, ANY},
+    {"reduced", -1, 0.0, FAR},
+    {"rolling", -1, 0.0, FAR},
+    {"twisting", -1, 0.0, FAR},
+    {"most", -1, 0.0, FAR},
+    {"cause", -1, 0, GN_BOND_NEVER},
+    {"area", -1, 0.0, ANY},
+    {"looked", -1, -2.0, 2.0},
+    {"broken_time", -1, 0.0, ANY},
 };
 
 static const range of_elements[] = {
