@@ -14,8 +14,8 @@ static void join_repeated(const gn_body_shape *shape, const double *node, int32_
     for (size_t f = 0; f < shape->facets; f++) {
         const size_t next = f + 1 < shape->facets ? f + 1 : 0;
         const int32_t end = corner[2 * f + 1], start = corner[2 * next];
-        if (memcmp(node + 3 * (size_t)end, node + 3 * (size_t)start, 3 * sizeof *node) == 0)
-            corner[2 * f + 1] = start;
+        const double *a = node + 3 * (size_t)end, *b = node + 3 * (size_t)start;
+        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) corner[2 * f + 1] = start;
     }
 }
 

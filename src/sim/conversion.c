@@ -202,7 +202,53 @@ gneiss_status gn_conversion_kinds(const gn_world *w, uint8_t *kind, gneiss_error
 
 /* --- waking --- */
 
-#define GN_PART_ROUNDING 1e-12
+#define GN_PART_ROUNDING  1e-12
+#define GN_SHAPE_ROUNDING 1e-9
+
+/* Whether an element has all nodes that the place of a tie depends on: the place is in it. */
+static bool shares_place(const gn_fem_solid *b, const gn_tie *tie, size_t e) {
+    for (int a = 0; a <= b->dimension; a++) {
+        bool found = fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
+        for (int k = 0; k <= b->dimension && !found; k++)
+            found = gn_elements_node(&b->elements, k)[e] == tie->node[a];
+        if (!found) return false;
+    }
+    return true;
+}
+
+size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
+                            int32_t element[GN_AROUND_MOST]) {
+    bool on_face = false;
+    size_t count = 0;
+    for (int a = 0; a <= b->dimension; a++)
+        on_face = on_face || fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;
+    if (!on_face) {
+        element[0] = tie->element;
+        return 1;
+    }
+    for (size_t e = 0; e < b->elements.soa.count && count < GN_AROUND_MOST; e++)
+        if (shares_place(b, tie, e)) element[count++] = (int32_t)e;
+    return count;
+}
+
+/* The spin of the body at a place, 1/s: half of the curl of velocities, the mean of the elements
+ * there. */
+static void find_spin(const gn_fem_solid *b, const gn_tie *tie, double spin[3]) {
+    int32_t element[GN_AROUND_MOST];
+    const size_t count = gn_conversion_around(b, tie, element);
+    spin[0] = spin[1] = spin[2] = 0.0;
+    for (size_t e = 0; e < count; e++) {
+        gn_tie at = gn_tie_at(b, element[e], b->nodes.start);
+        const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &at};
+        double g[4][3];
+        gn_tie_gradients(&one, 0, &b->nodes, g);
+        for (int a = 0; a < one.corners; a++) {
+            double of[3];
+            gn_cross3(g[a], b->nodes.vel + 4 * (size_t)at.node[a], of);
+            for (int k = 0; k < 3; k++) spin[k] += 0.5 * of[k] / (double)count;
+        }
+    }
+}
 
 /* With the motion of the element that it is in. */
 static void wake(const gn_conversion *c, size_t p) {
@@ -210,20 +256,16 @@ static void wake(const gn_conversion *c, size_t p) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
     gn_tie tie = gn_tie_at(b, gn_home_of(c, p), q->start + 4 * p);
     const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &tie};
-    double g[4][3], u[3], v[3], curl[3] = {0.0};
+    double u[3], v[3], spin[3];
     gn_tie_travel(&one, 0, &b->nodes, u);
     gn_tie_mean(&one, 0, b->nodes.vel, v);
-    gn_tie_gradients(&one, 0, &b->nodes, g);
-    for (int a = 0; a < one.corners; a++) {
-        double of[3];
-        gn_cross3(g[a], b->nodes.vel + 4 * (size_t)tie.node[a], of);
-        for (int k = 0; k < 3; k++) curl[k] += 0.5 * of[k];
-    }
     for (size_t k = 0; k < (size_t)b->dimension; k++) {
         q->pos[4 * p + k] = q->start[4 * p + k] + u[k];
         q->vel[4 * p + k] = v[k];
     }
-    for (size_t k = b->dimension == 3 ? 0 : 2; q->spin && k < 3; k++) q->spin[4 * p + k] = curl[k];
+    if (!q->spin) return;
+    find_spin(b, &tie, spin);
+    for (size_t k = b->dimension == 3 ? 0 : 2; k < 3; k++) q->spin[4 * p + k] = spin[k];
 }
 
 /* What part of the body a particle is now: 1 less what the elements have at its place. */

@@ -38,21 +38,39 @@ static void grow(const gn_conversion *c, gn_contacts *list) {
     }
 }
 
-/* Turns of the elements that were asked for last: a few elements have many bonds. */
+/* Turns at the particles that were asked for last: a particle has many bonds, which lie together.
+ */
 enum { TURNS = 256 };
 typedef struct turns {
-    int32_t element[TURNS]; /* by its place modulo their number; -1: none */
+    int32_t particle[TURNS]; /* by its number modulo theirs; -1: none */
     double turn[TURNS][3][3];
 } turns;
 
-/* Of the element that a particle is in, or was the last; what moves by itself has none that is
- * known. */
+/* The mean turn of the elements at the place of a particle. */
+static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_tie tie =
+        gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
+    int32_t element[GN_AROUND_MOST];
+    double one[3][3];
+    const size_t count = gn_conversion_around(b, &tie, element);
+    gn_fem_turn(b, (size_t)element[0], turn);
+    for (size_t e = 1; e < count; e++) {
+        gn_fem_turn(b, (size_t)element[e], one);
+        for (int r = 0; r < 3; r++)
+            for (int k = 0; k < 3; k++) turn[r][k] += one[r][k];
+    }
+    for (int r = 0; r < 3 && count > 1; r++)
+        for (int k = 0; k < 3; k++) turn[r][k] /= (double)count;
+}
+
+/* Of the elements that a particle is in, or was the last; one that moves by itself has none that
+ * is known. */
 static bool turn_of(const gn_conversion *c, turns *known, int32_t p, double turn[3][3]) {
-    const int32_t e = gn_home_of(c, (size_t)p), at = e % TURNS;
-    if (e < 0) return false;
-    if (known->element[at] != e)
-        gn_fem_turn(gn_coupled_solid(c->world), (size_t)e, known->turn[at]);
-    known->element[at] = e;
+    const int32_t at = p % TURNS;
+    if (gn_home_of(c, (size_t)p) < 0) return false;
+    if (known->particle[at] != p) find_turn(c, p, known->turn[at]);
+    known->particle[at] = p;
     memcpy(turn, known->turn[at], sizeof known->turn[at]);
     return true;
 }
@@ -143,7 +161,7 @@ static void fill(const gn_conversion *c, gn_contacts *now) {
     turns turned;
     part q = {0};
     size_t old = 0;
-    for (size_t k = 0; k < TURNS; k++) turned.element[k] = -1;
+    for (size_t k = 0; k < TURNS; k++) turned.particle[k] = -1;
     for (size_t k = 0; k < all->soa.count; k++) {
         if (!c->active[k]) continue;
         const bool known =

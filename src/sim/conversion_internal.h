@@ -142,4 +142,11 @@ double gn_tally_turns(const gn_tally *t, size_t dimension);
  * conversion is done. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);
 
+/* The elements that the place of a tie is in: one, or those that share the face, edge or node that
+ * it is on, GN_AROUND_MOST at most. Gradients jump there; a mean over them gives mirror images of a
+ * body mirrored values, whichever element comes first. */
+enum { GN_AROUND_MOST = 64 };
+size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
+                            int32_t element[GN_AROUND_MOST]);
+
 #endif

@@ -12,7 +12,7 @@ typedef struct gn_element_body {
 } gn_element_body;
 
 /* Finds them; the caller frees contact.bodies and contact.body. */
-gneiss_status gn_element_bodies_find(struct gn_element_model *model, gneiss_error *error);
+gneiss_status gn_element_bodies_find(struct gn_element_model *q, gneiss_error *error);
 
 /* 1/kg with which the body of a facet gives way as a whole along a unit vector at a point of the
  * facet, where the shape functions of its corners are `weight`. */

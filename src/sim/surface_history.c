@@ -19,26 +19,26 @@ static void take_columns(double *column, size_t stride, double out[3]) {
     }
 }
 
-size_t gn_touch_recall(gn_wall_contacts *q, size_t begin, size_t end, gn_touch_memory *old) {
-    size_t count = 0, stride = q->soa.capacity;
+size_t gn_touch_recall(gn_wall_contacts *rows, size_t begin, size_t end, gn_touch_memory *old) {
+    size_t count = 0, stride = rows->soa.capacity;
     for (size_t c = begin; c < end; c++) {
-        memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
-        double *n = q->normal + c, x = n[0], y = n[stride], z = n[2 * stride];
+        memset(rows->row + 8 * c, 0, 8 * sizeof *rows->row);
+        double *n = rows->normal + c, x = n[0], y = n[stride], z = n[2 * stride];
         if (x == 0.0 && y == 0.0 && z == 0.0) continue;
         gn_touch_memory *m = &old[count < GN_SURFACE_CONTACTS ? count++ : GN_SURFACE_CONTACTS];
         m->row = c;
         m->taken = false;
         take_columns(n, stride, m->n);
         split_normal(m, sqrt(x * x + y * y + z * z));
-        if (q->shear) take_columns(q->shear + c, stride, m->shear);
-        if (q->roll) take_columns(q->roll + c, stride, m->roll);
-        m->still = !q->shear && !q->roll;
-        if (!q->shear) memset(m->shear, 0, sizeof m->shear);
-        if (!q->roll) memset(m->roll, 0, sizeof m->roll);
-        m->fd = q->fd ? q->fd[c] : 0.0;
-        if (q->fd) q->fd[c] = 0.0;
-        m->closeness = q->closeness ? q->closeness[c] : 0.0;
-        if (q->closeness) q->closeness[c] = 0.0;
+        if (rows->shear) take_columns(rows->shear + c, stride, m->shear);
+        if (rows->roll) take_columns(rows->roll + c, stride, m->roll);
+        m->still = !rows->shear && !rows->roll;
+        if (!rows->shear) memset(m->shear, 0, sizeof m->shear);
+        if (!rows->roll) memset(m->roll, 0, sizeof m->roll);
+        m->fd = rows->fd ? rows->fd[c] : 0.0;
+        if (rows->fd) rows->fd[c] = 0.0;
+        m->closeness = rows->closeness ? rows->closeness[c] : 0.0;
+        if (rows->closeness) rows->closeness[c] = 0.0;
     }
     return count;
 }
