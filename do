@@ -91,11 +91,11 @@ configure() {
     printf '%s' "$wanted" >"$stamp"
 }
 
-# What a step of a build takes, in tenths of a second of one core: kernels of contacts are compiled for half a minute each.
+# What a step of a build takes, in tenths of a second of one core.
 step_work() {
     case $1 in
-    *mixed*contact_template*) work=200 ;;
-    *contact_template*) work=300 ;;
+    *mixed*contact_template*) work=30 ;;
+    *contact_template*) work=45 ;;
     *motion_template*) work=100 ;;
     *Compiling*) work=8 ;;
     *) work=2 ;;
@@ -169,8 +169,8 @@ build() {
     cores=$(nproc)
     expected=$((all / 10 / cores))
     if ((expected >= 20)); then
-        say "building ${what:-everything} in $1: $steps steps, about $(span "$expected") on $cores idle cores, most of it kernels" \
-            "(less where ccache has them)"
+        say "building ${what:-everything} in $1: $steps steps, about $(span "$expected") on $cores idle cores" \
+            "(less where ccache has some of it)"
     else
         say "building ${what:-everything} in $1: $steps steps"
     fi
