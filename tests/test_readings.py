@@ -417,5 +417,25 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
     assert abs(found["peak_strain"] / there["peak_strain"] - 1) < 0.05, (found["peak_strain"], there["peak_strain"])
 
 
+@fact
+def a_gap_to_unbonded_grains_that_counts_as_strain_is_said(folder):
+    """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it from contact."""
+    height = 30e-3
+    for gap, said in ((0.5e-3, "strain counts from the start"), (5e-3, "strain counts from contact")):
+        scene = packed("compression", bonds={"enabled": "off"}, time={"end": 1e-3}, gravity=[0, 0, 0])
+        scene["specimen"]["packing"] = {"size_ratio": 3}
+        scene["test"]["length"] = height
+        scene["walls"][1]["point"][2] += gap
+        for key in ("tensile_strength", "shear_strength"):
+            del scene["materials"][0][key]
+        told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        line = re.search(r"ends +begin (\S+) m in all away.*", told)
+        assert line and said in line[0] and 0.9 * gap < float(line[1]) < gap + 1e-3, told
+        out, _ = run_scene(folder, scene, "--quiet", "--force")
+        rows = history(out)
+        counted = rows["strain"][-1] * height / rows["deflection"][-1]
+        assert abs(counted - (1 if "start" in said else 0)) < 1e-6, (gap, counted)
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -464,6 +464,19 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
     return status;
 }
 
+/* Grains that nothing bonds have gaps to the ends as they have to each other: those count as
+ * strain, which is worth a line from a thousandth on. */
+static void print_loose_gap(const gn_world *w) {
+    double lower, upper;
+    bool away[2];
+    gn_ends_gaps(w, &lower, &upper, away);
+    const double gap = (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
+    if (w->effects & GN_FX_BONDS || !(gap > 1e-3 * w->test_length)) return;
+    printf("  ends             begin %.4g m in all away from the outermost grains, which nothing "
+           "bonds: strain counts from the start, up to %.2g before both ends touch\n",
+           gap, gap / w->test_length);
+}
+
 /* What moduli and strains of the test are read by. */
 static void print_section(const gn_world *w) {
     const gn_bar_section *x = &w->section;
@@ -490,6 +503,7 @@ static void print_section(const gn_world *w) {
         printf("  ends             begin %.4g m in all away from the specimen: strain counts from "
                "contact\n",
                w->approach.gap);
+    print_loose_gap(w);
 }
 
 static void print_volume(const gn_world *w) {
