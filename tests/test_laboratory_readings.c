@@ -89,6 +89,27 @@ static void damage_begins_where_the_volume_is_least(void **state) {
     assert_close(r.crack_damage_stress, stress_at(0.75), 1e-3); /* a row */
 }
 
+/* Slopes of 1 and -3 before bonds break at 30 % of the load, of 2 and -2 from there on. */
+static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain",           "stress",         "centre_stress_xx",
+                                        "centre_stress_yy", "broken_tension", "broken_shear"};
+    table t = table_of(names, 6);
+    for (int k = 0; k <= 220; k++) {
+        const double load = k <= 200 ? k : 20, more = fmax(load - 60, 0);
+        double row[] = {k, load, load + more, more - 3 * load, more, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_tested tested = {.kind = GN_TEST_BRAZILIAN, .dimension = 2, .sign = 1, .axis = 1};
+    gn_readings r;
+    gn_readings_compute(&t.h, &tested, &r);
+    gn_history_free(&t.h);
+    assert_close(r.elastic_stress, 61, 1e-12);
+    assert_close(r.centre_ratio, 1, 1e-9);
+    assert_close(r.centre_compression_ratio, 3, 1e-9);
+}
+
 /* A start that others have loaded may expand as soon as it is sheared or pressed. */
 static void what_only_expands_has_no_onset_of_damage(void **state) {
     (void)state;
@@ -544,6 +565,7 @@ int main(void) {
         cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
         cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
         cmocka_unit_test(damage_begins_where_the_volume_is_least),
+        cmocka_unit_test(ratios_in_the_middle_of_a_disc_are_those_before_it_cracks),
         cmocka_unit_test(what_only_expands_has_no_onset_of_damage),
         cmocka_unit_test(what_broke_is_told_though_the_stress_has_the_other_sense),
         cmocka_unit_test(friction_that_slides_is_a_strength_of_shear),

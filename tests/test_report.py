@@ -179,6 +179,27 @@ def names_of_stages_and_legends_do_not_lie_over_each_other(folder):
         report_curves.plt.close(figure)
 
 
+def the_line_of_the_modulus_lies_on_the_curve(folder):
+    """Where the section of the body varies E is another number than the slope of the curve, which the line has."""
+    path = os.path.join(folder, "results.h5")
+    for factor in (1.0, 0.7):
+        make("cylinder", path)
+        with h5py.File(path, "r+") as file:
+            strain = np.asarray(file["history/strain"])
+            stress = np.where(strain < 0.8 * strain.max(), 20e9 * strain, 20e9 * (1.6 * strain.max() - strain))
+            file["history/stress"][...] = stress
+            file["readings/young_modulus"][...] = factor * 20e9
+        drawn = []
+        kept, report_curves.save = report_curves.save, lambda figure, path: drawn.extend(figure.axes[0].lines)
+        assert report_curves.plot_stress(report.Results(path), os.path.join(folder, "no.png"))
+        report_curves.save = kept
+        line, = (one for one in drawn if "E = " in one.get_label())
+        x, y = (np.asarray(values, float) for values in line.get_data())
+        scale = stress.max() / max(np.nanmax(np.asarray(one.get_ydata(), float)) for one in drawn)
+        assert abs(scale * (y[1] - y[0]) / (x[1] - x[0]) * 100 / 20e9 - 1) < 0.01, (factor, x, y)
+        assert f"E = {20 * factor:.3g} GPa" in line.get_label() and ("slope 20 GPa" in line.get_label()) == (factor < 1), line.get_label()
+
+
 def curves_of_a_test_are_those_of_the_last_stage(folder):
     """From the rows 50 to 199, ways and strains from the first of them."""
     path = os.path.join(folder, "results.h5")
@@ -707,6 +728,7 @@ def main():
         parameters_have_units_and_few_digits_and_no_idle_keys,
         panes_of_walls_are_before_the_specimen, a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
         a_damaged_chunk_is_refused, stages_are_those_of_the_history, names_of_stages_and_legends_do_not_lie_over_each_other, curves_of_a_test_are_those_of_the_last_stage,
+        the_line_of_the_modulus_lies_on_the_curve,
         curves_of_an_envelope_are_those_of_its_readings, each_of_several_envelopes_has_its_rows_and_its_reason, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         gravity_or_z_is_up_unless_a_specimen_stands, a_bed_is_seen_from_above_and_what_moves_by_its_speed, colours_are_those_of_quantiles,

@@ -70,6 +70,16 @@ def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
 
 
 @fact
+def snapshots_of_the_peak_are_kept_however_late_time_end_is(folder):
+    """At 70 and 700 times the time of the peak: rows and regular snapshots are then far apart."""
+    for end in ("15 ms", "150 ms"):
+        shutil.rmtree(folder, ignore_errors=True)
+        run(UCS, folder, "--threads", 1, *LATE, "--set", "output.history_rows=400", "--set", f"time.end={end}")
+        check_snapshots_of_peak(folder)
+        assert len(series(folder)) <= 10 + 4
+
+
+@fact
 def few_snapshots_have_those_of_the_peak_as_well(folder):
     early(folder, "--set", "output.snapshots=1")
     check_snapshots_of_peak(folder)

@@ -80,10 +80,11 @@ def save(figure, path):
 
 
 def fit_line(results, strain, stress):
-    """(slope, intercept, highest stress) of E from 1 % of the largest stress to elastic_stress; None when E could not be read."""
-    slope = results.scalar(results.readings, "young_modulus")
+    """(slope, intercept, highest stress, E) from 1 % of the largest stress to elastic_stress; None when E could not be read. Where the
+    section varies E is not the slope of the curve, which is that of a prism of the area: the line is fitted to the curve."""
+    modulus = results.scalar(results.readings, "young_modulus")
     peak = int(np.nanargmax(stress))
-    if not np.isfinite(slope) or not stress[peak] > 0:
+    if not np.isfinite(modulus) or not stress[peak] > 0:
         return None
     rising = np.arange(len(stress)) <= peak
     until = results.scalar(results.readings, "elastic_stress")
@@ -91,7 +92,11 @@ def fit_line(results, strain, stress):
     used = rising & (stress >= 0.01 * stress[peak]) & (stress <= until) & np.isfinite(strain)
     if not used.any():
         return None
-    return slope, float(np.mean(stress[used] - slope * strain[used])), until
+    slope, over = modulus, strain[used] - np.mean(strain[used])
+    if used.sum() > 2 and np.ptp(over) > 0:
+        fitted = float(over @ stress[used] / (over @ over))
+        slope = fitted if abs(fitted / modulus - 1) > 0.02 else modulus
+    return slope, float(np.mean(stress[used] - slope * strain[used])), until, modulus
 
 
 def peak_name(results):
@@ -116,11 +121,12 @@ def plot_stress(results, path):
     peak = int(np.nanargmax(stress))
     line = fit_line(results, strain, stress)
     if line:
-        slope, start, until = line
+        slope, start, until, modulus = line
         top = np.array([0.0, 0.9 * stress[peak]])
-        e_factor, e_unit = scale_of([slope], "Pa")
+        e_factor, e_unit = scale_of([modulus], "Pa")
+        drawn = "" if slope == modulus else f"slope {slope / e_factor:.3g} {e_unit}, "
         axes.plot(100 * (top - start) / slope, top / factor, color=BLUE, lw=1.2, dashes=(6, 2), zorder=4,
-                  label=f"E = {slope / e_factor:.3g} {e_unit} (fit 1–{100 * until / stress[peak]:.0f} %)")
+                  label=f"{drawn}E = {modulus / e_factor:.3g} {e_unit} (fit 1–{100 * until / stress[peak]:.0f} %)")
         axes.axhspan(0.01 * stress[peak] / factor, until / factor, color=BLUE, alpha=0.05, lw=0)
     if stress[peak] > 0 and np.isfinite(strain[peak]):
         axes.plot(100 * strain[peak], stress[peak] / factor, "o", color=RED, ms=6, zorder=5,

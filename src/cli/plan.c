@@ -464,12 +464,35 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
     return status;
 }
 
+/* Grains that nothing bonds have gaps to the ends as they have to each other: those count as
+ * strain, which is worth a line from a thousandth on. */
+static void print_loose_gap(const gn_world *w) {
+    double lower, upper;
+    bool away[2];
+    gn_ends_gaps(w, &lower, &upper, away);
+    const double gap = (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
+    if (w->effects & GN_FX_BONDS || !(gap > 1e-3 * w->test_length)) return;
+    printf("  ends             begin %.4g m in all away from the outermost grains, which nothing "
+           "bonds: strain counts from the start, up to %.2g before both ends touch\n",
+           gap, gap / w->test_length);
+}
+
 /* What moduli and strains of the test are read by. */
 static void print_section(const gn_world *w) {
-    if (w->section.mean > 0.0)
+    const gn_bar_section *x = &w->section;
+    if (x->mean > 0.0 && x->guessed != 0.0)
+        printf(
+            "  section          varies along %c, %.3g of the mean at the narrowest place, and no "
+            "shape measures it: moduli are read as of a prism, over %.4g m2\n",
+            "xyz"[w->scene.test.axis], x -> narrowest / x -> mean, w -> test_area);
+    else if (x->mean > 0.0)
         printf("  section          %.4g m2 in the mean, %.4g m2 at the narrowest place: moduli are "
                "read by the mean of 1/area, stresses over %.4g m2\n",
-               w->section.mean, w->section.narrowest, w->test_area);
+               x->mean, x->narrowest, w->test_area);
+    if (x->mean > 0.0 && x->guessed == 0.0 && x->spread > 0.02)
+        printf("  section          changes fast beside its width: moduli are read some %.2g %% too "
+               "low, as stresses spread gradually\n",
+               100.0 * x->spread);
     const gn_test *t = &w->scene.test;
     const double mean = w->volume / gn_world_side(w, t->axis < 0 ? 0 : (int)t->axis);
     const bool given = gn_test_in(t->kind, GN_TESTS_PRISMS) && (t->area > 0.0 || t->diameter > 0.0);
@@ -480,6 +503,7 @@ static void print_section(const gn_world *w) {
         printf("  ends             begin %.4g m in all away from the specimen: strain counts from "
                "contact\n",
                w->approach.gap);
+    print_loose_gap(w);
 }
 
 static void print_volume(const gn_world *w) {

@@ -148,8 +148,8 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, centre_tension, GN_TESTS(BRAZILIAN), "Pa",                                                \
       "mean stress across the load about the middle of the disc at the peak, tension positive")    \
     Y(X, centre_ratio, GN_TESTS(BRAZILIAN), "1",                                                   \
-      "the same over 2 P/(pi D t): slope from 1 to 50 % of the largest load; 1 between line "      \
-      "loads")                                                                                     \
+      "the same over 2 P/(pi D t): slope from 1 % of the largest load to elastic_stress; 1 "       \
+      "between line loads")                                                                        \
     Y(X, centre_compression_ratio, GN_TESTS(BRAZILIAN), "1",                                       \
       "stress along the load there, compression positive, over 2 P/(pi D t): 3 between line "      \
       "loads (Hondros 1959)")                                                                      \

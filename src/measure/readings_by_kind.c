@@ -31,9 +31,9 @@ static const double *tensor(const gn_curves *c, const char *name, int axis) {
 
 static void ratio_in_the_middle(const gn_curves *c, gn_reading which, const double *column,
                                 double sign, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->stress, column, c->loading);
+    gn_line_fit f = gn_line(c, c->stress, column, c->elastic);
     *value = sign * f.slope;
-    gn_need_rows(c, which, r);
+    gn_need_elastic_rows(c, which, r);
     if (f.error > gn_scatter_allowed * fmax(1.0, fabs(f.slope)))
         gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.2g", f.error);
 }

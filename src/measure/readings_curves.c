@@ -35,8 +35,10 @@ void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
 
 double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *r) {
     if (isnan(factor))
-        gn_reading_absent(r, which,
-                          "the section of the specimen varies along the axis by too much");
+        gn_reading_absent(
+            r, which,
+            "the section of the specimen varies along the axis by too much or too fast "
+            "for a slender bar");
     return factor > 0 ? factor * slope : slope;
 }
 

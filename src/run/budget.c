@@ -107,6 +107,15 @@ static void measure_rows(const gn_history *h, gn_reading which, gn_error_causes 
     if (value && row > 0) raise(c, "rows", (value[row] - value[row - 1]) / value[row]);
 }
 
+/* The ends of a body whose section changes fast come closer than those of a slender bar. */
+static void add_section(const gn_world *w, gn_reading which, gn_error_causes *c) {
+    const gn_bar_section *x = &w->section;
+    if (which != GN_READING_young_modulus || x->guessed != 0.0 || !(x->spread > 0.0)) return;
+    gn_causes_add(c, "section", x->spread, false);
+    gn_error_cause *cause = gn_causes_find(c, "section");
+    if (cause) cause->bias = -x->spread;
+}
+
 /* A peak lies between two rows: with as many up to it as this it is off by less than a percent. */
 enum { ROWS_LEAST = 20 };
 
@@ -140,6 +149,7 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
         if (!gn_causes_predict(&g, name, &b->of[k])) continue;
         measure(w, b, &b->of[k]);
         measure_rows(h, (gn_reading)k, &b->of[k]);
+        add_section(w, (gn_reading)k, &b->of[k]);
         if (r->nonlinearity[k] > 0.0) raise(&b->of[k], "nonlinearity", r->nonlinearity[k]);
     }
     return GNEISS_OK;

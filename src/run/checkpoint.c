@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 18 };
+enum { FORMAT = 19 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -264,7 +264,8 @@ static bool kept_is_good(const gn_run *run) {
         good = good && s->step >= 0.0 && s->step <= (double)run->world.step &&
                s->step == floor(s->step) && s->part >= 0.0 &&
                s->part < (1 << GN_SNAPSHOT_HALVINGS) &&
-               (s->kind == GN_KEPT_PEAK || s->kind == GN_KEPT_HALF || s->kind == GN_KEPT_REGULAR);
+               (s->kind == GN_KEPT_PEAK || s->kind == GN_KEPT_HALF || s->kind == GN_KEPT_REGULAR ||
+                s->kind == GN_KEPT_BEFORE);
     }
     return good;
 }

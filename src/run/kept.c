@@ -20,7 +20,8 @@ enum {
     LEAST_STEPS = 40,
     LEAST_COUNT = 12,
     MOST_WRITTEN = 128,
-    ROWS_BEFORE = 100
+    ROWS_BEFORE = 100,
+    STEPS_BEFORE = 300 /* where rows are far apart */
 };
 
 /* Growth of stress and of time from one candidate of the peak to the next: before a bond has broken
@@ -100,6 +101,18 @@ static bool is_candidate(gn_run *run, double stress) {
     return stress > growth * least && now > growth * from;
 }
 
+/* Ends that bear nothing at first begin the test as soon as they move, which rows show before looks
+ * do. */
+static bool begins_unloaded(const gn_run *run) {
+    const double *stress = gn_history_column(&run->history, "stress");
+    return stress && run->history.row_count && !(stress[0] > 0.0);
+}
+
+static bool has_moved(const gn_run *run) {
+    const double *strain = gn_history_column(&run->history, "strain");
+    return strain && strain[run->history.row_count - 1] > strain[0];
+}
+
 /* Whether the test goes on; its first rows are none of it. */
 static bool has_begun(gn_run *run, bool look) {
     gn_kept *k = &run->kept;
@@ -108,6 +121,7 @@ static bool has_begun(gn_run *run, bool look) {
     const bool before = k->beginning.begun;
     if (look)
         gn_beginning_look(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
+    if (begins_unloaded(run)) return k->beginning.begun || has_moved(run);
     if (k->beginning.begun && !before) k->peak = 0.0;
     return k->beginning.begun;
 }
@@ -122,7 +136,8 @@ void gn_kept_row(gn_run *run, bool look) {
         k->fell = k->halved = 0;
     }
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
-    if (rows < ROWS_BEFORE || !(k->peak > 0.0) || !gn_run_loaded(run, k->peak)) return;
+    const bool early = rows < ROWS_BEFORE && run->world.step < STEPS_BEFORE;
+    if (early || !(k->peak > 0.0) || !gn_run_loaded(run, k->peak)) return;
     if (is_candidate(run, stress)) k->due |= GN_KEPT_PEAK;
     if (stress <= 0.5 * k->peak && !k->halved) {
         k->halved = 1;
@@ -188,7 +203,9 @@ static size_t nearest_before(const gn_kept *k, double share) {
     const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
     size_t nearest = k->count;
     for (size_t n = 0; n < k->count; n++) {
-        if (k->list[n].kind != GN_KEPT_REGULAR || (peak && k->list[n].step > peak->step)) continue;
+        const double kind = k->list[n].kind;
+        if (kind != GN_KEPT_REGULAR && kind != GN_KEPT_BEFORE) continue;
+        if (peak && k->list[n].step > peak->step) continue;
         const double off = fabs(k->list[n].stress - share * k->peak);
         if (nearest == k->count || off < fabs(k->list[nearest].stress - share * k->peak))
             nearest = n;
@@ -277,17 +294,34 @@ static gneiss_status note_regular(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Former ones of the peak stay that are nearest to half of it; `over`: no higher peak may come, for
+ * which those above are needed. */
+static gneiss_status drop_former(gn_run *run, bool over, gneiss_error *error) {
+    gn_kept *k = &run->kept;
+    const size_t nearest = nearest_before(k, 0.5);
+    if (nearest == k->count) return GNEISS_OK;
+    const double stress = k->list[nearest].stress, step = k->list[nearest].step;
+    for (size_t n = k->count; n > 0; n--) {
+        const gn_kept_snapshot *s = &k->list[n - 1];
+        if (s->kind != GN_KEPT_BEFORE || s->step == step) continue;
+        if (over || s->stress <= stress) GN_TRY(drop(run, n - 1, error));
+    }
+    return GNEISS_OK;
+}
+
 /* The one before of its kind; with a peak also what came after an earlier one. */
 static gneiss_status replace(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
     gn_kept *k = &run->kept;
     const double now = (double)run->world.step;
     for (size_t n = k->count; n > 0; n--) {
-        const gn_kept_snapshot *s = &k->list[n - 1];
+        gn_kept_snapshot *s = &k->list[n - 1];
         const bool same = s->kind == (double)kind && s->step < now;
-        if (same || (kind == GN_KEPT_PEAK && s->kind == GN_KEPT_HALF))
+        if (same && kind == GN_KEPT_PEAK)
+            s->kind = GN_KEPT_BEFORE;
+        else if (same || (kind == GN_KEPT_PEAK && s->kind == GN_KEPT_HALF))
             GN_TRY(drop(run, n - 1, error));
     }
-    return GNEISS_OK;
+    return kind == GN_KEPT_PEAK ? drop_former(run, false, error) : GNEISS_OK;
 }
 
 gneiss_status gn_kept_note(gn_run *run, gneiss_error *error) {
@@ -309,5 +343,5 @@ gneiss_status gn_kept_finish(gn_run *run, gneiss_error *error) {
     gn_kept *k = &run->kept;
     const int64_t wanted = run->world.scene.snapshots;
     while (k->halvings > 0 && (int64_t)count_regular(k) > wanted) GN_TRY(thin(run, error));
-    return GNEISS_OK;
+    return drop_former(run, true, error);
 }

@@ -12,8 +12,9 @@
 typedef enum gn_kept_kind {
     GN_KEPT_PEAK = 1,
     GN_KEPT_HALF = 2,
-    GN_KEPT_REGULAR = 4
-} gn_kept_kind; /* bits of gn_kept.due */
+    GN_KEPT_REGULAR = 4,
+    GN_KEPT_BEFORE = 8 /* was one of the peak: may be that at half of a higher one */
+} gn_kept_kind;        /* bits of gn_kept.due */
 
 /* Begins anew, of the run or of a stage, with those that run->snapshot_interval asks for; `closer`:
  * with more of them, to be thinned out. */

@@ -310,11 +310,9 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
-    SCALAR_UNLESS(
-        no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-        "change of the distance of the ends since both touched the specimen over the length, "
-        "positive in the test's sense; "
-        "hydrostatic: loss of volume over volume"),
+    SCALAR_UNLESS(no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+                  "way of the ends over the length since both touched (near unbonded grains: since "
+                  "the start), positive in the test's sense; hydrostatic: relative loss of volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
            "mean of both ends' force over the area (at the start; in a box of walls now"
            "), positive in the test's sense; confined: deviator; hydrostatic: mean pressure"),

@@ -1,4 +1,5 @@
 /* What is read off a run: of its whole history, or of the rows of one stage. */
+#include "accuracy/covers.h"
 #include "run/budget.h"
 #include "run/run.h"
 #include "run/stages.h"
@@ -62,6 +63,15 @@ static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
     return count;
 }
 
+/* Slender bars are too stiff by a share which the error budget has, if there is one. */
+static double by_ends(const gn_world *w) {
+    const double most = 0.05;
+    gn_test_groups groups;
+    const gn_bar_section *x = &w->section;
+    if (x->guessed == 0.0 && x->spread > most && gn_study_covers(w, &groups)) return NAN;
+    return gn_section_by_ends(w);
+}
+
 static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over) {
     const gn_test *t = &w->scene.test;
     const double *g = w->scene.gravity;
@@ -71,7 +81,7 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                        .axis = (int)t->axis,
                        .sign = gn_test_sign(t->kind),
                        .notched = t->notch > 0.0,
-                       .by_ends = gn_section_by_ends(w),
+                       .by_ends = by_ends(w),
                        .by_mean = gn_section_by_mean(w),
                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
                        .fragments = pieces.count,

@@ -61,6 +61,18 @@ static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
         r->initial_stress, r->initial_fall);
 }
 
+/* A body of varying section whose volume no shape measures. */
+static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings *list) {
+    const gn_bar_section *x = &run->world.section;
+    if (!(x->mean > 0.0) || x->guessed == 0.0 || isnan(r->young_modulus)) return;
+    gn_warning *to = gn_warnings_add(list, "uneven_section");
+    snprintf(to->text, sizeof to->text,
+             "the section varies along %c (%.3g of the mean at the narrowest place) and no shape "
+             "measures it: moduli are those of a prism of %.4g m2, not of the material (pack a "
+             "shape, or write a packing with `gneiss pack`)",
+             "xyz"[run->world.scene.test.axis], x -> narrowest / x -> mean, run -> world.test_area);
+}
+
 /* Of stages some unload what others loaded: the whole run is looked at. */
 static bool measured(const gn_run *run, const gn_readings *r) {
     const double *stress = gn_history_column(&run->history, "stress");
@@ -106,6 +118,7 @@ gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_e
     warn_of_rows(r, list);
     warn_of_halted_peak(run, r, list);
     warn_of_beginning(r, list);
+    warn_of_section(run, r, list);
     warn_of_nothing(run, r, list);
     return GNEISS_OK;
 }

@@ -13,6 +13,8 @@ typedef struct gn_bar_section {
     double uneven;          /* mean of A times mean of 1/A */
     double length;          /* m, that is strained */
     double waist;           /* 1: narrower than before and behind it */
+    double guessed;         /* 1: no shape measures its volume and areas */
+    double spread;          /* share by which a slender bar is stiffer */
 } gn_bar_section;
 
 /* How the ends of a test come to its specimen (ends_reach.c). */

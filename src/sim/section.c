@@ -110,6 +110,43 @@ static bool has_waist(const slabs *s) {
     return false;
 }
 
+/* --- where the bar is not slender --- */
+
+/* Half the width, or the radius of the circle of the same area. */
+static double half_width(const slabs *s, size_t k, int dimension, double solid) {
+    const double area = s->volume[k] / s->thick / solid;
+    return dimension == 2 ? 0.5 * area : sqrt(area / M_PI);
+}
+
+/* Tangent of the angle to the axis of the cone within which stress spreads into a wider part. A
+ * plate twice as wide beside a waist of 0.4 of its length is less stiff than a slender bar by 0.11
+ * of finite elements and 0.22 of 1600 discs, a cylinder of spheres with a waist of 0.55 by 0.35. */
+static const double spreads_elements = 0.4, spreads_particles = 0.2;
+
+/* Share by which the integral of 1/A is too small: corners beside the cone bear nothing. Where the
+ * section changes more slowly than that, shear stresses add their energy, E/G c (slope)^2 with E/G
+ * of 2.5 and c of 1/3 in the plane and 1/2 round the axis. */
+static double spread_of(const slabs *s, int dimension, double solid, double spreads) {
+    const double shear = 2.5 / (dimension == 2 ? 3.0 : 2.0);
+    double slender = 0.0, real = 0.0;
+    for (size_t k = 0; k < s->count; k++) {
+        const double own = half_width(s, k, dimension, solid);
+        double bears = own, slope = 0.0;
+        for (size_t m = 0; m < s->count; m++) {
+            const double apart = s->thick * (m > k ? (double)(m - k) : (double)(k - m));
+            bears = fmin(bears, half_width(s, m, dimension, solid) + spreads * apart);
+        }
+        if (k > 0 && k + 1 < s->count)
+            slope =
+                (half_width(s, k + 1, dimension, solid) - half_width(s, k - 1, dimension, solid)) /
+                (2.0 * s->thick);
+        const double slow = fabs(slope) < spreads ? shear * slope * slope : 0.0;
+        slender += pow(own, 1 - dimension);
+        real += pow(bears, 1 - dimension) * (1.0 + slow);
+    }
+    return real / slender - 1.0;
+}
+
 static bool is_known(const gn_world *w) {
     const unsigned prisms = GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED;
     const bool both = w->scene.has_specimen && w->element_count;
@@ -128,23 +165,25 @@ gn_bar_section gn_section_of(const gn_world *w) {
         least = fmin(least, s.volume[k]);
     }
     if (!s.count || !(sum * inverse > varying)) return even;
-    const double solid = w->dem.particles.soa.count ? 1.0 - gn_world_porosity(w) : 1.0;
-    gn_bar_section x = {.mean = sum / s.thick / solid,
-                        .narrowest = least / s.thick / solid,
-                        .uneven = sum * inverse,
-                        .length = s.thick * (double)s.count,
-                        .waist = has_waist(&s)};
-    /* The given area is that of the narrowest place where it alone tells the volume. */
-    const double share = gn_world_volume_is_of_test(w) ? w->test_area / x.narrowest : 1.0;
-    x.mean *= share;
-    x.narrowest *= share;
-    return x;
+    const bool grains = w->dem.particles.soa.count;
+    const double solid = grains ? 1.0 - gn_world_porosity(w) : 1.0;
+    const bool waist = has_waist(&s);
+    return (gn_bar_section){.mean = sum / s.thick / solid,
+                            .narrowest = least / s.thick / solid,
+                            .uneven = sum * inverse,
+                            .length = s.thick * (double)s.count,
+                            .waist = waist,
+                            .guessed = gn_world_volume_is_of_test(w) ||
+                                       (waist && gn_world_volume_is_of_hull(w)),
+                            .spread = spread_of(&s, (int)w->scene.dimension, solid,
+                                                grains ? spreads_particles : spreads_elements)};
 }
 
 double gn_section_by_ends(const gn_world *w) {
     const gn_bar_section *x = &w->section;
     if (!(x->mean > 0.0)) return 1.0;
     if (!(x->narrowest > pointed * x->mean)) return NAN;
+    if (x->guessed != 0.0) return 1.0;
     return w->test_area / x->mean * x->uneven * x->length / w->test_length;
 }
 
@@ -153,5 +192,6 @@ double gn_section_by_mean(const gn_world *w) {
     if (!(x->mean > 0.0)) return 1.0;
     if (!(x->narrowest > pointed * x->mean)) return NAN;
     if (w->dem.particles.soa.count && x->waist != 0.0) return NAN;
+    if (x->guessed != 0.0) return 1.0;
     return w->test_area * gn_world_side(w, (int)w->scene.test.axis) / w->volume;
 }

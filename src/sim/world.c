@@ -109,6 +109,10 @@ bool gn_world_volume_is_of_test(const gn_world *w) {
     return source_of_volume(w) == FROM_TEST;
 }
 
+bool gn_world_volume_is_of_hull(const gn_world *w) {
+    return source_of_volume(w) == FROM_HULL;
+}
+
 const char *gn_world_volume_source(const gn_world *w) {
     static const char *const names[] = {"the elements",
                                         "the periodic box",
