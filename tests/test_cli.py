@@ -359,6 +359,12 @@ def check_says_how_particles_lie_on_bodies(folder):
              (3, "cylinder: {diameter: 0.0282842712, height: 0.02, open: true, sides: 4}, origin: [0, 0, -0.01]", skew, skew,
               False),
              (2, f"polygon: {square}", 0.0109, 0, True), (2, f"polyline: {square}", 0.0109, 0, False)]
+    in_centimetres = square.replace("0.01", "1")
+    cases += [(3, "box: {size: [2, 2, 2]}, scale: 0.01, origin: [-0.01, -0.01, -0.01]", 0.0109, 0, True),
+              (3, "cylinder: {diameter: 2.82842712, height: 2, open: true, sides: 4}, scale: 0.01, origin: [0, 0, -0.01]", skew, skew,
+               False),
+              (2, f"polygon: {in_centimetres}, scale: 0.01", 0.0109, 0, True),
+              (2, f"polyline: {in_centimetres}, scale: 0.01", 0.0109, 0, False)]
     for dimension, shape, x, y, closed in cases:
         rows = [[x, y, *([1e-4] * (dimension - 2)), 1e-3], [0, 0, *([1e-4] * (dimension - 2)), 1e-3],
                 [0.05, 0, *([1e-4] * (dimension - 2)), 1e-3]]
@@ -386,6 +392,18 @@ run: {threads: 1}
     passive = ["--set", "walls.end.passive=true"]
     again = expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *passive), 0)
     assert "behind" not in again.stderr, again.stderr
+
+
+@fact
+def check_accepts_every_scene_that_comes_with_the_program(folder):
+    shipped = os.path.join(SCENES, "../../scenes")
+    scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]
+    keys = {path: set(re.findall(r"^(\w+):", open(path).read(), re.M)) for path in scenes}
+    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, or the part for `pack`
+    assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
+    with ThreadPoolExecutor(2) as pool:
+        for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
+            assert call.returncode == 0 and not call.stderr, f"{path}: {call.stderr}"
 
 
 @fact
