@@ -191,6 +191,20 @@ static void friction_without_a_tangential_spring_is_refused(void **state) {
     refuses(variant("kratio: 2", "kratio: 0"), message);
     snprintf(message, sizeof message, "s.yaml:20:49: contacts[0].friction: %s", spring);
     refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
+    refuses(with("contacts: [{between: rock, kratio: 0}]\n"),
+            "s.yaml:20:36: contacts[0].kratio: expected a value above 0, or friction: 0 beside it, "
+            "found 0 and a friction of 0.5 by the materials: without a tangential spring contacts "
+            "have no friction");
+    gn_scene smooth = parsed(with("contacts: [{between: rock, kratio: 0, friction: 0}]\n"));
+    gn_scene_free(&smooth);
+    /* Friction of a stage needs a spring in that stage. */
+    static const char stages[] = "stages: [{name: a, end: {time: 1 ms}, materials: {rock: "
+                                 "{friction: 0.3}}}, {name: b}]\n";
+    char text[8704];
+    snprintf(text, sizeof text, "%s%s", variant("kratio: 2\n    friction: 0.5", "kratio: 0"),
+             stages);
+    snprintf(message, sizeof message, "s.yaml:19:68: stages[0].materials[0].friction: %s", spring);
+    refuses(text, message);
     /* A pair may have a spring that the material does not have. */
     gn_override none = {"materials.rock.kratio", "0"};
     gn_scene s;
@@ -214,6 +228,7 @@ static void keys_that_change_nothing_are_noted(void **state) {
         {"law.coupling", "quadratic"},
         {"bonds", "{enabled: off, interaction_range: 0.2}"},
         {"specimen.from_velocities", "rest"},
+        {"time", "{end: 1, step: 1e-9, contact_steps: 20}"},
         {"time", "{end: 1, step: 1e-9, safety: 0.5}"},
         {"output", "{energy: off}\nrun: {residual_limit: 0.5}"},
         {"output.burst_reach", "3"},
@@ -232,6 +247,59 @@ static void keys_that_change_nothing_are_noted(void **state) {
             fail_msg("%s: %s", keys[k][0], error.message);
         if (s.notes.count != 1 || !s.notes.idle[0])
             fail_msg("%s: %zu notes, %s", keys[k][0], s.notes.count, s.notes.text[0]);
+        gn_scene_free(&s);
+    }
+}
+
+/* Each key alone, in a scene that does nothing with it, and what is changed for that before. */
+static void keys_that_need_particles_spins_or_damping_are_noted(void **state) {
+    (void)state;
+    static const char elements[] = "dimension: 2\n"
+                                   "elements:\n"
+                                   "  rectangle: {size: [1, 1], cells: [2, 2]}\n"
+                                   "  materials: [{young: 1 GPa, poisson: 0.2, density: 2000}]\n"
+                                   "damping: {background: {model: viscous, coefficient: 1}}\n"
+                                   "time: {end: 1}\n";
+    static const char hertz[] =
+        "dimension: 3\n"
+        "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
+        "materials: [{name: m, density: 2000, young: 1 GPa, poisson: 0.2, restitution: 0.5}]\n"
+        "law: {stiffness: hertz, rotation: on}\n"
+        "time: {end: 1}\n";
+    static const char block[] = "dimension: 3\n"
+                                "specimen: {box: {size: [1, 1, 1]}, particles: 9, packing: "
+                                "{start: random}}\n"
+                                "materials: [{name: m, density: 2000, normal_stiffness: 1, "
+                                "kratio: 0}]\n"
+                                "law: {stiffness: uniform, rotation: off}\n"
+                                "time: {end: 1}\n";
+    static const struct {
+        const char *text, *key, *value;
+    } cases[] = {
+        {elements, "elements.contact", "{stiffness: 1e6}"},
+        {elements, "damping.contact.restitution", "0.5"},
+        {elements, "damping.contact.fraction", "0.5"},
+        {elements, "damping.background.rotation", "2"},
+        {elements, "neighbours.skin", "1 mm"},
+        {elements, "time.contact_steps", "20"},
+        {elements, "output.events", "on"},
+        {elements, "output.burst_reach", "3"},
+        {elements, "output.orientation", "on"},
+        {hertz, "damping.contact.restitution", "0.9"},
+        {hertz, "damping.contact.fraction", "0.1"},
+        {block, "specimen.packing.jiggle", "0.1"},
+        {block, "output.orientation", "on"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_scene s = parsed(cases[k].text);
+        gn_override set = {cases[k].key, cases[k].value};
+        gneiss_error error = {0};
+        assert_int_equal(s.notes.count, 0);
+        gn_scene_free(&s);
+        if (gn_scene_parse(cases[k].text, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+            fail_msg("%s: %s", cases[k].key, error.message);
+        if (s.notes.count != 1 || !s.notes.idle[0] || !strstr(s.notes.text[0], cases[k].key))
+            fail_msg("%s: %zu notes, %s", cases[k].key, s.notes.count, s.notes.text[0]);
         gn_scene_free(&s);
     }
 }
@@ -656,6 +724,7 @@ int main(void) {
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
         cmocka_unit_test(keys_that_change_nothing_are_noted),
+        cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),
         cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
         cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
