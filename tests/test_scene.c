@@ -164,6 +164,51 @@ static void a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope(void 
     gn_units_free(units);
 }
 
+static void a_strain_is_a_number_or_a_ratio_of_lengths(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        double value;
+    } cases[] = {{"0.005", 0.005},
+                 {"0.5 %", 0.005},
+                 {"1 mm/m", 0.001},
+                 {"5 um/m", 5e-6},
+                 {"500 ppm", 500e-6}};
+    static const char *const refused[] = {"1 mm", "1 deg", "1 1/s"};
+    static const char *const keys[] = {"time.stop.strain", "materials.rock.fracture_strain"};
+    gn_units *units = gn_units_new();
+    double value;
+    char reason[96];
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        if (gn_units_read(units, refused[k], "m/m", &value, reason, sizeof reason))
+            fail_msg("'%s' gave %g", refused[k], value);
+    gn_units_free(units);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        for (size_t n = 0; n < 2; n++) {
+            gn_override set = {keys[n], cases[k].text};
+            gneiss_error error = {0};
+            gn_scene s;
+            const char *text = with("test: {kind: compression, axis: z, lower: floor, upper: lid}\n"
+                                    "sets: [{name: lid, select: {all: true}}]\n");
+            if (gn_scene_parse(text, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+                fail_msg("%s: %s", cases[k].text, error.message);
+            assert_close(n ? s.materials[0].fracture_strain : s.stop_strain, cases[k].value, 1e-14);
+            gn_scene_free(&s);
+        }
+    refuses_set("time.stop.strain", "1 mm",
+                "--set time.stop.strain: expected a strain such as '0.005', '0.5 %' or '5 mm/m' or "
+                "'off', found '1 mm' (another dimension)");
+}
+
+static void a_rate_of_damping_is_said_to_need_the_viscous_model(void **state) {
+    (void)state;
+    refuses_set(
+        "damping.background", "{model: viscous, coefficient: 50 Hz}",
+        "--set damping.background: damping.background.coefficient: expected a rate such as "
+        "'50 1/s' with model viscous, a fraction such as '0.5' or '50 %' with others, found "
+        "'50 Hz' (write 1/s)");
+}
+
 static void a_short_ton_is_noted_and_a_tonne_is_not(void **state) {
     (void)state;
     gn_scene s = parsed(variant("2650 kg/m3", "2.65 ton/m3"));
@@ -722,6 +767,8 @@ int main(void) {
         cmocka_unit_test(units_turn_into_si),
         cmocka_unit_test(what_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
+        cmocka_unit_test(a_strain_is_a_number_or_a_ratio_of_lengths),
+        cmocka_unit_test(a_rate_of_damping_is_said_to_need_the_viscous_model),
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
         cmocka_unit_test(keys_that_change_nothing_are_noted),
         cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),
