@@ -38,6 +38,8 @@ def every_command_has_help_of_its_own_with_an_example(folder):
         assert own != whole and own == expect(gneiss(name, "--help"), 0).stdout, name
         assert re.search(rf"examples?:\n  gneiss {name}", own), own
     assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("run", "--help").stdout
+    swept = gneiss("help", "sweep").stdout
+    assert "--force" in swept and "name of the scene or sweep file" in swept, swept
     expect(gneiss("help", "rn"), 2, "unknown command 'rn'; did you mean 'run'")
 
 
@@ -61,10 +63,17 @@ def a_file_for_another_command_is_named(folder):
 def keys_are_found_by_words_of_the_field_and_of_other_programs(folder):
     for words, key in (("CMOD", "test.control.opening"), ("confining", "membrane.pressure"), ("restart", "output.checkpoint"),
                        ("vtk", "output.snapshots"), ("clumps", "bodies[].free"), ("joint", "contacts[].between"),
-                       ("bond strength", "materials[].tensile_strength"), ("servo max", "walls[].servo.max_velocity")):
+                       ("bond strength", "materials[].tensile_strength"), ("servo max", "walls[].servo.max_velocity"),
+                       ("dilation", "test.control.lateral_strain"), ("loading rate", "walls[].motion.vz"),
+                       ("crack mouth", "test.control.opening"), ("local damping", "damping.background.coefficient"),
+                       ("Gf", "materials[].fracture_energy"), ("BTS", "materials[].tensile_strength"),
+                       ("flat joint", "bonds.radius_multiplier")):
         found = expect(gneiss("keys", *words.split()), 0).stdout
         assert f"\n{key}\n" in "\n" + found, (words, found)
         assert "run.isa" not in found
+    assert "\ntest.opening\n" in gneiss("keys", "crack mouth").stdout  # in one argument
+    expect(gneiss("keys", "water"), 2, "no key is about 'water': no water or other fluid is modelled")
+    expect(gneiss("keys", "pore pressure"), 2, "no water or other fluid is modelled")
     expect(gneiss("keys", "servo", "frction"), 2, "expected words that .* found 'servo frction'")
 
 
