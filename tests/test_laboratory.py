@@ -1808,6 +1808,10 @@ def the_scene_of_the_brazilian_test_gives_a_strength(folder):
 def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
     out = small(folder, "bending")
     assert readings(out)["fracture_energy"] > 0, absent(out)
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        broken = np.isin(file["events/cause"][:].ravel(), (1, 2))
+        x = file["events/x"][:].ravel()[broken]
+    assert len(x) > 10 and np.all(abs(x - 0.09) < 0.02), x  # the crack alone breaks bonds, no support does
 
 
 @fact
