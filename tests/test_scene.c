@@ -349,6 +349,26 @@ static void keys_that_need_particles_spins_or_damping_are_noted(void **state) {
     }
 }
 
+static void a_material_that_nothing_is_of_is_noted_and_needs_its_keys(void **state) {
+    (void)state;
+    static const char text[] = "dimension: 3\n"
+                               "specimen: {particles: [[0, 0, 0, 1 mm]], material: rock}\n"
+                               "materials:\n"
+                               "  - {name: rock, density: 1, normal_stiffness: 1, kratio: 1}\n"
+                               "  - {name: spare, density: 1, kratio: 1%s}\n"
+                               "law: {stiffness: uniform}\n"
+                               "time: {end: 1}\n";
+    char spare[512];
+    snprintf(spare, sizeof spare, text, ", normal_stiffness: 1");
+    gn_scene s = parsed(spare);
+    assert_int_equal(s.notes.count, 1);
+    assert_non_null(strstr(s.notes.text[0], "no particle, wall or body is of this material"));
+    gn_scene_free(&s);
+    snprintf(spare, sizeof spare, text, "");
+    refuses(spare, "s.yaml:5:5: materials[1].normal_stiffness: required by the uniform law, but "
+                   "not given");
+}
+
 static void a_key_that_some_stage_reads_is_not_noted(void **state) {
     (void)state;
     static const char *const bonds[] = {"", "bonds: {enabled: on}, "};
@@ -773,6 +793,7 @@ int main(void) {
         cmocka_unit_test(keys_that_change_nothing_are_noted),
         cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),
         cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
+        cmocka_unit_test(a_material_that_nothing_is_of_is_noted_and_needs_its_keys),
         cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
