@@ -38,6 +38,8 @@ def every_command_has_help_of_its_own_with_an_example(folder):
         assert own != whole and own == expect(gneiss(name, "--help"), 0).stdout, name
         assert re.search(rf"examples?:\n  gneiss {name}", own), own
     assert "--error" in gneiss("help", "plan").stdout and "--error" not in gneiss("run", "--help").stdout
+    swept = gneiss("help", "sweep").stdout
+    assert "--force" in swept and "name of the scene or sweep file" in swept, swept
     expect(gneiss("help", "rn"), 2, "unknown command 'rn'; did you mean 'run'")
 
 
@@ -61,10 +63,17 @@ def a_file_for_another_command_is_named(folder):
 def keys_are_found_by_words_of_the_field_and_of_other_programs(folder):
     for words, key in (("CMOD", "test.control.opening"), ("confining", "membrane.pressure"), ("restart", "output.checkpoint"),
                        ("vtk", "output.snapshots"), ("clumps", "bodies[].free"), ("joint", "contacts[].between"),
-                       ("bond strength", "materials[].tensile_strength"), ("servo max", "walls[].servo.max_velocity")):
+                       ("bond strength", "materials[].tensile_strength"), ("servo max", "walls[].servo.max_velocity"),
+                       ("dilation", "test.control.lateral_strain"), ("loading rate", "walls[].motion.vz"),
+                       ("crack mouth", "test.control.opening"), ("local damping", "damping.background.coefficient"),
+                       ("Gf", "materials[].fracture_energy"), ("BTS", "materials[].tensile_strength"),
+                       ("flat joint", "bonds.radius_multiplier")):
         found = expect(gneiss("keys", *words.split()), 0).stdout
         assert f"\n{key}\n" in "\n" + found, (words, found)
         assert "run.isa" not in found
+    assert "\ntest.opening\n" in gneiss("keys", "crack mouth").stdout  # in one argument
+    expect(gneiss("keys", "water"), 2, "no key is about 'water': no water or other fluid is modelled")
+    expect(gneiss("keys", "pore pressure"), 2, "no water or other fluid is modelled")
     expect(gneiss("keys", "servo", "frction"), 2, "expected words that .* found 'servo frction'")
 
 
@@ -361,6 +370,12 @@ def check_says_how_particles_lie_on_bodies(folder):
              (3, "cylinder: {diameter: 0.0282842712, height: 0.02, open: true, sides: 4}, origin: [0, 0, -0.01]", skew, skew,
               False),
              (2, f"polygon: {square}", 0.0109, 0, True), (2, f"polyline: {square}", 0.0109, 0, False)]
+    in_centimetres = square.replace("0.01", "1")
+    cases += [(3, "box: {size: [2, 2, 2]}, scale: 0.01, origin: [-0.01, -0.01, -0.01]", 0.0109, 0, True),
+              (3, "cylinder: {diameter: 2.82842712, height: 2, open: true, sides: 4}, scale: 0.01, origin: [0, 0, -0.01]", skew, skew,
+               False),
+              (2, f"polygon: {in_centimetres}, scale: 0.01", 0.0109, 0, True),
+              (2, f"polyline: {in_centimetres}, scale: 0.01", 0.0109, 0, False)]
     for dimension, shape, x, y, closed in cases:
         rows = [[x, y, *([1e-4] * (dimension - 2)), 1e-3], [0, 0, *([1e-4] * (dimension - 2)), 1e-3],
                 [0.05, 0, *([1e-4] * (dimension - 2)), 1e-3]]
@@ -388,6 +403,18 @@ run: {threads: 1}
     passive = ["--set", "walls.end.passive=true"]
     again = expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *passive), 0)
     assert "behind" not in again.stderr, again.stderr
+
+
+@fact
+def check_accepts_every_scene_that_comes_with_the_program(folder):
+    shipped = os.path.join(SCENES, "../../scenes")
+    scenes = [os.path.join(shipped, name) for name in sorted(os.listdir(shipped)) if name.endswith(".yaml")]
+    keys = {path: set(re.findall(r"^(\w+):", open(path).read(), re.M)) for path in scenes}
+    whole = [path for path in scenes if {"time", "dimension"} <= keys[path]]  # others are sweeps, or the part for `pack`
+    assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
+    with ThreadPoolExecutor(2) as pool:
+        for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
+            assert call.returncode == 0 and not call.stderr, f"{path}: {call.stderr}"
 
 
 @fact

@@ -1203,6 +1203,21 @@ def a_shear_energy_that_is_too_small_to_soften_is_warned_of(folder):
 
 
 @fact
+def the_warning_of_brittle_shear_names_the_key_that_the_law_reads(folder):
+    for law, keys, advice in (("energy", {"fracture_energy": 1e7, "shear_fracture_energy": 1}, "shear_fracture_energy: auto"),
+                              ("strain", {"fracture_strain": 0.05, "shear_fracture_strain": 1e-6}, "a larger shear_fracture_strain")):
+        scene = parted_beam(1)
+        del scene["contacts"]
+        scene["law"]["softening"] = law
+        for material in scene["materials"]:
+            del material["fracture_energy"]
+            material.update(keys)
+        scene["time"], scene["output"]["energy"] = {"end": 1e-6}, "off"
+        told = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, law), "--quiet"), 0).stderr
+        assert re.search(f"bonds_brittle_in_shear.*{advice}", told), told
+
+
+@fact
 def a_sweep_fits_every_material_by_itself(folder):
     given = several("0.1 MPa", "5 MPa", 2e7)
     del given["test"]["confinement"]
@@ -1793,6 +1808,10 @@ def the_scene_of_the_brazilian_test_gives_a_strength(folder):
 def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
     out = small(folder, "bending")
     assert readings(out)["fracture_energy"] > 0, absent(out)
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        broken = np.isin(file["events/cause"][:].ravel(), (1, 2))
+        x = file["events/x"][:].ravel()[broken]
+    assert len(x) > 10 and np.all(abs(x - 0.09) < 0.02), x  # the crack alone breaks bonds, no support does
 
 
 @fact

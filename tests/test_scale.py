@@ -34,7 +34,7 @@ def check(folder, scene, word="check", *options):
 
 @fact
 def a_core_in_millimetres_without_a_scale_is_told(folder):
-    words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, with scale: 1.*" \
+    words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, without a scale.*" \
             r"comes 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
     done = check(folder, core(folder))
     assert re.search(words, done.stdout) and "mind the warnings" in done.stdout, done.stdout
@@ -48,9 +48,9 @@ def what_goes_together_is_not_told(folder):
     fast = core(folder, speed=0.5, end=10)  # 5 m in 10 s
     other_units = core(folder, density=2.5e-9)  # t/mm3: lengths in mm, speeds in mm/s
     for scene in (millimetres, fast, other_units):
-        assert "scale: 1" not in check(folder, scene).stdout
+        assert "without a scale" not in check(folder, scene).stdout
     small = core(folder, size=1, depth=0.1)
-    assert "scale: 1" not in check(folder, small).stdout
+    assert "without a scale" not in check(folder, small).stdout
 
 
 @fact
@@ -68,9 +68,35 @@ def a_test_of_a_large_file_is_told(folder):
 
 
 @fact
+def a_test_of_a_file_of_four_metres_is_told_unless_it_is_bending(folder):
+    test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
+    tested = core(folder, size=4, speed=50, end=1, depth=0.5, test=test)
+    assert re.search(r"specimen\.surface: 4\.?\d* m long.*it is tested as in a laboratory", check(folder, tested).stdout)
+    test.update(kind="bending", span=1, height=2)
+    assert "without a scale" not in check(folder, tested).stdout
+
+
+@fact
+def a_scale_of_one_that_is_given_says_that_lengths_are_metres(folder):
+    test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
+    for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second: a pillar
+        assert "without a scale" in check(folder, scene).stdout
+        scene["specimen"]["scale"] = 1
+        assert "without a scale" not in check(folder, scene).stdout
+        del scene["specimen"]["scale"]
+        assert "without a scale" not in check(folder, scene, "check", "--set", "specimen.scale=1").stdout
+    # The scene that a run keeps says what was given.
+    out = os.path.join(folder, "out")
+    check(folder, core(folder), "run", "--out", out, "--quiet")
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        kept = file["scene"][()]
+    assert "  scale:" not in (kept.decode() if isinstance(kept, bytes) else str(kept))
+
+
+@fact
 def packings_and_particles_of_files_are_told(folder):
     done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
-    assert re.search(r"note: specimen\.surface: [\d.]+ m long with scale: 1", done.stdout), done.stdout
+    assert re.search(r"note: specimen\.surface: [\d.]+ m long without a scale", done.stdout), done.stdout
     scene = core(folder)
     scene["specimen"] = {"from": "p"}
     assert re.search(r"specimen\.from: 100 m long.*pack it with scale: 0\.001", check(folder, scene).stdout)
@@ -92,7 +118,12 @@ def a_mesh_of_elements_and_a_tool_are_told(folder):
              "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e6, "kratio": 2}],
              "law": {"stiffness": "uniform"}, "time": {"end": 0.01}, "gravity": [0, 0, -9.81], "output": {"snapshots": 0},
              "bodies": [{"name": "tool", "surface": "tool.stl", "origin": [0, 0, -20.1], "stiffness": 1e6}]}
-    assert re.search(r"bodies\[0\]\.surface: 300 m long, with scale: 1.*the specimen is 0\.12 m long", check(folder, grain).stdout)
+    assert re.search(r"bodies\[0\]\.surface: 300 m long, without a scale.*the specimen is 0\.12 m long", check(folder, grain).stdout)
+    box_file(folder, "tool.stl", 4, 4, 2)
+    grain["specimen"] = {"particles": [[0.01, 0.01, 0.5, 0.01], [0.03, 0.01, 0.5, 0.01]]}
+    assert re.search(r"bodies\[0\]\.surface: 4 m long, without a scale.*the specimen is 0\.04 m long", check(folder, grain).stdout)
+    grain["bodies"][0]["scale"] = 1
+    assert "without a scale" not in check(folder, grain).stdout
 
 
 if __name__ == "__main__":

@@ -164,6 +164,51 @@ static void a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope(void 
     gn_units_free(units);
 }
 
+static void a_strain_is_a_number_or_a_ratio_of_lengths(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        double value;
+    } cases[] = {{"0.005", 0.005},
+                 {"0.5 %", 0.005},
+                 {"1 mm/m", 0.001},
+                 {"5 um/m", 5e-6},
+                 {"500 ppm", 500e-6}};
+    static const char *const refused[] = {"1 mm", "1 deg", "1 1/s"};
+    static const char *const keys[] = {"time.stop.strain", "materials.rock.fracture_strain"};
+    gn_units *units = gn_units_new();
+    double value;
+    char reason[96];
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        if (gn_units_read(units, refused[k], "m/m", &value, reason, sizeof reason))
+            fail_msg("'%s' gave %g", refused[k], value);
+    gn_units_free(units);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        for (size_t n = 0; n < 2; n++) {
+            gn_override set = {keys[n], cases[k].text};
+            gneiss_error error = {0};
+            gn_scene s;
+            const char *text = with("test: {kind: compression, axis: z, lower: floor, upper: lid}\n"
+                                    "sets: [{name: lid, select: {all: true}}]\n");
+            if (gn_scene_parse(text, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+                fail_msg("%s: %s", cases[k].text, error.message);
+            assert_close(n ? s.materials[0].fracture_strain : s.stop_strain, cases[k].value, 1e-14);
+            gn_scene_free(&s);
+        }
+    refuses_set("time.stop.strain", "1 mm",
+                "--set time.stop.strain: expected a strain such as '0.005', '0.5 %' or '5 mm/m' or "
+                "'off', found '1 mm' (another dimension)");
+}
+
+static void a_rate_of_damping_is_said_to_need_the_viscous_model(void **state) {
+    (void)state;
+    refuses_set(
+        "damping.background", "{model: viscous, coefficient: 50 Hz}",
+        "--set damping.background: damping.background.coefficient: expected a rate such as "
+        "'50 1/s' with model viscous, a fraction such as '0.5' or '50 %' with others, found "
+        "'50 Hz' (write 1/s)");
+}
+
 static void a_short_ton_is_noted_and_a_tonne_is_not(void **state) {
     (void)state;
     gn_scene s = parsed(variant("2650 kg/m3", "2.65 ton/m3"));
@@ -191,6 +236,20 @@ static void friction_without_a_tangential_spring_is_refused(void **state) {
     refuses(variant("kratio: 2", "kratio: 0"), message);
     snprintf(message, sizeof message, "s.yaml:20:49: contacts[0].friction: %s", spring);
     refuses(with("contacts: [{between: rock, kratio: 0, friction: 0.2}]\n"), message);
+    refuses(with("contacts: [{between: rock, kratio: 0}]\n"),
+            "s.yaml:20:36: contacts[0].kratio: expected a value above 0, or friction: 0 beside it, "
+            "found 0 and a friction of 0.5 by the materials: without a tangential spring contacts "
+            "have no friction");
+    gn_scene smooth = parsed(with("contacts: [{between: rock, kratio: 0, friction: 0}]\n"));
+    gn_scene_free(&smooth);
+    /* Friction of a stage needs a spring in that stage. */
+    static const char stages[] = "stages: [{name: a, end: {time: 1 ms}, materials: {rock: "
+                                 "{friction: 0.3}}}, {name: b}]\n";
+    char text[8704];
+    snprintf(text, sizeof text, "%s%s", variant("kratio: 2\n    friction: 0.5", "kratio: 0"),
+             stages);
+    snprintf(message, sizeof message, "s.yaml:19:68: stages[0].materials[0].friction: %s", spring);
+    refuses(text, message);
     /* A pair may have a spring that the material does not have. */
     gn_override none = {"materials.rock.kratio", "0"};
     gn_scene s;
@@ -214,6 +273,7 @@ static void keys_that_change_nothing_are_noted(void **state) {
         {"law.coupling", "quadratic"},
         {"bonds", "{enabled: off, interaction_range: 0.2}"},
         {"specimen.from_velocities", "rest"},
+        {"time", "{end: 1, step: 1e-9, contact_steps: 20}"},
         {"time", "{end: 1, step: 1e-9, safety: 0.5}"},
         {"output", "{energy: off}\nrun: {residual_limit: 0.5}"},
         {"output.burst_reach", "3"},
@@ -234,6 +294,79 @@ static void keys_that_change_nothing_are_noted(void **state) {
             fail_msg("%s: %zu notes, %s", keys[k][0], s.notes.count, s.notes.text[0]);
         gn_scene_free(&s);
     }
+}
+
+/* Each key alone, in a scene that does nothing with it, and what is changed for that before. */
+static void keys_that_need_particles_spins_or_damping_are_noted(void **state) {
+    (void)state;
+    static const char elements[] = "dimension: 2\n"
+                                   "elements:\n"
+                                   "  rectangle: {size: [1, 1], cells: [2, 2]}\n"
+                                   "  materials: [{young: 1 GPa, poisson: 0.2, density: 2000}]\n"
+                                   "damping: {background: {model: viscous, coefficient: 1}}\n"
+                                   "time: {end: 1}\n";
+    static const char hertz[] =
+        "dimension: 3\n"
+        "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
+        "materials: [{name: m, density: 2000, young: 1 GPa, poisson: 0.2, restitution: 0.5}]\n"
+        "law: {stiffness: hertz, rotation: on}\n"
+        "time: {end: 1}\n";
+    static const char block[] = "dimension: 3\n"
+                                "specimen: {box: {size: [1, 1, 1]}, particles: 9, packing: "
+                                "{start: random}}\n"
+                                "materials: [{name: m, density: 2000, normal_stiffness: 1, "
+                                "kratio: 0}]\n"
+                                "law: {stiffness: uniform, rotation: off}\n"
+                                "time: {end: 1}\n";
+    static const struct {
+        const char *text, *key, *value;
+    } cases[] = {
+        {elements, "elements.contact", "{stiffness: 1e6}"},
+        {elements, "damping.contact.restitution", "0.5"},
+        {elements, "damping.contact.fraction", "0.5"},
+        {elements, "damping.background.rotation", "2"},
+        {elements, "neighbours.skin", "1 mm"},
+        {elements, "time.contact_steps", "20"},
+        {elements, "output.events", "on"},
+        {elements, "output.burst_reach", "3"},
+        {elements, "output.orientation", "on"},
+        {hertz, "damping.contact.restitution", "0.9"},
+        {hertz, "damping.contact.fraction", "0.1"},
+        {block, "specimen.packing.jiggle", "0.1"},
+        {block, "output.orientation", "on"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_scene s = parsed(cases[k].text);
+        gn_override set = {cases[k].key, cases[k].value};
+        gneiss_error error = {0};
+        assert_int_equal(s.notes.count, 0);
+        gn_scene_free(&s);
+        if (gn_scene_parse(cases[k].text, "s.yaml", NULL, &set, 1, &s, &error) != GNEISS_OK)
+            fail_msg("%s: %s", cases[k].key, error.message);
+        if (s.notes.count != 1 || !s.notes.idle[0] || !strstr(s.notes.text[0], cases[k].key))
+            fail_msg("%s: %zu notes, %s", cases[k].key, s.notes.count, s.notes.text[0]);
+        gn_scene_free(&s);
+    }
+}
+
+static void a_material_that_nothing_is_of_is_noted_and_needs_its_keys(void **state) {
+    (void)state;
+    static const char text[] = "dimension: 3\n"
+                               "specimen: {particles: [[0, 0, 0, 1 mm]], material: rock}\n"
+                               "materials:\n"
+                               "  - {name: rock, density: 1, normal_stiffness: 1, kratio: 1}\n"
+                               "  - {name: spare, density: 1, kratio: 1%s}\n"
+                               "law: {stiffness: uniform}\n"
+                               "time: {end: 1}\n";
+    char spare[512];
+    snprintf(spare, sizeof spare, text, ", normal_stiffness: 1");
+    gn_scene s = parsed(spare);
+    assert_int_equal(s.notes.count, 1);
+    assert_non_null(strstr(s.notes.text[0], "no particle, wall or body is of this material"));
+    gn_scene_free(&s);
+    snprintf(spare, sizeof spare, text, "");
+    refuses(spare, "s.yaml:5:5: materials[1].normal_stiffness: required by the uniform law, but "
+                   "not given");
 }
 
 static void a_key_that_some_stage_reads_is_not_noted(void **state) {
@@ -654,9 +787,13 @@ int main(void) {
         cmocka_unit_test(units_turn_into_si),
         cmocka_unit_test(what_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
+        cmocka_unit_test(a_strain_is_a_number_or_a_ratio_of_lengths),
+        cmocka_unit_test(a_rate_of_damping_is_said_to_need_the_viscous_model),
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
         cmocka_unit_test(keys_that_change_nothing_are_noted),
+        cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),
         cmocka_unit_test(friction_without_a_tangential_spring_is_refused),
+        cmocka_unit_test(a_material_that_nothing_is_of_is_noted_and_needs_its_keys),
         cmocka_unit_test(a_key_that_some_stage_reads_is_not_noted),
         cmocka_unit_test(defaults_fill_what_is_left_out),
         cmocka_unit_test(a_normal_becomes_a_unit_vector),

@@ -83,6 +83,23 @@ def every_run_is_the_one_that_set_gives(folder):
 
 
 @fact
+def a_note_on_a_parameter_stands_at_its_place_in_the_sweep_file(folder):
+    with open(sweep_file(folder), "w") as file:
+        file.write(f"scene: {LATTICE}\nparameters:\n  materials.block.beta: [1, 2]\n")
+    done = expect(gneiss("sweep", os.path.join(folder, "sweep.yaml"), "--dry-run"), 0)
+    notes = re.findall(r"note: (.*)", done.stderr)
+    assert len(notes) == 1, notes
+    assert re.search(r"sweep\.yaml:3:\d+: parameters\.materials\.block\.beta: materials\[0\]\.beta: it changes nothing here", notes[0]), notes
+
+
+@fact
+def a_range_of_angles_of_friction_is_even_in_the_coefficient(folder):
+    table = sweep(folder, {"parameters": {"materials.block.friction": {"from": "20 deg", "to": "40 deg", "count": 3}}})
+    angles = [np.degrees(np.arctan(float(next(value for key, value in row.items() if "friction" in key)))) for row in table]
+    assert np.allclose(angles, [20, 31.03, 40], atol=0.01), angles
+
+
+@fact
 def a_component_is_varied_of_a_vector_that_the_scene_leaves_out(folder):
     table = sweep(folder, {"parameters": {"gravity[2]": [0, -9.81]}})
     assert [row["state_hash"] for row in table] == [single(folder), single(folder, "--set", "gravity=[0, 0, -9.81]")]

@@ -60,7 +60,8 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 static const struct {
     const char *commands, *name, *text;
 } options[] = {
-    {"run check plan pack sweep", "--out DIR", "output folder (default: runs/<scene name>)"},
+    {"run check plan pack sweep", "--out DIR",
+     "output folder (default: runs/ and the name of the scene or sweep file)"},
     {"run check plan pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
     {"run check plan pack sweep resume", "--threads N", "threads (default, and 0: all cores)"},
@@ -68,9 +69,9 @@ static const struct {
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
-    {"run pack plan", "--force",
+    {"run pack plan sweep", "--force",
      "run: replace also what a finished run of more than a minute left, and\n"
-     "files that are not gneiss's"},
+     "files that are not gneiss's; sweep: compute everything anew"},
     {"run check plan pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen that is a geometry (.geo, .step, ...), which can\n"
      "make it execute any command: for files that you trust"},

@@ -22,6 +22,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -310,6 +311,19 @@ static gneiss_status command_help(const gn_options *o, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Why no key is about a word of the field; NULL: unknown. */
+static const char *not_modelled(const char *word) {
+    static const char *const words[][2] = {
+        {"water", "no water or other fluid is modelled: stresses are effective ones"},
+        {"pore", "no water or other fluid is modelled: stresses are effective ones"},
+        {"fluid", "no water or other fluid is modelled: stresses are effective ones"},
+        {"temperature", "no temperature is modelled"},
+        {"thermal", "no temperature is modelled"}};
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+        if (strncasecmp(word, words[k][0], strlen(words[k][0])) == 0) return words[k][1];
+    return NULL;
+}
+
 static gneiss_status command_keys(const gn_options *o, gneiss_error *error) {
     char nearest[256], sought[256] = "";
     if (gn_scene_print_keys(stdout, o->markdown, (const char *const *)o->words, o->word_count) > 0)
@@ -317,6 +331,9 @@ static gneiss_status command_keys(const gn_options *o, gneiss_error *error) {
     for (size_t k = 0, used = 0; k < o->word_count && used < sizeof sought; k++)
         used += (size_t)snprintf(sought + used, sizeof sought - used, "%s%s", k ? " " : "",
                                  o->words[k]);
+    const char *absent = not_modelled(sought);
+    if (absent)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key is about '%s': %s", sought, absent);
     bool meant = o->word_count == 1 && gn_scene_nearest_key(o->target, nearest, sizeof nearest);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "keys: expected %s that a key or its description holds, found '%s'%s%s%s",

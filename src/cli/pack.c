@@ -243,7 +243,7 @@ static void note_scale(const gn_scene *scene, const gn_pack_result *r) {
     const gn_specimen *s = &scene->specimen;
     const bool surface = s->pack.shape == GN_SHAPE_SURFACE;
     double longest = 0.0;
-    if (s->scale != 1.0 || !(surface || s->pack.shape == GN_SHAPE_MESH)) return;
+    if (s->scale_given || !(surface || s->pack.shape == GN_SHAPE_MESH)) return;
     for (size_t a = 0; a < (size_t)scene->dimension; a++) {
         double low = INFINITY, high = -INFINITY;
         for (size_t k = 0; k < r->packing.count; k++) {
@@ -253,8 +253,8 @@ static void note_scale(const gn_scene *scene, const gn_pack_result *r) {
         longest = fmax(longest, high - low);
     }
     if (longest >= large)
-        printf("note: %s: %.4g m long with scale: 1, which takes the file's lengths for metres; "
-               "scale: 0.001 if they are millimetres\n",
+        printf("note: %s: %.4g m long without a scale, which takes the file's lengths for metres; "
+               "scale: 0.001 if they are millimetres, scale: 1 if they are metres\n",
                surface ? "specimen.surface" : "specimen.mesh", longest);
 }
 

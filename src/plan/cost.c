@@ -72,6 +72,7 @@ static void put_lattice(const gn_world *w, bool close, gn_scene *s, double upper
     s->specimen.particle_count = s->specimen.packed_count = 0;
     s->specimen.pack = (gn_pack_def){.shape = GN_SHAPE_NONE};
     s->specimen.scale = 1.0;
+    s->specimen.scale_given = false;
     s->specimen.density_basis = GN_DENSITY_PARTICLE;
     s->specimen.lattice = (gn_lattice){
         .kind = space ? (close ? GN_LATTICE_FCC : GN_LATTICE_CUBIC)

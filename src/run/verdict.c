@@ -173,12 +173,17 @@ static void warn_of_shear(const gn_run *run, gn_warnings *list) {
     if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
     size_t count = gn_softening_brittle_in_shear(b);
     if (!count) return;
+    const char *cure =
+        s->softening == GN_SOFTENING_STRAIN
+            ? "a larger shear_fracture_strain lets them soften in shear, with none they are "
+              "brittle as said"
+            : "with shear_fracture_energy: auto they soften in shear as in tension, with none they "
+              "are brittle as said";
     gn_warning *to = add(list, "bonds_brittle_in_shear");
     snprintf(to->text, sizeof to->text,
              "%zu of %lld bonds hold more elastic energy at their shear strength than they may "
-             "dissipate in shear, and break at once there: with shear_fracture_energy: auto they "
-             "soften in shear as in tension, with none they are brittle as said",
-             count, (long long)run->world.dem.bonds_at_start);
+             "dissipate in shear, and break at once there: %s",
+             count, (long long)run->world.dem.bonds_at_start, cure);
 }
 
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
@@ -193,7 +198,6 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
              s->step, s->reached, s->unscaled);
 }
 
-/* An automatic step is known only once there is a specimen; a given one has to be below the end. */
 /* Keys that change nothing, as the reader of the scene found them. */
 static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
     const gn_scene_notes *notes = &run->world.given.notes;
@@ -209,6 +213,7 @@ static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
     }
 }
 
+/* An automatic step is known only once there is a specimen; a given one has to be below the end. */
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;

@@ -13,11 +13,7 @@ static gneiss_status check_body_shape(const check *c, const gn_scene *s, const g
         size_t used = strlen(found);
         if (has[k]) snprintf(found + used, sizeof found - used, "%s%s", used ? ", " : "", names[k]);
     }
-    if (*found && !strchr(found, ',')) {
-        if (*b->surface || b->scale == 1.0) return GNEISS_OK;
-        return gn_check_fail(c, "scale",
-                             "expected surface beside it, whose lengths it is of, found %s", found);
-    }
+    if (*found && !strchr(found, ',')) return GNEISS_OK;
     return gn_check_fail(c, "", "expected one of %s in it, found %s",
                          s->dimension == 2 ? "polygon, polyline" : "surface, box, cylinder",
                          *found ? found : "none");

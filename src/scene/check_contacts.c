@@ -2,6 +2,7 @@
 #include "scene/check.h"
 #include "scene/sides.h"
 
+#include <math.h>
 #include <string.h>
 
 gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter *scatter) {
@@ -86,22 +87,57 @@ bool gn_material_has_spring(const gn_scene *s, const gn_material *m) {
     return has_spring(s, m, m, NULL) || has_spring_in_a_pair(s, m);
 }
 
-/* Stages may bring a spring or a friction, so that either may stand in a scene with stages. */
+/* Stages may bring a spring, or a friction to the springs of the base, so that friction of the base
+ * may stand in a scene with stages; friction that a stage itself gives needs a spring there. */
+static bool may_come_later(const check *c, const gn_scene *s, const char *key) {
+    const gn_node *node = gn_node_find(c->map, key);
+    return s->stage_count && !(node && node->stage);
+}
+
 gneiss_status gn_check_grip(const check *c, const gn_scene *s, const gn_material *m) {
-    if (s->stage_count || gn_material_has_spring(s, m)) return GNEISS_OK;
-    if (m->friction > 0) return no_grip(c, s, "friction");
+    if (gn_material_has_spring(s, m)) return GNEISS_OK;
+    if (m->friction > 0 && !may_come_later(c, s, "friction")) return no_grip(c, s, "friction");
+    if (s->stage_count) return GNEISS_OK;
     return m->bond_friction > 0 && s->bonds == GN_SWITCH_ON ? no_grip(c, s, "bond_friction")
                                                             : GNEISS_OK;
 }
 
+/* A friction that the materials of a pair have, where the pair itself takes the spring away. */
+static gneiss_status check_inherited_grip(const check *c, const gn_scene *s,
+                                          const gn_contact_def *d, const gn_material *a,
+                                          const gn_material *b) {
+    const char *spring = gn_scene_by_area(s) ? "beta" : "kratio";
+    const bool bonds = s->bonds == GN_SWITCH_ON;
+    const struct {
+        const char *key;
+        double own, of_both;
+    } keys[] = {
+        {"friction", d->friction, fmin(a->friction, b->friction)},
+        {"rolling_friction", d->rolling_friction, fmin(a->rolling_friction, b->rolling_friction)},
+        {"twisting_friction", d->twisting_friction,
+         fmin(a->twisting_friction, b->twisting_friction)},
+        {"bond_friction", d->bond_friction,
+         bonds ? fmin(a->bond_friction, b->bond_friction) : 0.0}};
+    if (!gn_check_given(c, spring)) return GNEISS_OK;
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (keys[k].own == GN_COMBINED && keys[k].of_both > 0.0)
+            return gn_check_fail(c, spring,
+                                 "expected a value above 0, or %s: 0 beside it, found 0 and a %s "
+                                 "of %.4g by the materials: without a tangential spring contacts "
+                                 "have no friction",
+                                 keys[k].key, keys[k].key, keys[k].of_both);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_grip_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d,
                                         const gn_material *a, const gn_material *b) {
-    if (s->stage_count || has_spring(s, a, b, d)) return GNEISS_OK;
-    if (d->friction > 0) return no_grip(c, s, "friction");
+    if (has_spring(s, a, b, d)) return GNEISS_OK;
+    if (d->friction > 0 && !may_come_later(c, s, "friction")) return no_grip(c, s, "friction");
+    if (s->stage_count) return GNEISS_OK;
     if (d->rolling_friction > 0) return no_grip(c, s, "rolling_friction");
     if (d->twisting_friction > 0) return no_grip(c, s, "twisting_friction");
-    return d->bond_friction > 0 && s->bonds == GN_SWITCH_ON ? no_grip(c, s, "bond_friction")
-                                                            : GNEISS_OK;
+    if (d->bond_friction > 0 && s->bonds == GN_SWITCH_ON) return no_grip(c, s, "bond_friction");
+    return check_inherited_grip(c, s, d, a, b);
 }
 
 gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) {

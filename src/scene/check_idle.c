@@ -149,7 +149,7 @@ static bool unbonded(const gn_scene *s) {
     return s->has_specimen && !bonded(s);
 }
 static bool without_events(const gn_scene *s) {
-    return unbonded(s) || s->events == GN_SWITCH_OFF;
+    return s->has_specimen && (unbonded(s) || s->events == GN_SWITCH_OFF);
 }
 static bool without_ledger(const gn_scene *s) {
     return s->energy == GN_SWITCH_OFF;
@@ -175,6 +175,32 @@ static bool without_run(const gn_scene *s) {
 static bool from_nodes(const gn_scene *s) {
     return s->specimen.pack.start == GN_START_NODES;
 }
+static bool from_random_points(const gn_scene *s) {
+    return s->specimen.pack.start != GN_START_NODES;
+}
+static bool without_particles(const gn_scene *s) {
+    return !s->has_specimen;
+}
+/* Bodies touch each other without particles, too. */
+static bool without_contacts(const gn_scene *s) {
+    return without_particles(s) && !s->body_count;
+}
+/* Bodies without a material damp their contacts with each other by damping.contact. */
+static bool damped_by_materials(const gn_scene *s) {
+    if (!s->has_law || !gn_scene_hertz(s) || s->body_count) return false;
+    for (size_t k = 0; k < s->material_count; k++)
+        if (s->materials[k].restitution < 0.0) return false;
+    return s->material_count > 0;
+}
+static bool turns_of_nothing(const gn_scene *s) {
+    return s->orientation == GN_SWITCH_ON && (without_particles(s) || without_spins(s));
+}
+static bool events_of_nothing(const gn_scene *s) {
+    return s->events == GN_SWITCH_ON && without_particles(s);
+}
+static const char no_particles[] = "there are no particles";
+static const char no_contacts[] = "there are neither particles nor bodies";
+static const char own_damping[] = "every material has a restitution of its own";
 
 static const struct {
     const char *key;
@@ -192,12 +218,27 @@ static const struct {
     {"specimen.from_velocities", without_run, "the specimen comes from no other run"},
     {"specimen.packing.size_ratio", from_nodes, "particles come from the nodes of the mesh"},
     {"specimen.packing.size_variation", from_nodes, "particles come from the nodes of the mesh"},
+    {"specimen.packing.jiggle", from_random_points, "specimen.packing.start is random"},
     {"couple.convert.relax_iterations", without_relaxation, "couple.convert.relax is none"},
     {"couple.spins", without_spins, "law.rotation is off"},
     {"membrane.axis", all_faces, "membrane.faces is all"},
     {"time.safety", with_step, "time.step is given, which it is a factor of where it is auto"},
+    {"time.contact_steps", with_step,
+     "time.step is given, and only the warning of collisions that it does not resolve counts by "
+     "it"},
+    {"time.contact_steps", without_contacts, no_contacts},
+    {"neighbours.skin", without_contacts, no_contacts},
+    {"damping.contact.restitution", without_contacts, no_contacts},
+    {"damping.contact.restitution", damped_by_materials, own_damping},
+    {"damping.contact.fraction", without_contacts, no_contacts},
+    {"damping.contact.fraction", damped_by_materials, own_damping},
+    {"damping.background.rotation", without_particles, no_particles},
+    {"elements.contact", without_particles, no_particles},
     {"time.mass_scaling.gravity", without_gravity, "there is no gravity"},
     {"output.events", unbonded, no_bonds},
+    {"output.events", events_of_nothing, no_particles},
+    {"output.orientation", turns_of_nothing, "no particles rotate"},
+    {"output.burst_reach", without_particles, no_particles},
     {"output.burst_reach", without_events, "there is no list of events"},
     {"run.residual_warning", without_ledger, "output.energy is off"},
     {"run.residual_limit", without_ledger, "output.energy is off"},

@@ -163,6 +163,17 @@ static const struct {
     {"cohesion", {"shear_strength", "mohr_coulomb", "group"}},
     {"ucs", {"test.kind", "tensile_strength", "shear_strength"}},
     {"platen", {"walls", "test.lower", "test.upper"}},
+    {"dilat", {"test.kind", "test.control.lateral_strain"}},
+    {"loading rate",
+     {"walls[].motion", "sets[].motion", "elements.motions[].motion", "servo.max_"}},
+    {"strain rate", {"periodic.x.rate", "periodic.y.rate", "periodic.z.rate", "walls[].motion"}},
+    {"local damping", {"damping.background"}},
+    {"global damping", {"damping.background"}},
+    {"gf", {"fracture_energy"}},
+    {"toughness", {"fracture_energy"}},
+    {"bts", {"test.kind", "tensile_strength"}},
+    {"flat joint", {"bonds.radius_multiplier", "bonds.moment_share", "yield_stress"}},
+    {"parallel bond", {"bonds.radius_multiplier", "bonds.moment_share"}},
     {"weibull", {"strength_scatter", "stiffness_scatter"}},
     {"timestep", {"time.step", "time.safety"}},
     {"cores", {"run.threads"}},
@@ -191,6 +202,15 @@ static int rank_of_word(const char *word, const char *path, const gn_key *key) {
                : RANKS;
 }
 
+/* Several words may be one term of the field: "crack mouth". */
+static bool is_term(const printer *p, const char *path) {
+    char term[256] = "";
+    for (size_t k = 0, used = 0; k < p->sought_count && used < sizeof term; k++)
+        used +=
+            (size_t)snprintf(term + used, sizeof term - used, "%s%s", k ? " " : "", p->sought[k]);
+    return p->sought_count > 1 && is_synonym(term, path);
+}
+
 /* Of several words the one that it holds farthest behind; all of them are wanted. */
 static int rank_of(const printer *p, const char *path, const gn_key *key) {
     int rank = RANK_START;
@@ -198,7 +218,7 @@ static int rank_of(const printer *p, const char *path, const gn_key *key) {
         const int word = rank_of_word(p->sought[k], path, key);
         if (word > rank) rank = word;
     }
-    return rank;
+    return rank == RANKS && is_term(p, path) ? RANK_TEXT : rank;
 }
 
 static void print_section(printer *p, const gn_section *section, const char *above) {

@@ -131,11 +131,11 @@ static const gn_key material_keys[] = {
         .other_word = "none", .other_value = 0, .fallback = "auto",
         .text = "the same in shear without pressure; auto: bonds soften over as many elastic "
                 "limits as in tension; none: brittle in shear"),
-    KEY("fracture_strain", REAL, gn_material, fracture_strain, .unit = "1", .range = GN_BREAKING,
-        .word = "none", .fallback = "none",
+    KEY("fracture_strain", REAL, gn_material, fracture_strain, .unit = GN_STRAIN,
+        .range = GN_BREAKING, .word = "none", .fallback = "none",
         .text = "eps_f: stretch of a bond over its length where its softening ends; needed with "
                 "softening strain"),
-    KEY("shear_fracture_strain", REAL, gn_material, shear_fracture_strain, .unit = "1",
+    KEY("shear_fracture_strain", REAL, gn_material, shear_fracture_strain, .unit = GN_STRAIN,
         .range = GN_BREAKING, .word = "none", .fallback = "none",
         .text = "the same in shear, over the root of its area; none: brittle in shear"),
     KEY("fracture_ratio", REAL, gn_material, fracture_ratio, .unit = "1", .range = GN_BREAKING,

@@ -58,6 +58,7 @@ static const gn_key body_keys[] = {
           .range = GN_PLACES, .number = 2, PRESENT(COUNT, gn_body_def, polyline_count),
           .shape_dimension = 2, .text = "2D shape: open line through its points"),
     KEY("scale", REAL, gn_body_def, scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
+        PRESENT(BOOL, gn_body_def, scale_given),
         .text = "lengths of the shape times this give metres"),
     KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .range = GN_PLACES, .fallback = "0",
         .text = "where the origin of the shape stands"),

@@ -168,6 +168,7 @@ static const gn_key elements_keys[] = {
         PRESENT(TEXT, gn_scene, elements.mesh), PLACED(gn_scene, elements.mesh_where),
         .text = "gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)"),
     KEY("scale", REAL, gn_scene, elements.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
+        PRESENT(BOOL, gn_scene, elements.scale_given),
         .text = "lengths in the file times this give metres"),
     SECTION("rectangle", block_section, PRESENT(BOOL, gn_scene, elements.has_rectangle),
             .shape_dimension = 2, .text = "built-in 2D mesh; groups body, x_lower, x_upper, ..."),

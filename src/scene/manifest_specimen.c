@@ -164,6 +164,7 @@ static const gn_key specimen_keys[] = {
             "keep: what was bonded in the other run and held is bonded, with its distance of no "
             "normal force; none: bonds form as the section bonds says"),
     KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
+        PRESENT(BOOL, gn_scene, specimen.scale_given),
         .text = "lengths in the file, surface or mesh times this give metres"),
     ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
           .unit = "m", .number = offsetof(gn_scene, specimen.pack.count), .range = "[4, 1e8]",

@@ -1,5 +1,6 @@
 /* The keys of `stages`. */
 #include "scene/manifest_keys.h"
+#include "scene/units.h"
 #include "scene/stages.h"
 
 #define NONE(TEXT) .word = "none", .fallback = "none", .text = TEXT
@@ -9,7 +10,7 @@ static const gn_key end_keys[] = {
         NONE("after this time since the stage began")),
     KEY("steps", INTEGER, gn_stage, steps, .range = "[0, 1e15]", .word_value = -1,
         NONE("after as many steps; 0: what the stage changes holds, and the next one begins")),
-    KEY("strain", REAL, gn_stage, strain, .unit = "1", .range = "(0, inf)",
+    KEY("strain", REAL, gn_stage, strain, .unit = GN_STRAIN, .range = "(0, inf)",
         NONE("once the strain of the test has grown by this since the stage began")),
     KEY("stress", REAL, gn_stage, stress, .unit = "Pa", .range = GN_STRENGTHS,
         NONE("once the stress of the test is at least this")),

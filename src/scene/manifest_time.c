@@ -1,5 +1,6 @@
 /* The keys of `time`. */
 #include "scene/manifest_keys.h"
+#include "scene/units.h"
 
 static const gn_choice estimates[] = {
     {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
@@ -15,8 +16,8 @@ static const gn_key stop_keys[] = {
         .text =
             "stop once stress has fallen by this fraction of its peak; auto: as tests of its "
             "kind end, beside what else is written; without auto written, if nothing of stop is"),
-    KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
-        .fallback = "off", .text = "stop at this strain"),
+    KEY("strain", REAL, gn_scene, stop_strain, .unit = GN_STRAIN, .range = "(0, inf)",
+        .word = "off", .fallback = "off", .text = "stop at this strain"),
     KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",
         .word = "off", .fallback = "off",
         .text = "stop once the unbalanced force ratio is below, after 20 rows, while something "

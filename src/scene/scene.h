@@ -230,6 +230,7 @@ typedef struct gn_specimen {
     gn_scene_place from_where;
     bool from_velocities, from_bonds; /* what else is taken over of it */
     double scale; /* lengths in a file, surface or mesh times this give metres */
+    bool scale_given;
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
@@ -307,7 +308,8 @@ typedef struct gn_body_def {
     size_t polygon_count, polyline_count;
     double *polygon, *polyline; /* [count][2], m */
     double scale;               /* lengths of the shape times this give metres */
-    double origin[3];           /* m, where the shape's own origin stands */
+    bool scale_given;
+    double origin[3]; /* m, where the shape's own origin stands */
     bool has_rotation;
     double rotation[3]; /* rad, vector about the shape's origin, before it is put in its place */
     double stiffness;   /* penalty k_n, N/m */
@@ -377,6 +379,7 @@ typedef struct gn_element_def {
     char mesh_path[GN_PATH_SIZE];
     gn_scene_place mesh_where;
     double scale; /* lengths in the file times this give metres */
+    bool scale_given;
     bool has_rectangle, has_box, has_beam;
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];

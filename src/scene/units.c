@@ -38,6 +38,7 @@ typedef struct unit_kind {
 #define FREQUENCIES "hz", "hertz", "bq", "becquerel", "curie", "ci"
 static const unit_kind kinds[] = {
     KIND("1", "a number such as '0.5' or '50 %'", ),
+    KIND(GN_STRAIN, "a strain such as '0.005', '0.5 %' or '5 mm/m'", ),
     KIND(GN_PLAIN_NUMBER, "a number such as '20'", ),
     KIND("m", "a length such as '23 mm'", ),
     KIND("m2", "an area such as '4 cm2'", ),
@@ -58,7 +59,9 @@ static const unit_kind kinds[] = {
     KIND("1/s", "a rate such as '50 1/s'", .hint = "write 1/s", .refused = {FREQUENCIES}),
     KIND(GN_EVENT_RATE, "a number per time such as '50 1/s' or '50 Hz'", .si = "1/s",
          .hint = "write 1/s, 1/min or Hz", .refused = {"%", "percent", "ppm", "ppt", "ppb", "ppv"}),
-    KIND("1/s|1", "a rate such as '50 1/s', or a fraction such as '0.5' or '50 %'", ),
+    KIND("1/s|1",
+         "a rate such as '50 1/s' with model viscous, a fraction such as '0.5' or '50 %' with "
+         "others", ),
     KIND(GN_SLOPE, "a coefficient such as '0.5' or an angle of friction such as '30 deg'", ),
 };
 
@@ -91,7 +94,8 @@ const char *gn_unit_text(const char *unit) {
 }
 
 bool gn_unit_is_shown(const char *unit) {
-    return strcmp(unit, "1") != 0 && strcmp(unit, GN_PLAIN_NUMBER) != 0;
+    return strcmp(unit, "1") != 0 && strcmp(unit, GN_PLAIN_NUMBER) != 0 &&
+           strcmp(unit, GN_STRAIN) != 0;
 }
 
 gn_units *gn_units_new(void) {
@@ -322,7 +326,7 @@ bool gn_units_read(gn_units *units, const char *text, const char *unit, double *
     while (length > 0 && length <= UNIT_SIZE && given[length - 1] == ' ') given[--length] = '\0';
     const char *why = NULL;
     const unit_kind *kind = kind_of(unit);
-    if (!gn_unit_is_shown(unit)) {
+    if (!gn_unit_is_shown(unit) && strcmp(unit, GN_STRAIN) != 0) {
         why = dimensionless(given, strcmp(unit, GN_PLAIN_NUMBER) == 0, &factor);
     } else if (*given) {
         why = refused_word(kind, given);

@@ -10,9 +10,11 @@ typedef struct gn_units gn_units;
 
 /* Units of keys that UDUNITS-2 alone would take for others of the same dimension: a coefficient of
  * friction, which may also be given as the angle of friction; a number that is no share ("50 %");
- * a number of events in a time, which is no spin ("600 rpm") and no strain rate ("5 %/s"). */
+ * a number of events in a time, which is no spin ("600 rpm") and no strain rate ("5 %/s"). A strain
+ * takes ratios of lengths ("5 mm/m", "500 ppm") as well as "0.5 %". */
 #define GN_SLOPE        "1|deg"
 #define GN_PLAIN_NUMBER "count"
+#define GN_STRAIN       "m/m"
 #define GN_EVENT_RATE   "count/s"
 
 /* The unit system is read on the first quantity that needs it. NULL: out of memory. UDUNITS-2 keeps
@@ -41,7 +43,8 @@ bool gn_units_read_whole(const char *text, int64_t *value);
 /* "a length such as '23 mm'" for "m". */
 const char *gn_unit_text(const char *unit);
 
-/* Whether the unit has a name that is written behind numbers; "1" and GN_PLAIN_NUMBER have none. */
+/* Whether the unit has a name that is written behind numbers; "1", GN_PLAIN_NUMBER and GN_STRAIN
+ * have none. */
 bool gn_unit_is_shown(const char *unit);
 
 /* A sentence about a quantity whose unit has another meaning for many; NULL: there is none. */

@@ -6,8 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* m; a part of a thousandth of that is small for a specimen. */
-static const double large = 5.0;
+/* m; a part of a thousandth of that is small for a specimen, for one in a laboratory, and for a
+ * tool. Beams that are bent in one are as long as the first. */
+static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
 /* Of the size: what moves a specimen by less does not load it; rock breaks at 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
 /* kg/m3: of materials as they are given in kg and m. */
@@ -50,14 +51,14 @@ static bool specimen_file(const gn_world *w, file_size *f) {
                       : s->pack.shape == GN_SHAPE_MESH    ? "specimen.mesh"
                       : gn_scene_from_packing(&w->scene)  ? "specimen.from"
                                                           : NULL;
-    if (!w->scene.has_specimen || s->scale != 1.0 || !key) return false;
+    if (!w->scene.has_specimen || s->scale_given || !key) return false;
     *f = (file_size){key, s->where, specimen_size(w), w->dem.radius_min};
     return true;
 }
 
 static bool element_file(const gn_world *w, file_size *f) {
     const gn_element_def *e = &w->scene.elements;
-    if (!w->element_count || !e->mesh[0] || e->scale != 1.0) return false;
+    if (!w->element_count || !e->mesh[0] || e->scale_given) return false;
     const gn_fem_solid *b = &w->elements[0]->solid;
     *f = (file_size){"elements.mesh", e->where,
                      longest_side(b->nodes.start, b->nodes.soa.count, false, b->dimension),
@@ -146,8 +147,8 @@ static bool tell(const gn_world *w, const file_size *f, const char *why, char *t
                                   : ", particles from %.3g m in diameter on",
                  2.0 * f->part);
     snprintf(text, size,
-             "%s: %.4g m long%s, with scale: 1, which takes the file's lengths for metres, and %s; "
-             "%sscale: 0.001 if they are millimetres",
+             "%s: %.4g m long%s, without a scale, which takes the file's lengths for metres, and "
+             "%s; %sscale: 0.001 if they are millimetres, scale: 1 if they are metres",
              gn_scene_at(&w->scene, f->where, f->key).text, f->longest, part, why,
              strcmp(f->key, "specimen.from") == 0 ? "pack it with " : "");
     return true;
@@ -165,7 +166,7 @@ static bool body_doubts(const gn_world *w, char *text, size_t size) {
                                             (int)w->scene.dimension);
         file_size f = {key, def->where, longest, 0.0};
         first += vertices;
-        if (!def->surface[0] || def->scale != 1.0 || f.longest < large || !(specimen > 0.0) ||
+        if (!def->surface[0] || def->scale_given || f.longest < large_tool || !(specimen > 0.0) ||
             w->scene.source_count || f.longest < size_ratio * specimen)
             continue;
         snprintf(key, sizeof key, "bodies[%zu].surface", k);
@@ -175,13 +176,18 @@ static bool body_doubts(const gn_world *w, char *text, size_t size) {
     return false;
 }
 
+static bool is_tested(const gn_scene *s) {
+    return s->test.kind != GN_TEST_NONE && s->test.kind != GN_TEST_BENDING;
+}
+
 bool gn_scale_doubts(const gn_world *w, char *text, size_t size) {
     file_size f;
     char why[200];
     *text = '\0';
     if (!is_in_kilograms(&w->scene)) return false;
+    const double least = is_tested(&w->scene) ? large_in_test : large;
     for (int k = 0; k < 2; k++) {
-        if (!(k ? element_file(w, &f) : specimen_file(w, &f)) || f.longest < large) continue;
+        if (!(k ? element_file(w, &f) : specimen_file(w, &f)) || f.longest < least) continue;
         reason(w, &f, why, sizeof why);
         if (*why) return tell(w, &f, why, text, size);
     }

@@ -98,6 +98,22 @@ static const gn_sweep_value *blamed(const gn_sweep *s, size_t run, const char *l
     return NULL;
 }
 
+/* Notes about values of the sweep file, at the place of the key in it, so that many values have
+ * one. */
+static void place_notes(const gn_sweep *s, size_t run, gn_scene_notes *notes) {
+    for (size_t k = 0; s->text && k < notes->count; k++) {
+        const gn_sweep_parameter *p = NULL;
+        char text[GN_SCENE_NOTE_SIZE];
+        if (!blamed(s, run, notes->text[k], &p)) continue;
+        memcpy(text, notes->text[k] + strlen("--set "), sizeof text - strlen("--set "));
+        const int at = snprintf(notes->text[k], GN_SCENE_NOTE_SIZE, "%.200s:%d:%d: parameters.",
+                                s->source, p->where.line, p->where.column);
+        snprintf(notes->text[k] + at, (size_t)(GN_SCENE_NOTE_SIZE - at), "%.*s",
+                 GN_SCENE_NOTE_SIZE - at - 1, text);
+        notes->key_at[k] = at;
+    }
+}
+
 /* What the reader of scenes said of overrides, said of the places that they come from. */
 static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error) {
     char said[GNEISS_MESSAGE_SIZE], text[GNEISS_MESSAGE_SIZE] = "", label[512];
@@ -363,6 +379,7 @@ static gneiss_status read_runs(gn_sweep *s, gn_scene *scene, gneiss_error *error
         r->threads = scene->threads;
         r->seed = scene->seed;
         s->draws |= has_random_numbers(scene);
+        place_notes(s, k, &scene->notes);
         gn_notes_unite(&s->notes, &scene->notes);
         if (!s->title[0]) snprintf(s->title, sizeof s->title, "%.200s", scene->title);
         gn_scene_free(scene);
