@@ -86,16 +86,17 @@ static void a_run_too_short_for_its_source_says_so(void **state) {
 
 enum { GRAINS = 12 };
 
-/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down at 1 m/s. */
-static void add_grains(text *t, int dimension) {
+/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down. */
+static void add_grains(text *t, int dimension, double speed) {
     add(t, "dimension: %d\n" SOFT "specimen: {group: 0, particles: [", dimension);
     for (int k = 0; k < GRAINS; k++)
         add(t, "%s[%g, %s%g, 1e-3]", k ? ", " : "", 4e-3 * k, dimension == 3 ? "0, " : "",
             5e-3 + 0.37e-3 * k);
     add(t,
-        "]}\nsets: [{name: s, select: {all: true}, initial_velocity: [0, %s-1]}]\n"
+        "]}\nsets: [{name: s, select: {all: true}, initial_velocity: [0, %s%g]}]\n"
         "domain: {min: [-1, -1%s], max: [1, 1%s]}\ntime: {end: 20 ms}\nrun: {threads: 1}\n",
-        dimension == 3 ? "0, " : "", dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "");
+        dimension == 3 ? "0, " : "", -speed, dimension == 3 ? ", -1" : "",
+        dimension == 3 ? ", 1" : "");
 }
 
 /* Every grain is wholly inside for some steps, fewer than lists stand. */
@@ -110,8 +111,34 @@ static void a_thin_sink_takes_all_that_pass(void **state) {
         for (int k = 0; k < 2; k++) {
             gn_run run;
             text *t = calloc(1, sizeof *t);
-            add_grains(t, dimension);
+            add_grains(t, dimension, 1.0);
             add(t, "sinks: [{name: k, %s}]\n", sinks[k][dimension == 2]);
+            run_of(t->s, &run);
+            while (run.world.time < 20e-3) run_steps(&run.world, 1);
+            assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
+            assert_true(!warns(&run, "sink_too_thin", ""));
+            gn_run_free(&run);
+            free(t);
+        }
+}
+
+/* Every grain is wholly inside for less than a step, or for an instant alone. */
+static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
+    (void)state;
+    static const struct {
+        const char *thickness, *below;
+        double speed;
+    } cases[] = {{"2 mm", "0", 1.0},       {"2 mm", "0.3 mm", 1.0}, {"2.0005 mm", "0", 1.0},
+                 {"2 mm", "-0.1 mm", 7.0}, {"2.01 mm", "0", 20.0},  {"2.01 mm", "0.7 mm", 20.0}};
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+            gn_run run;
+            text *t = calloc(1, sizeof *t);
+            const bool space = dimension == 3;
+            add_grains(t, dimension, cases[k].speed);
+            add(t, "sinks: [{name: k, %s%s%s, origin: [-0.02, %s%s]}]\n",
+                space ? "box: {size: [0.1, 0.04, " : "rectangle: {width: 0.1, height: ",
+                cases[k].thickness, space ? "]}" : "}", space ? "-0.02, " : "", cases[k].below);
             run_of(t->s, &run);
             while (run.world.time < 20e-3) run_steps(&run.world, 1);
             assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
@@ -127,7 +154,7 @@ static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
         gn_run run;
         text *t = calloc(1, sizeof *t);
         char said[GNEISS_MESSAGE_SIZE];
-        add_grains(t, 3);
+        add_grains(t, 3, 1.0);
         add(t, "sinks: [{name: k, box: {size: [0.1, 0.04, %s]}, origin: [-0.02, -0.02, 0]}]\n",
             wide ? "2.1 mm" : "1.5 mm");
         run_of(t->s, &run);
@@ -144,6 +171,7 @@ int main(void) {
         cmocka_unit_test(a_source_brings_its_rate_times_its_end),
         cmocka_unit_test(a_run_too_short_for_its_source_says_so),
         cmocka_unit_test(a_thin_sink_takes_all_that_pass),
+        cmocka_unit_test(a_sink_as_thick_as_a_grain_takes_all_that_pass),
         cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
