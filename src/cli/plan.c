@@ -460,6 +460,11 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
                        w->boundary.surface_count);
     gneiss_status status = gn_world_overlaps(w, overlaps, error);
     if (status == GNEISS_OK) status = print_bodies(w, overlaps, warnings, error);
+    char text[GNEISS_MESSAGE_SIZE];
+    if (status == GNEISS_OK && gn_overlap_bursts(w, overlaps, text, sizeof text)) {
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
     gn_free(overlaps);
     return status;
 }
