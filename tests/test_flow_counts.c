@@ -4,6 +4,8 @@
 
 #include "run/run.h"
 
+#include <unistd.h>
+
 #define SOFT                                                                                       \
     "materials: [{name: m, density: 2500, contact_modulus: 1 MPa, kratio: 2}]\n"                   \
     "law: {stiffness: arithmetic}\n"
@@ -166,6 +168,50 @@ static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
     }
 }
 
+/* --- rows --- */
+
+static double last_of(const gn_run *run, const char *column) {
+    return gn_history_column(&run->history, column)[run->history.row_count - 1];
+}
+
+/* Steps are not a multiple of the rows: the last step has one all the same, which a run that is
+ * prolonged from there does not keep. */
+static void the_last_step_of_a_run_that_flows_has_a_row(void **state) {
+    (void)state;
+    const gn_override given[2][2] = {{{"time.step", "10 us"}, {"time.end", "10.03 ms"}},
+                                     {{"time.step", "10 us"}, {"time.end", "20 ms"}}};
+    gn_run run[2];
+    gneiss_error error = {0};
+    char path[] = "/tmp/flow_counts_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    for (int k = 0; k < 2; k++) {
+        text *t = calloc(1, sizeof *t);
+        add_grains(t, 3, 1.0);
+        add(t, "output: {history_rows: 7, snapshots: 0}\n"
+               "sinks: [{name: k, plane: {point: [0, 0, -1 mm], normal: [0, 0, -1]}}]\n");
+        gn_scene scene;
+        assert_ok(gn_scene_parse(t->s, "s.yaml", NULL, given[k], 2, &scene, &error), &error);
+        assert_ok(gn_run_create(&scene, &run[k], &error), &error);
+        while (!run[k].finished) assert_ok(gn_run_advance(&run[k], 10.0, NULL, &error), &error);
+        assert_near(last_of(&run[k], "time"), run[k].world.time - 10e-6, 1e-9);
+        assert_near(last_of(&run[k], "sink_k_number"), run[k].world.dem.flow.sinks[0].number, 0.0);
+        free(t);
+    }
+    assert_true(run[0].world.dem.flow.sinks[0].number > 0.0);
+    assert_ok(gn_checkpoint_write(&run[0], path, &error), &error);
+    gn_run_free(&run[0]);
+    const gn_override longer = {"time.end", "15 ms"};
+    assert_ok(gn_run_load(path, &longer, 1, &run[0], &error), &error);
+    const double ended = last_of(&run[0], "step");
+    while (!run[0].finished) assert_ok(gn_run_advance(&run[0], 10.0, NULL, &error), &error);
+    const double *step = gn_history_column(&run[0].history, "step");
+    for (size_t row = 0; row < run[0].history.row_count; row++) assert_true(step[row] != ended);
+    for (int k = 0; k < 2; k++) gn_run_free(&run[k]);
+    unlink(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_source_brings_its_rate_times_its_end),
@@ -173,6 +219,7 @@ int main(void) {
         cmocka_unit_test(a_thin_sink_takes_all_that_pass),
         cmocka_unit_test(a_sink_as_thick_as_a_grain_takes_all_that_pass),
         cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),
+        cmocka_unit_test(the_last_step_of_a_run_that_flows_has_a_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
