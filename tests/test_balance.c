@@ -131,12 +131,25 @@ static void a_source_that_will_bring_grains_keeps_a_run_on(void **state) {
     }
 }
 
+/* Two grains that fall and hardly touch. */
+static void the_ratio_that_is_reported_is_bounded(void **state) {
+    (void)state;
+    gn_world *w =
+        world_of("%s", GRAVITY "specimen: {particles: [[0, 0, 0, 1 mm], [1.9999999999e-3, "
+                               "0, 0, 1 mm]], group: 0}\ntime: {end: 1}\n");
+    measured_step(w);
+    assert_true(w->balance.ratio > 1000.0);
+    assert_near(w->unbalanced, 1000.0, 0.0);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(free_fall_is_no_balance),
         cmocka_unit_test(what_rests_on_a_wall_or_a_body_alone_is_in_balance),
         cmocka_unit_test(a_falling_body_is_no_balance),
         cmocka_unit_test(grains_that_nothing_touches_are_not_in_balance),
+        cmocka_unit_test(the_ratio_that_is_reported_is_bounded),
         cmocka_unit_test(a_source_that_will_bring_grains_keeps_a_run_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -84,6 +84,35 @@ static void a_run_too_short_for_its_source_says_so(void **state) {
     gn_run_free(&run);
 }
 
+/* A source that ends by itself before the run needs no other end, and brings no more than its
+ * total. */
+static void a_late_source_is_described_as_it_is_given(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        gn_run run;
+        gn_warnings list;
+        gneiss_error error = {0};
+        text *t = calloc(1, sizeof *t);
+        add(t,
+            "dimension: 3\n" SOFT
+            "sources: [{name: s, box: {size: [60 mm, 60 mm, 60 mm]}, rate: 3e6, mean_radius: 0.6 "
+            "mm, %s}]\ndomain: {min: [-1, -1, -1], max: [2, 2, 2]}\n"
+            "time: {end: 100 us, step: 2.5 us}\nrun: {threads: 1}\n",
+            k ? "total: 100" : "end: 90 us");
+        run_of(t->s, &run);
+        if (k) assert_near(gn_flow_late(&run.world, 0), 100, 1e-9);
+        if (k) assert_near(gn_flow_expected(&run.world, 0), 100, 1e-9);
+        run_steps(&run.world, 40);
+        assert_true(warns(&run, "source_behind", "a longer run"));
+        assert_ok(gn_run_warnings(&run, &list, &error), &error);
+        for (size_t n = 0; n < list.count; n++)
+            if (strcmp(list.warning[n].name, "source_behind") == 0)
+                assert_true(!strstr(list.warning[n].text, "an end of the source") == !k);
+        gn_run_free(&run);
+        free(t);
+    }
+}
+
 /* --- sinks --- */
 
 enum { GRAINS = 12 };
@@ -216,6 +245,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_source_brings_its_rate_times_its_end),
         cmocka_unit_test(a_run_too_short_for_its_source_says_so),
+        cmocka_unit_test(a_late_source_is_described_as_it_is_given),
         cmocka_unit_test(a_thin_sink_takes_all_that_pass),
         cmocka_unit_test(a_sink_as_thick_as_a_grain_takes_all_that_pass),
         cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),

@@ -295,9 +295,11 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
             snprintf(to->text, sizeof to->text,
                      "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
                      "came in; particles come when lists are made, up to 50 steps late, and what "
-                     "was due since then did not come any more: a longer run, or an end of the "
-                     "source before that of the run, lets them in",
-                     d->name, behind, s->number, s->mass);
+                     "was due since then did not come any more: a longer run%s lets them in",
+                     d->name, behind, s->number, s->mass,
+                     d->end > 0.0 && d->end < w->scene.end
+                         ? ""
+                         : ", or an end of the source before that of the run,");
             return;
         }
         snprintf(to->text, sizeof to->text,

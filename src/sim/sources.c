@@ -89,12 +89,15 @@ double gn_flow_late(const gn_world *w, size_t k) {
     const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * w->dt < w->scene.end;
     const bool full = d->total > 0 && most - late > (double)d->total * one(w, k);
     if (over || full || !(most > 0.0) || !(one(w, k) > 0.0)) return 0.0;
-    return late > one(w, k) && late > 0.01 * most ? fmin(late, most) / one(w, k) : 0.0;
+    return late > one(w, k) && late > 0.01 * most ? fmin(late / one(w, k), gn_flow_expected(w, k))
+                                                  : 0.0;
 }
 
 double gn_flow_expected(const gn_world *w, size_t k) {
     const gn_source_def *d = &w->scene.sources[k];
-    return one(w, k) > 0.0 ? fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k) : 0.0;
+    if (!(one(w, k) > 0.0)) return 0.0;
+    const double fed = fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k);
+    return d->total > 0 ? fmin(fed, (double)d->total) : fed;
 }
 
 /* --- who and where --- */
