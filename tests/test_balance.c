@@ -13,8 +13,8 @@
 #define BY_RUN   "time: {end: 0.2, stop: {unbalanced: 0.01}}\n"
 #define BY_STAGE "time: {end: 0.2}\nstages: [{name: settle, end: {unbalanced: 0.01}}]\n"
 
-/* s: when the run ended. */
-static double end_of(const char *scene_text, bool *balanced) {
+/* s: when the run ended; *number: particles then. */
+static double end_and_number(const char *scene_text, bool *balanced, size_t *number) {
     gn_scene scene;
     gn_run run;
     gneiss_error error = {0};
@@ -24,8 +24,14 @@ static double end_of(const char *scene_text, bool *balanced) {
         assert_ok(gn_run_advance(&run, 1.0, NULL, &error), &error);
     *balanced = strstr(run.stop_reason, "unbalanced") != NULL;
     const double time = run.world.time;
+    *number = gn_world_present(&run.world);
     gn_run_free(&run);
     return time;
+}
+
+static double end_of(const char *scene_text, bool *balanced) {
+    size_t number;
+    return end_and_number(scene_text, balanced, &number);
 }
 
 static const char *const floors[] = {
@@ -93,12 +99,58 @@ static void grains_that_nothing_touches_are_not_in_balance(void **state) {
     free(t);
 }
 
+/* A source that has grains to bring, or begins later, keeps the run and the stage on; one that is
+ * full of grains at rest, or would begin after the end, does not. */
+static void a_source_that_will_bring_grains_keeps_a_run_on(void **state) {
+    (void)state;
+    static const char *const ends[] = {BY_RUN, BY_STAGE};
+    static const struct {
+        const char *source, *grain;
+        double after;
+        size_t number;
+    } cases[] = {
+        {"box: {size: [10 mm, 10 mm, 4 mm]}, origin: [0, 0, 1 mm], rate: 40, total: 5", "", 0.1, 5},
+        {"box: {size: [10 mm, 10 mm, 4 mm]}, origin: [0, 0, 1 mm], rate: 40, end: 0.1", "", 0.075,
+         4},
+        {"box: {size: [10 mm, 10 mm, 4 mm]}, origin: [5 mm, 0, 1 mm], rate: 1000, total: 1, start: "
+         "0.1",
+         GRAIN(1e-3), 0.1, 2},
+        {"box: {size: [10 mm, 10 mm, 4 mm]}, origin: [5 mm, 0, 1 mm], rate: 1000, start: 0.3",
+         GRAIN(1e-3), 0.0, 1},
+        {"box: {size: [0.1 mm, 0.1 mm, 0.1 mm]}, origin: [0, 0, 1 mm], rate: 1000", "", 0.0, 1}};
+    for (size_t k = 0; k < 2 * (sizeof cases / sizeof *cases); k++) {
+        bool balanced;
+        size_t number;
+        text *t = calloc(1, sizeof *t);
+        add(t, GRAVITY "%s%s%ssources: [{name: s, mean_radius: 1 mm, %s}]\n", cases[k / 2].grain,
+            floors[0], ends[k % 2], cases[k / 2].source);
+        const double end = end_and_number(t->s, &balanced, &number);
+        if (!balanced || !(end > cases[k / 2].after) || number != cases[k / 2].number)
+            fail_msg("case %zu: %g s, %zu grains", k, end, number);
+        free(t);
+    }
+}
+
+/* Two grains that fall and hardly touch. */
+static void the_ratio_that_is_reported_is_bounded(void **state) {
+    (void)state;
+    gn_world *w =
+        world_of("%s", GRAVITY "specimen: {particles: [[0, 0, 0, 1 mm], [1.9999999999e-3, "
+                               "0, 0, 1 mm]], group: 0}\ntime: {end: 1}\n");
+    measured_step(w);
+    assert_true(w->balance.ratio > 1000.0);
+    assert_near(w->unbalanced, 1000.0, 0.0);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(free_fall_is_no_balance),
         cmocka_unit_test(what_rests_on_a_wall_or_a_body_alone_is_in_balance),
         cmocka_unit_test(a_falling_body_is_no_balance),
         cmocka_unit_test(grains_that_nothing_touches_are_not_in_balance),
+        cmocka_unit_test(the_ratio_that_is_reported_is_bounded),
+        cmocka_unit_test(a_source_that_will_bring_grains_keeps_a_run_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,8 @@
 
 #include "run/run.h"
 
+#include <unistd.h>
+
 #define SOFT                                                                                       \
     "materials: [{name: m, density: 2500, contact_modulus: 1 MPa, kratio: 2}]\n"                   \
     "law: {stiffness: arithmetic}\n"
@@ -82,20 +84,50 @@ static void a_run_too_short_for_its_source_says_so(void **state) {
     gn_run_free(&run);
 }
 
+/* A source that ends by itself before the run needs no other end, and brings no more than its
+ * total. */
+static void a_late_source_is_described_as_it_is_given(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        gn_run run;
+        gn_warnings list;
+        gneiss_error error = {0};
+        text *t = calloc(1, sizeof *t);
+        add(t,
+            "dimension: 3\n" SOFT
+            "sources: [{name: s, box: {size: [60 mm, 60 mm, 60 mm]}, rate: 3e6, mean_radius: 0.6 "
+            "mm, %s}]\ndomain: {min: [-1, -1, -1], max: [2, 2, 2]}\n"
+            "time: {end: 100 us, step: 2.5 us}\nrun: {threads: 1}\n",
+            k ? "total: 100" : "end: 90 us");
+        run_of(t->s, &run);
+        if (k) assert_near(gn_flow_late(&run.world, 0), 100, 1e-9);
+        if (k) assert_near(gn_flow_expected(&run.world, 0), 100, 1e-9);
+        run_steps(&run.world, 40);
+        assert_true(warns(&run, "source_behind", "a longer run"));
+        assert_ok(gn_run_warnings(&run, &list, &error), &error);
+        for (size_t n = 0; n < list.count; n++)
+            if (strcmp(list.warning[n].name, "source_behind") == 0)
+                assert_true(!strstr(list.warning[n].text, "an end of the source") == !k);
+        gn_run_free(&run);
+        free(t);
+    }
+}
+
 /* --- sinks --- */
 
 enum { GRAINS = 12 };
 
-/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down at 1 m/s. */
-static void add_grains(text *t, int dimension) {
+/* Grains of 2 mm in a row, each 0.37 mm farther up than the one before, fly down. */
+static void add_grains(text *t, int dimension, double speed) {
     add(t, "dimension: %d\n" SOFT "specimen: {group: 0, particles: [", dimension);
     for (int k = 0; k < GRAINS; k++)
         add(t, "%s[%g, %s%g, 1e-3]", k ? ", " : "", 4e-3 * k, dimension == 3 ? "0, " : "",
             5e-3 + 0.37e-3 * k);
     add(t,
-        "]}\nsets: [{name: s, select: {all: true}, initial_velocity: [0, %s-1]}]\n"
+        "]}\nsets: [{name: s, select: {all: true}, initial_velocity: [0, %s%g]}]\n"
         "domain: {min: [-1, -1%s], max: [1, 1%s]}\ntime: {end: 20 ms}\nrun: {threads: 1}\n",
-        dimension == 3 ? "0, " : "", dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "");
+        dimension == 3 ? "0, " : "", -speed, dimension == 3 ? ", -1" : "",
+        dimension == 3 ? ", 1" : "");
 }
 
 /* Every grain is wholly inside for some steps, fewer than lists stand. */
@@ -110,8 +142,34 @@ static void a_thin_sink_takes_all_that_pass(void **state) {
         for (int k = 0; k < 2; k++) {
             gn_run run;
             text *t = calloc(1, sizeof *t);
-            add_grains(t, dimension);
+            add_grains(t, dimension, 1.0);
             add(t, "sinks: [{name: k, %s}]\n", sinks[k][dimension == 2]);
+            run_of(t->s, &run);
+            while (run.world.time < 20e-3) run_steps(&run.world, 1);
+            assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
+            assert_true(!warns(&run, "sink_too_thin", ""));
+            gn_run_free(&run);
+            free(t);
+        }
+}
+
+/* Every grain is wholly inside for less than a step, or for an instant alone. */
+static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
+    (void)state;
+    static const struct {
+        const char *thickness, *below;
+        double speed;
+    } cases[] = {{"2 mm", "0", 1.0},       {"2 mm", "0.3 mm", 1.0}, {"2.0005 mm", "0", 1.0},
+                 {"2 mm", "-0.1 mm", 7.0}, {"2.01 mm", "0", 20.0},  {"2.01 mm", "0.7 mm", 20.0}};
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+            gn_run run;
+            text *t = calloc(1, sizeof *t);
+            const bool space = dimension == 3;
+            add_grains(t, dimension, cases[k].speed);
+            add(t, "sinks: [{name: k, %s%s%s, origin: [-0.02, %s%s]}]\n",
+                space ? "box: {size: [0.1, 0.04, " : "rectangle: {width: 0.1, height: ",
+                cases[k].thickness, space ? "]}" : "}", space ? "-0.02, " : "", cases[k].below);
             run_of(t->s, &run);
             while (run.world.time < 20e-3) run_steps(&run.world, 1);
             assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
@@ -127,7 +185,7 @@ static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
         gn_run run;
         text *t = calloc(1, sizeof *t);
         char said[GNEISS_MESSAGE_SIZE];
-        add_grains(t, 3);
+        add_grains(t, 3, 1.0);
         add(t, "sinks: [{name: k, box: {size: [0.1, 0.04, %s]}, origin: [-0.02, -0.02, 0]}]\n",
             wide ? "2.1 mm" : "1.5 mm");
         run_of(t->s, &run);
@@ -139,12 +197,59 @@ static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
     }
 }
 
+/* --- rows --- */
+
+static double last_of(const gn_run *run, const char *column) {
+    return gn_history_column(&run->history, column)[run->history.row_count - 1];
+}
+
+/* Steps are not a multiple of the rows: the last step has one all the same, which a run that is
+ * prolonged from there does not keep. */
+static void the_last_step_of_a_run_that_flows_has_a_row(void **state) {
+    (void)state;
+    const gn_override given[2][2] = {{{"time.step", "10 us"}, {"time.end", "10.03 ms"}},
+                                     {{"time.step", "10 us"}, {"time.end", "20 ms"}}};
+    gn_run run[2];
+    gneiss_error error = {0};
+    char path[] = "/tmp/flow_counts_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    for (int k = 0; k < 2; k++) {
+        text *t = calloc(1, sizeof *t);
+        add_grains(t, 3, 1.0);
+        add(t, "output: {history_rows: 7, snapshots: 0}\n"
+               "sinks: [{name: k, plane: {point: [0, 0, -1 mm], normal: [0, 0, -1]}}]\n");
+        gn_scene scene;
+        assert_ok(gn_scene_parse(t->s, "s.yaml", NULL, given[k], 2, &scene, &error), &error);
+        assert_ok(gn_run_create(&scene, &run[k], &error), &error);
+        while (!run[k].finished) assert_ok(gn_run_advance(&run[k], 10.0, NULL, &error), &error);
+        assert_near(last_of(&run[k], "time"), run[k].world.time - 10e-6, 1e-9);
+        assert_near(last_of(&run[k], "sink_k_number"), run[k].world.dem.flow.sinks[0].number, 0.0);
+        free(t);
+    }
+    assert_true(run[0].world.dem.flow.sinks[0].number > 0.0);
+    assert_ok(gn_checkpoint_write(&run[0], path, &error), &error);
+    gn_run_free(&run[0]);
+    const gn_override longer = {"time.end", "15 ms"};
+    assert_ok(gn_run_load(path, &longer, 1, &run[0], &error), &error);
+    const double ended = last_of(&run[0], "step");
+    while (!run[0].finished) assert_ok(gn_run_advance(&run[0], 10.0, NULL, &error), &error);
+    const double *step = gn_history_column(&run[0].history, "step");
+    for (size_t row = 0; row < run[0].history.row_count; row++) assert_true(step[row] != ended);
+    for (int k = 0; k < 2; k++) gn_run_free(&run[k]);
+    unlink(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_source_brings_its_rate_times_its_end),
         cmocka_unit_test(a_run_too_short_for_its_source_says_so),
+        cmocka_unit_test(a_late_source_is_described_as_it_is_given),
         cmocka_unit_test(a_thin_sink_takes_all_that_pass),
+        cmocka_unit_test(a_sink_as_thick_as_a_grain_takes_all_that_pass),
         cmocka_unit_test(a_sink_that_no_grain_fits_in_is_warned_of),
+        cmocka_unit_test(the_last_step_of_a_run_that_flows_has_a_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

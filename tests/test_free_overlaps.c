@@ -3,6 +3,7 @@
 #include "surface_helpers.h"
 
 #include "run/run.h"
+#include "sim/overlap.h"
 
 /* Four discs or spheres of 10 mm in a row; neighbours overlap by 1 mm. The right half is another
  * cohesive group, so that the pair in the middle has no bond. */
@@ -74,6 +75,21 @@ static void a_free_overlap_presses_from_its_distance_of_the_start_on(void **stat
     }
 }
 
+/* *found: the text of the warning, "" without it. */
+static void burst_of(const char *scene_text, gn_run *run, char found[GNEISS_MESSAGE_SIZE]) {
+    gn_scene scene;
+    gn_warnings list;
+    gneiss_error error = {0};
+    *found = 0;
+    assert_ok(gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+    assert_ok(gn_run_create(&scene, run, &error), &error);
+    assert_ok(gn_run_steps(run, 3, &error), &error);
+    assert_ok(gn_run_warnings(run, &list, &error), &error);
+    for (size_t c = 0; c < list.count; c++)
+        if (strcmp(list.warning[c].name, "stressed_at_start") == 0)
+            snprintf(found, GNEISS_MESSAGE_SIZE, "%s", list.warning[c].text);
+}
+
 static void what_holds_energy_at_rest_is_warned_of(void **state) {
     (void)state;
     static const char *const cases[] = {"bonds: {}\ntime: {end: 1}\n",
@@ -81,22 +97,90 @@ static void what_holds_energy_at_rest_is_warned_of(void **state) {
                                         "bonds: {enabled: off}\ntime: {end: 1}\n"};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         text *t = calloc(1, sizeof *t);
-        gn_scene scene;
         gn_run run;
-        gn_warnings list;
-        gneiss_error error = {0};
-        const char *found = NULL;
+        char found[GNEISS_MESSAGE_SIZE];
         add(t, row, 3, ", 0", ", 0", ", 0", ", 0", "uniform", cases[k]);
-        assert_ok(gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
-        assert_ok(gn_run_create(&scene, &run, &error), &error);
-        assert_ok(gn_run_steps(&run, 3, &error), &error);
-        assert_ok(gn_run_warnings(&run, &list, &error), &error);
-        for (size_t c = 0; c < list.count; c++)
-            if (strcmp(list.warning[c].name, "stressed_at_start") == 0)
-                found = list.warning[c].text;
-        assert_true(!found == (k == 0));
+        burst_of(t->s, &run, found);
+        assert_true(!*found == (k == 0));
         /* 3 k u^2/2 with u = 1 mm. */
-        if (found && !strstr(found, "held 15 J")) fail_msg("%s", found);
+        if (*found && !strstr(found, "held 15 J")) fail_msg("%s", found);
+        gn_run_free(&run);
+        free(t);
+    }
+}
+
+/* A cubic block of 5 x 5 x 5 (5 x 5) spheres that touch, bonded, in which a wall or a body begins
+ * 0.4 mm deep. */
+static void a_wall_or_body_inside_particles_at_the_start_is_warned_of(void **state) {
+    (void)state;
+    static const struct {
+        const char *what[2], *more;
+        bool warned;
+    } cases[] = {
+        {{"walls: [{name: f, point: [0, 0.4 mm], normal: [0, 1], stiffness: 1e7}]",
+          "walls: [{name: f, point: [0, 0, 0.4 mm], normal: [0, 0, 1], stiffness: 1e7}]"},
+         "",
+         true},
+        {{"walls: [{name: f, point: [0, 0.4 mm], normal: [0, 1], stiffness: 1e7, passive: true}]",
+          "walls: [{name: f, point: [0, 0, 0.4 mm], normal: [0, 0, 1], stiffness: 1e7, passive: "
+          "true}]"},
+         "",
+         false},
+        {{"walls: [{name: f, point: [0, 0], normal: [0, 1], stiffness: 1e7}]",
+          "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e7}]"},
+         "",
+         false},
+        {{"bodies: [{name: f, polygon: [[-0.01, -0.01], [0.03, -0.01], [0.03, 0.4 mm], [-0.01, 0.4 "
+          "mm]], stiffness: 1e7}]",
+          "bodies: [{name: f, box: {size: [40 mm, 40 mm, 10 mm]}, origin: [-10 mm, -10 mm, -9.6 "
+          "mm], stiffness: 1e7}]"},
+         "",
+         true}};
+    for (size_t k = 0; k < 2 * (sizeof cases / sizeof *cases); k++) {
+        text *t = calloc(1, sizeof *t);
+        gn_run run;
+        char found[GNEISS_MESSAGE_SIZE], said[GNEISS_MESSAGE_SIZE];
+        const bool space = k & 1;
+        add(t,
+            "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 2 mm, cells: [5, 5%s]}}\n"
+            "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2, "
+            "tensile_strength: 1e6, shear_strength: 1e6}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"
+            "run: {threads: 1}\ntime: {end: 1}\n%s\n",
+            space ? 3 : 2, space ? "cubic" : "square", space ? ", 5" : "",
+            cases[k / 2].what[space]);
+        burst_of(t->s, &run, found);
+        if (!*found == cases[k / 2].warned) fail_msg("%s%s", t->s, found);
+        /* 25 (5) contacts of k u^2/2 with u = 0.4 mm. */
+        if (*found && !strstr(found, space ? "held 20 J" : "held 4 J")) fail_msg("%s", found);
+        gn_run_free(&run);
+        gn_world *w = world_of("%s", t->s);
+        gn_overlap overlap[1];
+        gneiss_error error = {0};
+        assert_ok(gn_world_overlaps(w, overlap, &error), &error);
+        assert_true(gn_overlap_bursts(w, overlap, said, sizeof said) == cases[k / 2].warned);
+        world_end(w);
+        free(t);
+    }
+}
+
+/* Ends of a test that begin inside particles are reported as initial_stress. */
+static void ends_of_a_test_do_not_count_as_walls_inside_particles(void **state) {
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        text *t = calloc(1, sizeof *t);
+        gn_run run;
+        char found[GNEISS_MESSAGE_SIZE];
+        add(t,
+            "dimension: 2\nspecimen: {lattice: {kind: square, radius: 2 mm, cells: [5, 5]}}\n"
+            "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2, "
+            "tensile_strength: 1e6, shear_strength: 1e6}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"
+            "walls: [{name: f, point: [0, 0.1 mm], normal: [0, 1], stiffness: 1e7}, "
+            "{name: u, point: [0, 19.9 mm], normal: [0, -1], stiffness: 1e7, motion: {vy: -0.01}}"
+            "%s]\ntest: {kind: compression, axis: y, lower: f, upper: u}\n"
+            "run: {threads: 1}\ntime: {end: 1}\n",
+            side ? ", {name: s, point: [0.3 mm, 0], normal: [1, 0], stiffness: 1e7}" : "");
+        burst_of(t->s, &run, found);
+        if (!*found != !side) fail_msg("%s%s", t->s, found);
         gn_run_free(&run);
         free(t);
     }
@@ -107,6 +191,8 @@ int main(void) {
         cmocka_unit_test(unbonded_neighbours_of_a_bonded_packing_are_free_of_stress),
         cmocka_unit_test(a_free_overlap_presses_from_its_distance_of_the_start_on),
         cmocka_unit_test(what_holds_energy_at_rest_is_warned_of),
+        cmocka_unit_test(a_wall_or_body_inside_particles_at_the_start_is_warned_of),
+        cmocka_unit_test(ends_of_a_test_do_not_count_as_walls_inside_particles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

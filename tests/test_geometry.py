@@ -71,7 +71,7 @@ def no_command_runs_gmsh_unless_it_is_allowed(folder):
         scene, options = geometry(place, name)
         for words in commands(place, scene):
             expect(gneiss(*words, **options), 2, r"scene\.yaml:\d+:\d+: specimen\.mesh: expected .*--allow-gmsh",
-                   rf"found the geometry '{name}'", rf"this is run: gmsh -2 -format msh41 -o FILE -nopopup /.*/{name}$")
+                   rf"found the geometry '{name}'", rf"this is run: gmsh -2 -format msh41 -o FILE -nopopup /.*/{name} LINEAR.geo, with Mesh.ElementOrder = 1; in LINEAR.geo$")
             assert not called(place), words
         assert not os.path.exists(os.path.join(place, "out"))
 

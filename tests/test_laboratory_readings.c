@@ -264,6 +264,10 @@ static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **
     t = bent(0.5);
     r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .falls = true});
     absent_for(&r, GN_READING_fracture_energy, "gravity");
+    t = bent(0.5);
+    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .halted = true});
+    absent_for(&r, GN_READING_fracture_energy, "conversion ended the run");
+    assert_close(r.opening_at_peak, 1, 1e-12);
 }
 
 /* Also of a notched one. */

@@ -129,6 +129,38 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     }
 }
 
+/* Grains that rest on a wall which goes away, slow or fast, lose it within a step: what it bore is
+ * not carried along, and they fall. A wall that moves away needs no bound. */
+static void a_wall_that_leaves_lets_go_of_what_it_bore(void **state) {
+    (void)state;
+    static const char *const motions[] = {"[[0, 0], [5 ms, 0], [5.1 ms, -2]]",
+                                          "[[0, 0], [5 ms, 0], [5.1 ms, -20]]",
+                                          "[[0, 0], [5 ms, 0], [5.1 ms, -60]]",
+                                          "[[0, 0], [5 ms, 0], [5.01 ms, -600]]",
+                                          "-20",
+                                          "-60",
+                                          "-900"};
+    for (size_t k = 0; k < sizeof motions / sizeof *motions; k++) {
+        double worst = 0.0;
+        gn_world *w = world_of(
+            "dimension: 2\nmaterials: [{name: g, density: 2500, contact_modulus: 1 MPa, kratio: 2, "
+            "friction: 0.3}]\nlaw: {stiffness: harmonic}\ngravity: [0, -9.81]\n"
+            "damping: {contact: {restitution: 0.5}}\nspecimen: {lattice: {kind: square, radius: 1 "
+            "mm, cells: [6, 6], origin: [0, 0]}, group: 0}\nwalls: [{name: f, point: [0, 0], "
+            "normal: [0, 1], stiffness: 1e6, motion: {vy: %s}}]\n"
+            "domain: {min: [-90, -90], max: [90, 90]}\ntime: {end: 8 ms}\nrun: {threads: 1}\n",
+            motions[k]);
+        while (w->time < 8e-3) {
+            measured_step(w);
+            worst = fmax(worst, fabs(gn_energy_residual(&w->reading)));
+        }
+        /* With run.residual_limit runs stop. */
+        if (worst > 0.1) fail_msg("%s: residual %g", motions[k], worst);
+        assert_true(vel_of(w, 0)[1] < -0.02);
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_particle_may_move_half_a_radius_in_a_step),
@@ -139,6 +171,7 @@ int main(void) {
         cmocka_unit_test(a_wall_may_slide_along_itself),
         cmocka_unit_test(a_particle_may_turn_half_a_radian_in_a_step),
         cmocka_unit_test(a_node_may_move_half_a_radius_in_a_step),
+        cmocka_unit_test(a_wall_that_leaves_lets_go_of_what_it_bore),
         cmocka_unit_test(a_flight_ends_with_the_step_of_the_contact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -427,9 +427,12 @@ static gneiss_status print_bodies(const gn_world *w, const gn_overlap *overlaps,
         printf("  body %-12s %lld facets, %lld vertices", w->scene.bodies[k].name,
                (long long)shape[1], (long long)shape[0]);
         if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
-        if (w->scene.bodies[k].free)
-            printf("; free: %.6g m3, %.6g kg, centre of mass %s m", b->volume, b->mass,
+        if (w->scene.bodies[k].free) {
+            printf("; free: ");
+            if (b->volume > 0.0) printf("%.6g m3, ", b->volume); /* not found where mass is given */
+            printf("%.6g kg, centre of mass %s m", b->mass,
                    gn_point_text(w->scene.origin, b->position, at));
+        }
         const size_t cavities = gn_body_cavities(&w->scene, k);
         if (cavities)
             printf("; note: %zu closed part%s in another one count%s as %s", cavities,
@@ -460,6 +463,11 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
                        w->boundary.surface_count);
     gneiss_status status = gn_world_overlaps(w, overlaps, error);
     if (status == GNEISS_OK) status = print_bodies(w, overlaps, warnings, error);
+    char text[GNEISS_MESSAGE_SIZE];
+    if (status == GNEISS_OK && gn_overlap_bursts(w, overlaps, text, sizeof text)) {
+        printf("  warning: %s\n", text);
+        (*warnings)++;
+    }
     gn_free(overlaps);
     return status;
 }

@@ -262,6 +262,7 @@ typedef struct gn_tested {
     bool watched;                       /* one end has the force of the other by definition */
     bool notched;                       /* a beam */
     bool falls;                         /* under gravity */
+    bool halted;                        /* conversion ended the run */
     double section;                     /* m2, of what breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
     const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */

@@ -97,6 +97,10 @@ static void read_fracture_energy(const gn_curves *c, gn_readings *r) {
     if (reason) gn_reading_absent(r, which, "%s", reason);
     if (c->tested->falls)
         gn_reading_absent(r, which, "gravity does work on the specimen beside the ends");
+    if (c->tested->halted)
+        gn_reading_absent(r, which,
+                          "conversion ended the run (conversion_halted): what elements beside the "
+                          "crack would have borne or broken from there on is not known");
     if (!force || !way) return;
     double left = force[rows - 1] / force[c->largest], work = 0;
     if (left > broken_through)

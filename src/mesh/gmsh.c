@@ -68,7 +68,7 @@ static void arguments_of(const char *path, int dimension, const char *out, const
 void gn_mesh_geometry_command(const char *path, int dimension, char *text, size_t size) {
     char *arguments[ARGUMENTS];
     size_t used = 0;
-    arguments_of(path, dimension, "FILE", NULL, arguments);
+    arguments_of(path, dimension, "FILE", "LINEAR.geo", arguments);
     *text = '\0';
     for (size_t k = 0; arguments[k] && used < size; k++)
         used += (size_t)snprintf(text + used, size - used, "%s%s", k ? " " : "", arguments[k]);

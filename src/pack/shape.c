@@ -57,7 +57,7 @@ gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error)
         "%s: expected a mesh (.msh), or --allow-gmsh on the command line "
         "(gneiss_scene_allow_gmsh in C), found the geometry '%.300s': gmsh would have to "
         "mesh it, and a geometry can make gmsh execute any command. With the permission "
-        "this is run: %.700s",
+        "this is run: %.700s, with Mesh.ElementOrder = 1; in LINEAR.geo",
         gn_scene_at(scene, scene->specimen.where, "specimen.mesh").text, def->mesh, command);
 }
 

@@ -136,7 +136,8 @@ static gneiss_status check_row(const gn_world *w, gn_history *h, const double *r
     return GNEISS_OK;
 }
 
-gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
+/* `last`: what a run that is prolonged goes on with has nothing of the row. */
+static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss_error *error) {
     double start = gn_now();
     double *row = calloc(h->column_count + 1, sizeof *row);
     if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
@@ -145,18 +146,23 @@ gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();
     if (status == GNEISS_OK) {
-        note_passed(w);
+        (last ? read_passed : note_passed)(w);
         put_row(w, GN_AFTER_STEP, row);
         status = check_row(w, h, row, error);
         if (status == GNEISS_OK) status = gn_history_append(h, row, error);
-        gn_flow_row(w);
+        if (!last) gn_flow_row(w);
     }
     free(row);
     w->seconds[GN_PHASE_measure] += gn_now() - start;
     return status;
 }
 
-gneiss_status gn_history_last(gn_world *w, gneiss_error *error) {
+gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
+    return step_with_row(w, h, false, error);
+}
+
+gneiss_status gn_history_last(gn_world *w, gn_history *h, gneiss_error *error) {
+    if (h) return step_with_row(w, h, true, error);
     GN_TRY(gn_world_step(w, true, error));
     read_passed(w);
     return GNEISS_OK;

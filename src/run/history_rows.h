@@ -11,9 +11,9 @@ gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneis
  * the step, forces and energies after it. */
 gneiss_status gn_history_step(gn_world *world, gn_history *history, gneiss_error *error);
 
-/* Takes the last step of a run and reads the ledger at its instant, without a row: nothing of it is
- * in what a run that is prolonged goes on with. */
-gneiss_status gn_history_last(gn_world *world, gneiss_error *error);
+/* Takes the last step of a run and reads the ledger at its instant, with a row if there is a
+ * history: nothing of it is in what a run that is prolonged goes on with. */
+gneiss_status gn_history_last(gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Appends the row of a state that the world was put in, with the reading as it stands. */
 gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error);

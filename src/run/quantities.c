@@ -359,7 +359,7 @@ static const gn_quantity of_the_model[] = {
     SCALAR(
         always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
         "mean resultant on a free particle over the mean force of contacts that carry, also with "
-        "walls; of elements and free bodies the largest; 0: nothing carries"),
+        "walls; of elements and free bodies the largest; at most 1000; 0: none"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "particles that are there; with couple.convert those that are awake: of converted "
            "elements and of the zone around these"),

@@ -84,6 +84,7 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                        .by_ends = by_ends(w),
                        .by_mean = gn_section_by_mean(w),
                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+                       .halted = !over && w->halt[0],
                        .fragments = pieces.count,
                        .largest_fragment = pieces.largest,
                        .zones = w->scene.couple.zone_count > 0,

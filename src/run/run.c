@@ -489,6 +489,7 @@ static gneiss_status after_row(gn_run *run, gneiss_error *error) {
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
     const double step_before = w->dt;
+    GN_TRY(gn_run_drop_end_row(run, error));
     GN_TRY(gn_run_begin(run, NULL, error));
     bool first = w->step == w->first_step;
     const bool before = run->finished;
@@ -504,7 +505,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(after_row(run, error));
     } else if (gn_run_time_left(run) <= 1.5 * w->dt) {
-        GN_TRY(gn_history_last(w, error));
+        GN_TRY(gn_history_last(w, gn_run_has_end_row(run) ? &run->history : NULL, error));
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }

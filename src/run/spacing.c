@@ -72,6 +72,23 @@ bool gn_run_row_is_due(const gn_run *run) {
     return w->time - last > ((double)run->history_interval - 0.5) * w->dt;
 }
 
+/* --- the row of the last step --- */
+
+bool gn_run_has_end_row(const gn_run *run) {
+    const gn_scene *s = &run->world.scene;
+    return !run->finished && s->history_rows > 0 && gn_scene_flows(s) && !gn_converts(&run->world);
+}
+
+gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
+    gn_history *h = &run->history;
+    if (!gn_run_has_end_row(run) || (int64_t)h->row_count <= run->history_begin + 1)
+        return GNEISS_OK;
+    const int64_t step = (int64_t)gn_history_column(h, "step")[h->row_count - 1];
+    if (step != run->world.step - 1 || is_spaced(run, step)) return GNEISS_OK;
+    h->row_count--;
+    return gn_run_note_looks(run, error);
+}
+
 /* --- looks --- */
 
 /* The first row of all, or of a stage, is one as well. */

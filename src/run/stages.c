@@ -149,10 +149,12 @@ static bool fell(const gn_run *run, size_t rows, double stress) {
            stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
-/* What falls freely, or what nothing presses yet, has not settled. */
+/* What falls freely, what nothing presses yet, or what particles are still to come to has not
+ * settled. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit) {
     const gn_balance *b = &run->world.balance;
-    return limit > 0.0 && rows > ROWS_BEFORE && b->carries && !b->falls && b->ratio < limit;
+    return limit > 0.0 && rows > ROWS_BEFORE && b->carries && !b->falls && b->ratio < limit &&
+           !gn_flow_brings(&run->world);
 }
 
 static gn_stage_cause cause_in_row(gn_run *run) {

@@ -19,26 +19,26 @@ static bool pushed(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
-static bool is_end(const gn_scene *s, const char *name);
-
 /* `ends`: what moves of the ends of the test counts. */
 static bool presses(const gn_scene *s, bool ends) {
     bool acts = s->elements.load_count > 0 || gn_scene_box_moves(s);
     for (size_t k = 0; k < s->wall_count; k++) {
         const gn_wall_def *w = &s->walls[k];
-        acts = acts || w->servo.active || ((ends || !is_end(s, w->name)) && moves(&w->motion));
+        acts = acts || w->servo.active ||
+               ((ends || !gn_scene_is_end(s, w->name)) && moves(&w->motion));
     }
     for (size_t k = 0; k < s->set_count; k++) {
         const gn_set_def *set = &s->sets[k];
-        acts = acts || pushed(set) || ((ends || !is_end(s, set->name)) && moves(&set->motion));
+        acts = acts || pushed(set) ||
+               ((ends || !gn_scene_is_end(s, set->name)) && moves(&set->motion));
     }
     for (size_t k = 0; k < s->body_count; k++) {
         const gn_body_def *b = &s->bodies[k];
-        acts = acts || b->free || ((ends || !is_end(s, b->name)) && moves(&b->motion));
+        acts = acts || b->free || ((ends || !gn_scene_is_end(s, b->name)) && moves(&b->motion));
     }
     for (size_t k = 0; k < s->elements.motion_count; k++) {
         const gn_element_motion *m = &s->elements.motions[k];
-        acts = acts || ((ends || !is_end(s, m->name)) && moves(&m->motion));
+        acts = acts || ((ends || !gn_scene_is_end(s, m->name)) && moves(&m->motion));
     }
     return acts;
 }
@@ -109,7 +109,7 @@ bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name) {
     return false;
 }
 
-static bool is_end(const gn_scene *s, const char *name) {
+bool gn_scene_is_end(const gn_scene *s, const char *name) {
     const gn_test *t = &s->test;
     return gn_scene_in_end(&t->lower, t->lower.count, name) ||
            gn_scene_in_end(&t->upper, t->upper.count, name);
@@ -117,7 +117,7 @@ static bool is_end(const gn_scene *s, const char *name) {
 
 bool gn_scene_wall_stands(const gn_scene *s, size_t wall, int axis) {
     const gn_wall_def *w = &s->walls[wall];
-    return !is_end(s, w->name) &&
+    return !gn_scene_is_end(s, w->name) &&
            (s->stage_count || (!w->servo.active && !gn_table_acts(&w->motion.velocity[axis])));
 }
 
@@ -144,16 +144,16 @@ bool gn_scene_body_stands(const gn_scene *s, size_t body, int axis) {
     const gn_body_def *b = &s->bodies[body];
     const gn_table *velocity = &b->motion.velocity[axis];
     const bool still = b->free ? held(velocity) : !gn_table_acts(velocity);
-    return (!is_end(s, b->name) || may_be_cup(b)) && (still || s->stage_count);
+    return (!gn_scene_is_end(s, b->name) || may_be_cup(b)) && (still || s->stage_count);
 }
 
 bool gn_scene_set_stands(const gn_scene *s, size_t set, int axis) {
-    return !is_end(s, s->sets[set].name) && held(&s->sets[set].motion.velocity[axis]);
+    return !gn_scene_is_end(s, s->sets[set].name) && held(&s->sets[set].motion.velocity[axis]);
 }
 
 bool gn_scene_motion_stands(const gn_scene *s, size_t motion, int axis) {
     const gn_element_motion *m = &s->elements.motions[motion];
-    return !is_end(s, m->name) && held(&m->motion.velocity[axis]);
+    return !gn_scene_is_end(s, m->name) && held(&m->motion.velocity[axis]);
 }
 
 bool gn_scene_stands(const gn_scene *s, int axis) {
@@ -163,10 +163,10 @@ bool gn_scene_stands(const gn_scene *s, int axis) {
     for (size_t k = 0; k < s->body_count; k++)
         if (gn_scene_body_stands(s, k, axis)) return true;
     for (size_t k = 0; k < s->set_count; k++)
-        if (s->stage_count ? !is_end(s, s->sets[k].name) : gn_scene_set_stands(s, k, axis))
+        if (s->stage_count ? !gn_scene_is_end(s, s->sets[k].name) : gn_scene_set_stands(s, k, axis))
             return true;
     for (size_t k = 0; k < s->elements.motion_count; k++)
-        if (s->stage_count ? !is_end(s, s->elements.motions[k].name)
+        if (s->stage_count ? !gn_scene_is_end(s, s->elements.motions[k].name)
                            : gn_scene_motion_stands(s, k, axis))
             return true;
     return s->has_specimen && s->has_elements; /* a container, or what stands in one */

@@ -25,6 +25,8 @@ bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 
 /* Whether a name is among the first `parts` of an end of a test. */
 bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
+/* Whether it is the name of a part of either end of the test. */
+bool gn_scene_is_end(const gn_scene *scene, const char *name);
 
 /* Whether something beside the ends of the test, or a body that is one and no box, holds the
  * specimen at both sides along an axis: walls that face it, sides of a periodic box, bodies, sets

@@ -4,6 +4,9 @@
 
 #include <stdbool.h>
 
+/* What is reported of a larger ratio, as of what falls and hardly touches. */
+#define GN_UNBALANCED_MOST 1000.0
+
 /* Parts add theirs: particles first, whose mean contact force the others use. */
 typedef struct gn_balance {
     double ratio; /* mean resultant over mean contact force; of parts the largest */

@@ -103,6 +103,44 @@ void gn_bodies_follow(const gn_world *w, double *dt) {
     }
 }
 
+/* Whether a particle overlaps a wall, or did so before the last step: its contact acts once more. */
+static bool is_pressed(const gn_world *w, size_t wall) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const gn_wall *of = &w->boundary.walls[wall];
+    for (size_t c = 0; c < q->soa.count; c++) {
+        if ((size_t)q->wall[c] != wall) continue;
+        const double *x = w->dem.particles.pos + 4 * (int64_t)q->i[c],
+                     *v = w->dem.particles.vel + 4 * (int64_t)q->i[c];
+        const double gap = gn_wall_distance(of, x) - x[3] - q->gap0[c];
+        const double apart = gn_dot3(v, of->normal) - gn_dot3(of->velocity, of->normal);
+        if (gap < fmax(0.0, w->dt_past * apart) - GN_OVERLAP_ROUNDING * x[3]) return true;
+    }
+    return false;
+}
+
+/* m/s, along its normal, of a wall in a coming step of `dt`. */
+static double wall_speed_in(const gn_world *w, size_t k, double dt) {
+    const gn_wall *wall = &w->boundary.walls[k];
+    const gn_wall_def *def = &w->scene.walls[k];
+    double along = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const gn_table *t = &def->motion.velocity[a];
+        const double led = gn_control_of(w, def->name, a) * gn_table_at(t, w->time + 0.5 * dt);
+        along += wall->normal[a] * (t->count ? led : wall->velocity[a]);
+    }
+    return along;
+}
+
+void gn_walls_follow(const gn_world *w, double *dt) {
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        for (bool far = true; far;) {
+            const double speed = -wall_speed_in(w, k, *dt), most = path_near * w->dem.radius_min;
+            far = speed * *dt > most && is_pressed(w, k);
+            if (far) *dt = 0.5 * most / speed;
+        }
+    }
+}
+
 /* The largest root of fall t^2 + speed t = way, s. */
 static double time_for(double way, double speed, double fall) {
     double root = speed + sqrt(speed * speed + 4.0 * fall * way);

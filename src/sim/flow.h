@@ -73,8 +73,11 @@ bool gn_flow_is_behind(const gn_world *world, size_t k);
 /* Particles that source k brings between two looks, which lack at the end of a run in which it
  * still feeds; 0: at most one, or a hundredth of what it brings. */
 double gn_flow_late(const gn_world *world, size_t k);
-/* Particles that source k brings until time.end by its rate. */
+/* Particles that source k brings until time.end by its rate, at most its total. */
 double gn_flow_expected(const gn_world *world, size_t k);
+/* Whether a source will bring more particles until time.end, and has not waited for room since it
+ * last looked. */
+bool gn_flow_brings(const gn_world *world);
 /* The wall that has all of the region of source k behind it; NULL: none has. */
 const char *gn_flow_wall_before(const gn_world *world, size_t k);
 

@@ -50,13 +50,18 @@ static void settle(gn_scene *s, const gn_extent *extent) {
 
 static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_error *error) {
     const gn_element_def *e = &s->elements;
-    gneiss_status status =
-        gn_is_geometry(e->mesh_path)
-            ? gn_fail(error, GNEISS_ERROR_INPUT,
-                      "expected a mesh of elements (.msh), found the geometry '%.300s'; gmsh -%d "
-                      "-order 1 -format msh41 -o NEW.msh meshes it, which runs what it asks for",
-                      e->mesh, (int)s->dimension)
-            : gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
+    gneiss_status status = GNEISS_OK;
+    if (gn_is_geometry(e->mesh_path)) {
+        char command[GN_PATH_SIZE + 128];
+        gn_mesh_geometry_command(e->mesh_path, (int)s->dimension, command, sizeof command);
+        status = gn_fail(error, GNEISS_ERROR_INPUT,
+                         "expected a mesh of elements (.msh), found the geometry '%.300s'; %.700s, "
+                         "with Mesh.ElementOrder = 1; in LINEAR.geo, meshes it, which runs what it "
+                         "asks for",
+                         e->mesh, command);
+    } else {
+        status = gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
+    }
     if (status == GNEISS_OK) return status;
     gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
     return gn_fail_context(error, "%s: ", gn_scene_at(s, where, "elements.mesh").text);

@@ -1,10 +1,12 @@
 #include "sim/overlap.h"
 
 #include "base/memory.h"
+#include "scene/acts.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -162,4 +164,34 @@ gn_overlap gn_wall_overlap(const gn_world *w, size_t wall) {
         o.deepest = fmax(o.deepest, q->pos[4 * p + 3] - centre);
     }
     return o;
+}
+
+/* Share of the smallest radius: less is what a packing or the weight of a few layers leaves. */
+static const double bursting = 0.02;
+
+bool gn_overlap_bursts(const gn_world *w, const gn_overlap *overlap, char *text, size_t size) {
+    const gn_scene *s = &w->scene;
+    const size_t walls = s->wall_count, bodies = s->body_count;
+    const char *name = NULL, *kind = "";
+    double deepest = bursting * w->dem.radius_min;
+    /* Particles of another run may rest on what carries them. */
+    if (!s->has_specimen || *s->specimen.from || gn_stored_matters(w, gn_contacts_stored(w)))
+        return false;
+    for (size_t k = 0; k < walls + w->boundary.surface_count; k++) {
+        const bool wall = k < walls, body = !wall && k - walls < bodies;
+        const char *of = wall ? s->walls[k].name : body ? s->bodies[k - walls].name : "elements";
+        const gn_overlap o = wall ? gn_wall_overlap(w, k) : overlap[k - walls];
+        if ((wall && s->walls[k].passive) || gn_scene_is_end(s, of) || !(o.deepest > deepest))
+            continue;
+        deepest = o.deepest;
+        name = of;
+        kind = wall ? "wall" : body ? "body" : "surface";
+    }
+    if (name)
+        snprintf(text, size,
+                 "%s '%.60s' overlaps particles at the start by up to %.3g m, %.3g of the smallest "
+                 "radius: it pushes them away at once, and may break bonds; a place farther out, "
+                 "or passive: true of a wall, avoids it",
+                 kind, name, deepest, deepest / w->dem.radius_min);
+    return name;
 }

@@ -101,11 +101,12 @@ static gneiss_status check_body(const gn_world *w, size_t k, gneiss_error *error
                    w->stable, advice);
 }
 
-/* A plane that moves along itself stays where it is. */
+/* A plane that moves along itself stays where it is, and what moves away from all particles is
+ * behind none of them. */
 static gneiss_status check_wall(const gn_world *w, size_t k, gneiss_error *error) {
     const gn_wall *wall = &w->boundary.walls[k];
     double along = gn_dot3(wall->velocity, wall->normal);
-    if (w->dt * fabs(along) <= 0.5 * w->dem.radius_min) return GNEISS_OK;
+    if (w->dt * along <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: wall '%s' moved farther in one step than half the smallest "

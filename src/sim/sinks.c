@@ -34,18 +34,54 @@ static bool is_thin(const gn_world *w, size_t sink) {
            gn_sink_width(w, sink) - 2.0 * w->dem.flow.largest < 12.0 * w->dem.verlet.skin_start;
 }
 
-enum { PLACES = 16 };
+enum { PLACES = 16, HALVINGS = 40 };
+/* Of a radius: as much is a particle inside that only rounding keeps from it. */
+static const double rounding = 1e-9;
 
-/* The way of the last step is at most half of the smallest radius (paths.c). */
-static bool passed(const gn_world *w, size_t sink, size_t particle) {
+/* m: how deep a particle's centre was in a region at a share of its last step, counted backwards.
+ */
+static double depth_before(const gn_world *w, const gn_domain *region, size_t particle,
+                           double share) {
     const gn_particles *q = &w->dem.particles;
-    const double *x = q->pos + 4 * particle, *v = q->vel + 4 * particle;
-    for (int k = 1; k < PLACES; k++) {
-        double back = w->dt_past * k / PLACES, at[4] = {x[0], x[1], x[2], x[3]};
-        for (int a = 0; a < 3; a++) at[a] -= back * v[a];
-        if (gn_sink_has(w, sink, at)) return true;
+    double at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = q->pos[4 * particle + a] - share * w->dt_past * q->vel[4 * particle + a];
+    return gn_domain_depth(region, at);
+}
+
+/* The largest depth between two shares of the last step; on a line through a convex region depth
+ * has one maximum. */
+static double deepest_between(const gn_world *w, const gn_domain *region, size_t particle,
+                              double from, double to) {
+    for (int k = 0; k < HALVINGS; k++) {
+        const double low = from + 0.382 * (to - from), high = to - 0.382 * (to - from);
+        if (depth_before(w, region, particle, low) > depth_before(w, region, particle, high))
+            to = high;
+        else
+            from = low;
     }
-    return false;
+    return depth_before(w, region, particle, 0.5 * (from + to));
+}
+
+/* Whether it was wholly inside at any instant of the last step. Depth changes along the way by no
+ * more than the way, which is at most half of the smallest radius (paths.c). */
+static bool passed(const gn_world *w, size_t sink, size_t particle) {
+    const gn_domain *region = w->dem.flow.region[w->scene.source_count + sink];
+    const double *v = w->dem.particles.vel + 4 * particle,
+                 needed = (1.0 - rounding) * w->dem.particles.pos[4 * particle + 3],
+                 part = w->dt_past * sqrt(gn_dot3(v, v)) / PLACES;
+    double deepest = -INFINITY;
+    int best = 0;
+    for (int k = 0; k <= PLACES; k++) {
+        const double depth = depth_before(w, region, particle, (double)k / PLACES);
+        if (depth > deepest) {
+            deepest = depth;
+            best = k;
+        }
+    }
+    if (deepest >= needed || deepest + part < needed) return deepest >= needed;
+    return deepest_between(w, region, particle, fmax(0, best - 1) / PLACES,
+                           fmin(PLACES, best + 1) / PLACES) >= needed;
 }
 
 bool gn_sink_takes(const gn_world *w, size_t sink, size_t particle) {
@@ -82,11 +118,12 @@ void gn_sinks_listed(gn_world *w) {
 bool gn_sink_is_too_thin(const gn_world *w, size_t sink, char *text, size_t size) {
     const double width = gn_sink_width(w, sink), most = 2.0 * largest_radius(w),
                  least = 2.0 * w->dem.radius_min;
-    if (!w->scene.sinks[sink].remove || !(width < most)) return false;
+    if (!w->scene.sinks[sink].remove || !(width < (1.0 - rounding) * most)) return false;
     snprintf(text, size, "sink '%s' is %.4g m thick, and removes what is wholly inside: %s",
              w->scene.sinks[sink].name, width,
-             width < least ? "it is thinner than any particle, and never removes one"
-                           : "it is thinner than the largest particles, and never removes these");
+             width < (1.0 - rounding) * least
+                 ? "it is thinner than any particle, and never removes one"
+                 : "it is thinner than the largest particles, and never removes these");
     if (strlen(text) + 40 < size)
         snprintf(text + strlen(text), size - strlen(text), " (diameters of %.4g to %.4g m)", least,
                  most);

@@ -32,12 +32,15 @@ static double rate(const gn_source_def *d) {
 
 /* What was due by the end of a source comes after it as well, when there is room. Its first
  * particle is due at the start, so that the one after the last would be due at the end. */
+static bool is_done(const gn_source_def *d, const gn_source_state *s) {
+    if (d->total > 0 && s->number >= (double)d->total) return true;
+    return d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12);
+}
+
 static bool due(const gn_world *w, size_t k) {
     const gn_source_def *d = &w->scene.sources[k];
     const gn_source_state *s = &w->dem.flow.sources[k];
-    if (w->time < d->start) return false;
-    if (d->total > 0 && s->number >= (double)d->total) return false;
-    if (d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12)) return false;
+    if (w->time < d->start || is_done(d, s)) return false;
     return amount(d, s) <= rate(d) * running(d, w->time);
 }
 
@@ -54,6 +57,17 @@ double gn_flow_behind(const gn_world *w, size_t k) {
     const gn_source_state *s = &w->dem.flow.sources[k];
     if (d->total > 0 && s->number >= (double)d->total) return 0.0;
     return fmax(0.0, running(d, w->time) - amount(d, s) / rate(d));
+}
+
+bool gn_flow_brings(const gn_world *w) {
+    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++) {
+        const gn_source_def *d = &w->scene.sources[k];
+        const gn_source_state *s = &w->dem.flow.sources[k];
+        const bool waits = gn_flow_behind(w, k) > 2.0 * STEPS_BETWEEN * w->dt;
+        if (!is_done(d, s) && !waits && d->start + amount(d, s) / rate(d) <= w->scene.end)
+            return true;
+    }
+    return false;
 }
 
 /* In the unit of the rate: one particle. */
@@ -75,12 +89,15 @@ double gn_flow_late(const gn_world *w, size_t k) {
     const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * w->dt < w->scene.end;
     const bool full = d->total > 0 && most - late > (double)d->total * one(w, k);
     if (over || full || !(most > 0.0) || !(one(w, k) > 0.0)) return 0.0;
-    return late > one(w, k) && late > 0.01 * most ? fmin(late, most) / one(w, k) : 0.0;
+    return late > one(w, k) && late > 0.01 * most ? fmin(late / one(w, k), gn_flow_expected(w, k))
+                                                  : 0.0;
 }
 
 double gn_flow_expected(const gn_world *w, size_t k) {
     const gn_source_def *d = &w->scene.sources[k];
-    return one(w, k) > 0.0 ? fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k) : 0.0;
+    if (!(one(w, k) > 0.0)) return 0.0;
+    const double fed = fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k);
+    return d->total > 0 ? fmin(fed, (double)d->total) : fed;
 }
 
 /* --- who and where --- */

@@ -98,7 +98,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
     GN_TRY(gn_exchanges_follow(w, error));
     lap(time, GN_PHASE_exchange);
     if (measure) read_elements(w);
-    if (measure) w->unbalanced = w->balance.ratio;
+    if (measure) w->unbalanced = fmin(w->balance.ratio, GN_UNBALANCED_MOST);
     return gn_elements_check(w, error);
 }
 

@@ -214,6 +214,7 @@ void gn_world_follow_bodies(gn_world *w) {
     double dt = w->dt;
     if (w->scene.step > 0.0 || !w->scene.has_specimen) return;
     gn_bodies_follow(w, &dt);
+    gn_walls_follow(w, &dt);
     lower(w, dt);
 }
 

@@ -300,7 +300,7 @@ static void read_state(gn_world *w) {
     gn_boundary_measure(w, &w->energy);
     w->balance = (gn_balance){0};
     gn_dem_balance(w, &w->balance);
-    w->unbalanced = w->balance.ratio;
+    w->unbalanced = fmin(w->balance.ratio, GN_UNBALANCED_MOST);
 }
 
 static double work_of_walls(const gn_trial *t, double span) {
