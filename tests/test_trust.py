@@ -61,8 +61,9 @@ def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
     expect(go_on(folder), 2, "one more or one less")
 
 
-OUT_OF_RANGE = (("particles/group", 0, -1), ("particles/id", 1, 0), ("particles/material", 0, 5), ("particles/vel", (2, 0), np.inf),
-                ("particles/vel", (2, 1), 1e12), ("particles/vel", (2, 3), -1.0), ("particles/pos", (1, 3), -0.5), ("bonds/i", 0, -1),
+OUT_OF_RANGE = (("particles/group", 0, -1), ("particles/group", 0, (1 << 31) - 1), ("particles/id", 1, 0), ("particles/material", 0, 5),
+                ("particles/vel", (2, 0), np.inf), ("particles/vel", (2, 1), 1e12), ("particles/vel", (2, 3), -1.0),
+                ("particles/pos", (1, 3), -0.5), ("bonds/i", 0, -1),
                 ("bonds/kn", 0, -1.0), ("bonds/cause", 0, 9), ("run/world_dem_limit_sharp", 0, -1.0), ("run/world_step", 0, -7),
                 ("run/world_dem_ids", 0, 1 << 40), ("run/world_dt", 0, 0.0), ("run/world_time", 0, np.nan), ("near", (0, 0), -1.0))
 
