@@ -80,6 +80,42 @@ def values_out_of_their_range_are_named_even_where_the_digest_fits(folder):
             file.write(whole)
 
 
+@fact
+def a_checkpoint_of_another_run_is_not_gone_on_with(folder):
+    first, second = (os.path.join(folder, name) for name in "ab")
+    for other in (("--set", "materials.block.friction=0.1"), ("--set", "run.seed=7"), None):
+        for out in (first, second):
+            shutil.rmtree(out, ignore_errors=True)
+        shutil.copy(LATTICE, os.path.join(folder, "other.yaml"))
+        run(LATTICE, first, "--set", "time.end=0.05 ms", "--threads", 1)
+        run(LATTICE if other else os.path.join(folder, "other.yaml"), second, "--set", "time.end=0.1 ms", "--threads", 1, *(other or ()))
+        (own,), (checkpoint,) = checkpoints(first), checkpoints(second)
+        assert checkpoint > own
+        shutil.copy(os.path.join(second, checkpoint), first)
+        before = {name: open(os.path.join(first, name), "rb").read() for name in os.listdir(first)}
+        expect(gneiss("resume", first, "--quiet"), 2, rf"{checkpoint}: expected a checkpoint of the run that wrote .*results.h5, found one of another run")
+        os.remove(os.path.join(first, "results.h5"))
+        expect(gneiss("resume", first, "--quiet"), 2, rf"{checkpoint}: expected a checkpoint of the run that wrote .*{own}, found one of another run")
+        del before["results.h5"]
+        assert before == {name: open(os.path.join(first, name), "rb").read() for name in os.listdir(first)}
+        os.remove(os.path.join(first, checkpoint))
+        resume(first, "--set", "time.end=0.06 ms", "--set", "output.history_rows=50", "--set", "run.residual_limit=0.2")
+
+
+@fact
+def results_of_another_run_are_neither_reported_nor_resumed_over(folder):
+    first, second = (os.path.join(folder, name) for name in "ab")
+    for out, friction in ((first, 0.1), (second, 0.3)):
+        run(LATTICE, out, "--set", "time.end=0.05 ms", "--set", "output.snapshots=0", "--set", f"materials.block.friction={friction}")
+    shutil.copy(os.path.join(second, "results.h5"), first)
+    expect(gneiss("report", first), 2, rf"summary.json: expected the summary of the run that results.h5 is of \(state_hash {state_hash(second)}\), "
+                                       rf"found that of another run \({state_hash(first)}\)")
+    expect(gneiss("resume", first, "--quiet"), 2, "results.h5, found one of another run")
+    os.remove(os.path.join(first, "results.h5"))
+    resume(first)
+    expect(gneiss("report", first), 0)
+
+
 EXTREMES = {"f": (-1.0, 0.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 3e9, -7.5),
             "i": (-1, 0, 1, 1000, -(1 << 31), (1 << 31) - 1, -(1 << 63), (1 << 63) - 1), "u": (0, 1, 7, 255)}
 # Stiffnesses and masses of any size are possible, and decide how many steps a run takes.

@@ -33,4 +33,10 @@ bool gn_folder_holds_sweep(const char *directory);
  * GNEISS_ERROR_INPUT. */
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);
 
+/* Refuses a checkpoint of another run than the one that wrote results.h5 and the other checkpoints
+ * in the folder: by the scene file and the scene without what a resumed run may change. Files that
+ * cannot be read say nothing. */
+gneiss_status gn_folder_check_checkpoint(const char *directory, int64_t step, const int64_t *others,
+                                         size_t count, gneiss_error *error);
+
 #endif
