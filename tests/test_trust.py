@@ -305,6 +305,23 @@ def a_reading_of_a_run_of_a_sweep_that_was_changed_is_computed_again(folder):
 
 
 @fact
+def particles_of_a_run_of_a_sweep_that_were_changed_or_damaged_are_computed_again(folder):
+    def flip(first, second):
+        path = os.path.join(second, "results.h5")
+        with h5py.File(path) as file:
+            offset = file["particles/position"].id.get_chunk_info(0).byte_offset
+        with open(path, "r+b") as file:
+            file.seek(offset + 3)
+            byte = file.read(1)
+            file.seek(offset + 3)
+            file.write(bytes([byte[0] ^ 1]))
+    compute_again(folder, lambda first, second: change(os.path.join(second, "results.h5"), "particles/position", (0, 0), 1.0, False),
+                  "data set particles/position is " + CHANGED)
+    shutil.rmtree(os.path.join(folder, "out"))
+    compute_again(folder, flip, "particles/position is damaged")
+
+
+@fact
 def a_damaged_reading_of_a_run_of_a_sweep_is_no_empty_cell(folder):
     def spoil(first, second):
         path = os.path.join(second, "results.h5")
