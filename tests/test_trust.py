@@ -355,6 +355,27 @@ def other_results_of_the_same_scene_are_not_those_that_a_run_of_a_sweep_ended_wi
 
 
 @fact
+def an_outcome_that_was_changed_or_says_nothing_is_named_and_the_run_computed_again(folder):
+    def put(text):
+        def spoil(first, second):
+            with open(os.path.join(second, "outcome.json"), "w") as file:
+                file.write(text)
+        return spoil
+
+    def leave_out(first, second):
+        path = os.path.join(second, "outcome.json")
+        with open(path) as file:
+            said = json.load(file)
+        del said["results"]
+        put(json.dumps(said))(first, second)
+    for spoil, pattern in ((leave_out, "not those that the run ended with, which outcome.json does not name"),
+                           (put(""), "its outcome cannot be read: .*outcome.json: expected status"),
+                           (put('{"status": "do'), "its outcome cannot be read: .*outcome.json: expected status")):
+        compute_again(folder, spoil, pattern)
+        shutil.rmtree(os.path.join(folder, "out"))
+
+
+@fact
 def a_checkpoint_of_another_run_is_set_aside_by_a_sweep(folder):
     _, before, out = sweep(folder)
     first, second = (os.path.join(out, before[k]["folder"]) for k in (0, 1))
