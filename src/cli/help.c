@@ -69,8 +69,8 @@ static const struct {
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
     {"run pack plan", "--force",
-     "run: replace also what a finished run of more than a minute left, and\n"
-     "files that are not gneiss's"},
+     "run: replace also what a finished run of more than a minute left; run,\n"
+     "pack: files that are not gneiss's"},
     {"run check plan pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen that is a geometry (.geo, .step, ...), which can\n"
      "make it execute any command: for files that you trust"},

@@ -299,6 +299,7 @@ static gneiss_status pack_scene(const gn_options *o, gn_scene *scene, gneiss_err
     GN_TRY(gn_make_directory(folder, error));
     GN_TRY(gn_folder_lock(folder, &lock, error));
     gneiss_status status = check_folder(folder, error);
+    if (status == GNEISS_OK && !o->force) status = gn_folder_check_packing(folder, error);
     gn_signals_end_at_once(interrupted, there ? NULL : folder);
     if (status == GNEISS_OK) status = pack_into(o, scene, folder, error);
     gn_signals_end_at_once(interrupted, NULL);

@@ -196,6 +196,39 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
     return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
 }
 
+/* The first line of a list of gneiss ends with its version. */
+static bool own_list(const char *path) {
+    char line[256] = "";
+    FILE *file = fopen(path, "r");
+    bool own =
+        file && fgets(line, sizeof line, file) && line[0] == '#' && strstr(line, "; gneiss ");
+    if (file) fclose(file);
+    return own;
+}
+
+static bool own_packing(const char *path) {
+    char *kind = NULL;
+    bool own = gn_h5_peek_text(path, "/", "kind", &kind, NULL) == GNEISS_OK &&
+               strcmp(kind, "packing") == 0;
+    free(kind);
+    return own;
+}
+
+gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error) {
+    static const char *const names[] = {GN_PACKING_FILE, "packing.txt"};
+    char path[GN_PATH_SIZE + 32];
+    for (size_t k = 0; k < 2; k++) {
+        snprintf(path, sizeof path, "%.*s/%s", GN_PATH_SIZE, directory, names[k]);
+        if (access(path, F_OK) == 0 && !(k ? own_list : own_packing)(path))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%.300s: expected an empty folder or one of an earlier packing, found "
+                           "%s in it, which gneiss did not write: choose another folder with "
+                           "--out, or --force replaces it",
+                           directory, names[k]);
+    }
+    return check_series(directory, series[0], true, error);
+}
+
 /* The folder of a run of a sweep is named by 16 hex digits and has its outcome or its scene in it.
  */
 bool gn_folder_holds_sweep(const char *directory) {

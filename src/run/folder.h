@@ -26,6 +26,8 @@ gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_
  * snapshots of it, is somebody else's: GNEISS_ERROR_INPUT names the first of them. That of a sweep
  * is none for a run either. */
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
+/* The same of the files that a packing replaces: packing.h5, packing.txt and its snapshot. */
+gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error);
 bool gn_folder_holds_sweep(const char *directory);
 
 /* Makes way for a new run: removes what an earlier run of the same scene file left, whoever wrote
