@@ -81,6 +81,22 @@ def values_out_of_their_range_are_named_even_where_the_digest_fits(folder):
 
 
 @fact
+def steps_and_rates_of_a_checkpoint_far_from_those_of_its_run_are_named(folder):
+    checkpoint = interrupted(folder)
+    whole = open(checkpoint, "rb").read()
+    with h5py.File(checkpoint) as file:
+        step = file["run/world_dt"][0]
+    for name, value, pattern in (("world_dt", 1e-6 * step, "at least .* of the mean step so far, found"),
+                                 ("world_boundary_surface_rate", 1e12, "a rate of at most .* found 1e"),
+                                 ("world_boundary_vertex_rate", 1e12, "a rate of at most .* found 1e")):
+        change(checkpoint, "run/" + name, 0, value, anew=True)
+        expect(go_on(folder), 2, rf"{os.path.basename(checkpoint)}: run/{name}: expected {pattern}")
+        with open(checkpoint, "wb") as file:
+            file.write(whole)
+    expect(go_on(folder), 0)
+
+
+@fact
 def a_checkpoint_of_another_run_is_not_gone_on_with(folder):
     first, second = (os.path.join(folder, name) for name in "ab")
     for other in (("--set", "materials.block.friction=0.1"), ("--set", "run.seed=7"), None):
@@ -203,7 +219,8 @@ def results_that_were_changed_are_not_taken_as_a_specimen(folder):
     expect(gneiss("check", scene), 0)
     path = os.path.join(out, "results.h5")
     whole = open(path, "rb").read()
-    for name, place, value in (("particles/radius", 2, -1.0), ("particles/position", (1, 0), np.nan), ("particles/velocity", (0, 1), 1e30)):
+    for name, place, value in (("particles/radius", 2, -1.0), ("particles/radius", 0, 1000.0), ("particles/radius", 0, 1e-9),
+                               ("particles/position", (1, 0), np.nan), ("particles/velocity", (0, 1), 1e30)):
         for anew, pattern in ((False, CHANGED), (True, "expected")):
             change(path, name, place, value, anew)
             expect(gneiss("check", scene), 2, rf"from.yaml:2:\d+: specimen.from: .*{name}.*{pattern}|specimen.from: .*{pattern}.*{name}")
