@@ -53,7 +53,18 @@ def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
             file.write(whole)
     with h5py.File(checkpoint, "r+") as file:
         file["particles"].attrs["count"] = file["particles"].attrs["count"] - 1
-    expect(go_on(folder), 2, f"attributes of particles is {CHANGED}")
+    expect(go_on(folder), 2, "attributes of particles are damaged or were changed")
+    for name in ("scene", "extra", "/"):
+        with open(checkpoint, "wb") as file:
+            file.write(whole)
+        with h5py.File(checkpoint, "r+") as file:
+            if name == "extra":
+                file["extra"] = 1.0
+            else:
+                del file[name].attrs["digest_of_attributes"]
+                if name == "/":
+                    file.attrs["digest_of_attributes"] = "text"
+        expect(go_on(folder), 2, f"attributes of {name} cannot be read")
     with open(checkpoint, "wb") as file:
         file.write(whole)
     with h5py.File(checkpoint, "r+") as file:
@@ -464,6 +475,25 @@ def a_report_names_what_it_cannot_read_instead_of_leaving_it_out(folder):
     expect(gneiss("report", folder), 2, r"damaged or changed: readings/largest_stress \(changed\); .*gneiss resume")
     expect(gneiss("resume", folder, "--quiet"), 0)
     expect(gneiss("report", folder), 0)
+
+
+@fact
+def a_report_names_the_data_set_whose_numbers_lead_nowhere(folder):
+    for scene, end, sets in ((LATTICE, "0.05 ms", ("bonds/i", "bonds/j")), (ELEMENTS, "0.05 ms", ("elements/node",))):
+        run(scene, folder, "--set", f"time.end={end}", "--set", "output.snapshots=0", "--force")
+        path = os.path.join(folder, "results.h5")
+        whole = open(path, "rb").read()
+        for name in sets:
+            for value in (100_000_000, -1):
+                with h5py.File(path) as file:
+                    place = (0,) * file[name].ndim
+                change(path, name, place, value, anew=True)
+                expect(gneiss("report", folder), 2, rf"{name}: expected numbers below \d+, found {value}")
+                with open(path, "wb") as file:
+                    file.write(whole)
+        expect(gneiss("report", folder), 0)
+        shutil.rmtree(folder)
+        os.mkdir(folder)
 
 
 @fact

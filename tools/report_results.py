@@ -73,6 +73,18 @@ class Results:
         if not self.history and not self.particles and not self.elements:
             raise Unreadable(f"{path}: expected groups /history and /particles, found neither")
 
+        self._check_places(path)
+
+    def _check_places(self, path):
+        """Rows of particles, nodes and bursts that others point to are there."""
+        for group, name, count in (("bonds", "i", self.particle_count), ("bonds", "j", self.particle_count),
+                                   ("elements", "node", len(getattr(self.nodes.get("position"), "value", ())))):
+            column = getattr(self, group).get(name)
+            values = np.zeros(0) if column is None else np.asarray(column.value).reshape(-1)
+            outside = values[(values < 0) | (values >= count)]
+            if outside.size:
+                raise Unreadable(f"{path}: {group}/{name}: expected numbers below {count}, found {outside[0]}; {REMEDY}")
+
     def _read(self, file):
         self.attributes = dict(file.attrs)
         scene = file.get("scene")
