@@ -540,6 +540,21 @@ def control_characters_do_not_reach_a_terminal(folder):
         file["history/\x1b[2J"] = np.zeros(3)
     done = expect(gneiss("report", out), 2)
     assert "\x1b" not in done.stderr
+    for sign in "\u061c\u200b\u200e\u202e\u2028\u2066\x9b":
+        done = expect(gneiss("check", write_scene(folder, f'title: "a \\u{ord(sign):04x} b"\n' + rest)), 2, "title: expected text without control characters")
+        assert sign not in done.stderr
+    expect(gneiss("check", write_scene(folder, 'title: "m\\u200Cn \\u00e9 \\u4e2d"\n' + rest)), 0)  # joiners belong to words
+    place, small = os.path.join(folder, "a\x1b[2Jb"), ("--set", "time.end=0.05 ms", "--set", "output.snapshots=0")
+    specimen = write_scene(folder, SPECIMEN % 1, "specimen.yaml")
+    for call in (("run", LATTICE, "--out", place, *small), ("resume", place), ("pack", specimen, "--out", place + "2"),
+                 ("sweep", write_scene(folder, SWEEP, "sweep.yaml"), "--out", place + "3", *small)):
+        done = expect(gneiss(*call), 0)
+        assert "\x1b" not in done.stdout + done.stderr, (call, done.stdout, done.stderr)
+    with h5py.File(os.path.join(place, "results.h5"), "r+") as file:
+        file.attrs.create("title", np.bytes_(b"a \x1b[2J title"))
+        report_digest.seal(file)
+    expect(gneiss("report", place), 0)
+    assert b"\x1b" not in open(os.path.join(place, "report.html"), "rb").read()
 
 
 if __name__ == "__main__":
