@@ -783,5 +783,24 @@ def sizes_that_too_few_particles_cannot_have_are_told(folder):
     assert not told("narrow", {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}, 200)
 
 
+@fact
+def files_of_others_are_replaced_by_a_packing_only_with_force(folder):
+    scene = write_scene(folder, {"dimension": 2, "specimen": {"disc": {"diameter": 1}, "particles": 20}})
+    out = os.path.join(folder, "out")
+    os.mkdir(out)
+    for name in ("packing.txt", "packing.h5", "particles_0000000000.hdf", "particles.hdf.series"):
+        path = os.path.join(out, name)
+        with open(path, "w") as file:
+            file.write("0.1 0.2 0.3\n")
+        expect(gneiss("pack", scene, "--out", out), 2, rf"out: expected an empty folder .*found {name} in it, which .*--force replaces it")
+        assert os.listdir(out) == [name] and open(path).read() == "0.1 0.2 0.3\n"
+        expect(gneiss("pack", scene, "--out", out, "--force"), 0)
+        expect(gneiss("pack", scene, "--out", out), 0)  # own files are replaced
+        os.remove(os.path.join(out, "packing.h5"))
+        expect(gneiss("pack", scene, "--out", out), 0)  # as a call that was killed leaves them
+        shutil.rmtree(out)
+        os.mkdir(out)
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -53,7 +53,18 @@ def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
             file.write(whole)
     with h5py.File(checkpoint, "r+") as file:
         file["particles"].attrs["count"] = file["particles"].attrs["count"] - 1
-    expect(go_on(folder), 2, f"attributes of particles is {CHANGED}")
+    expect(go_on(folder), 2, "attributes of particles are damaged or were changed")
+    for name in ("scene", "extra", "/"):
+        with open(checkpoint, "wb") as file:
+            file.write(whole)
+        with h5py.File(checkpoint, "r+") as file:
+            if name == "extra":
+                file["extra"] = 1.0
+            else:
+                del file[name].attrs["digest_of_attributes"]
+                if name == "/":
+                    file.attrs["digest_of_attributes"] = "text"
+        expect(go_on(folder), 2, f"attributes of {name} cannot be read")
     with open(checkpoint, "wb") as file:
         file.write(whole)
     with h5py.File(checkpoint, "r+") as file:
@@ -61,8 +72,9 @@ def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
     expect(go_on(folder), 2, "one more or one less")
 
 
-OUT_OF_RANGE = (("particles/group", 0, -1), ("particles/id", 1, 0), ("particles/material", 0, 5), ("particles/vel", (2, 0), np.inf),
-                ("particles/vel", (2, 1), 1e12), ("particles/vel", (2, 3), -1.0), ("particles/pos", (1, 3), -0.5), ("bonds/i", 0, -1),
+OUT_OF_RANGE = (("particles/group", 0, -1), ("particles/group", 0, (1 << 31) - 1), ("particles/id", 1, 0), ("particles/material", 0, 5),
+                ("particles/vel", (2, 0), np.inf), ("particles/vel", (2, 1), 1e12), ("particles/vel", (2, 3), -1.0),
+                ("particles/pos", (1, 3), -0.5), ("bonds/i", 0, -1),
                 ("bonds/kn", 0, -1.0), ("bonds/cause", 0, 9), ("run/world_dem_limit_sharp", 0, -1.0), ("run/world_step", 0, -7),
                 ("run/world_dem_ids", 0, 1 << 40), ("run/world_dt", 0, 0.0), ("run/world_time", 0, np.nan), ("near", (0, 0), -1.0))
 
@@ -77,6 +89,58 @@ def values_out_of_their_range_are_named_even_where_the_digest_fits(folder):
         assert CHANGED not in done.stderr, done.stderr
         with open(checkpoint, "wb") as file:
             file.write(whole)
+
+
+@fact
+def steps_and_rates_of_a_checkpoint_far_from_those_of_its_run_are_named(folder):
+    checkpoint = interrupted(folder)
+    whole = open(checkpoint, "rb").read()
+    with h5py.File(checkpoint) as file:
+        step = file["run/world_dt"][0]
+    for name, value, pattern in (("world_dt", 1e-6 * step, "at least .* of the mean step so far, found"),
+                                 ("world_boundary_surface_rate", 1e12, "a rate of at most .* found 1e"),
+                                 ("world_boundary_vertex_rate", 1e12, "a rate of at most .* found 1e")):
+        change(checkpoint, "run/" + name, 0, value, anew=True)
+        expect(go_on(folder), 2, rf"{os.path.basename(checkpoint)}: run/{name}: expected {pattern}")
+        with open(checkpoint, "wb") as file:
+            file.write(whole)
+    expect(go_on(folder), 0)
+
+
+@fact
+def a_checkpoint_of_another_run_is_not_gone_on_with(folder):
+    first, second = (os.path.join(folder, name) for name in "ab")
+    for other in (("--set", "materials.block.friction=0.1"), ("--set", "run.seed=7"), None):
+        for out in (first, second):
+            shutil.rmtree(out, ignore_errors=True)
+        shutil.copy(LATTICE, os.path.join(folder, "other.yaml"))
+        run(LATTICE, first, "--set", "time.end=0.05 ms", "--threads", 1)
+        run(LATTICE if other else os.path.join(folder, "other.yaml"), second, "--set", "time.end=0.1 ms", "--threads", 1, *(other or ()))
+        (own,), (checkpoint,) = checkpoints(first), checkpoints(second)
+        assert checkpoint > own
+        shutil.copy(os.path.join(second, checkpoint), first)
+        before = {name: open(os.path.join(first, name), "rb").read() for name in os.listdir(first)}
+        expect(gneiss("resume", first, "--quiet"), 2, rf"{checkpoint}: expected a checkpoint of the run that wrote .*results.h5, found one of another run")
+        os.remove(os.path.join(first, "results.h5"))
+        expect(gneiss("resume", first, "--quiet"), 2, rf"{checkpoint}: expected a checkpoint of the run that wrote .*{own}, found one of another run")
+        del before["results.h5"]
+        assert before == {name: open(os.path.join(first, name), "rb").read() for name in os.listdir(first)}
+        os.remove(os.path.join(first, checkpoint))
+        resume(first, "--set", "time.end=0.06 ms", "--set", "output.history_rows=50", "--set", "run.residual_limit=0.2")
+
+
+@fact
+def results_of_another_run_are_neither_reported_nor_resumed_over(folder):
+    first, second = (os.path.join(folder, name) for name in "ab")
+    for out, friction in ((first, 0.1), (second, 0.3)):
+        run(LATTICE, out, "--set", "time.end=0.05 ms", "--set", "output.snapshots=0", "--set", f"materials.block.friction={friction}")
+    shutil.copy(os.path.join(second, "results.h5"), first)
+    expect(gneiss("report", first), 2, rf"summary.json: expected the summary of the run that results.h5 is of \(state_hash {state_hash(second)}\), "
+                                       rf"found that of another run \({state_hash(first)}\)")
+    expect(gneiss("resume", first, "--quiet"), 2, "results.h5, found one of another run")
+    os.remove(os.path.join(first, "results.h5"))
+    resume(first)
+    expect(gneiss("report", first), 0)
 
 
 EXTREMES = {"f": (-1.0, 0.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 3e9, -7.5),
@@ -166,7 +230,8 @@ def results_that_were_changed_are_not_taken_as_a_specimen(folder):
     expect(gneiss("check", scene), 0)
     path = os.path.join(out, "results.h5")
     whole = open(path, "rb").read()
-    for name, place, value in (("particles/radius", 2, -1.0), ("particles/position", (1, 0), np.nan), ("particles/velocity", (0, 1), 1e30)):
+    for name, place, value in (("particles/radius", 2, -1.0), ("particles/radius", 0, 1000.0), ("particles/radius", 0, 1e-9),
+                               ("particles/position", (1, 0), np.nan), ("particles/velocity", (0, 1), 1e30)):
         for anew, pattern in ((False, CHANGED), (True, "expected")):
             change(path, name, place, value, anew)
             expect(gneiss("check", scene), 2, rf"from.yaml:2:\d+: specimen.from: .*{name}.*{pattern}|specimen.from: .*{pattern}.*{name}")
@@ -268,6 +333,23 @@ def a_reading_of_a_run_of_a_sweep_that_was_changed_is_computed_again(folder):
 
 
 @fact
+def particles_of_a_run_of_a_sweep_that_were_changed_or_damaged_are_computed_again(folder):
+    def flip(first, second):
+        path = os.path.join(second, "results.h5")
+        with h5py.File(path) as file:
+            offset = file["particles/position"].id.get_chunk_info(0).byte_offset
+        with open(path, "r+b") as file:
+            file.seek(offset + 3)
+            byte = file.read(1)
+            file.seek(offset + 3)
+            file.write(bytes([byte[0] ^ 1]))
+    compute_again(folder, lambda first, second: change(os.path.join(second, "results.h5"), "particles/position", (0, 0), 1.0, False),
+                  "data set particles/position is " + CHANGED)
+    shutil.rmtree(os.path.join(folder, "out"))
+    compute_again(folder, flip, "particles/position is damaged")
+
+
+@fact
 def a_damaged_reading_of_a_run_of_a_sweep_is_no_empty_cell(folder):
     def spoil(first, second):
         path = os.path.join(second, "results.h5")
@@ -298,6 +380,27 @@ def other_results_of_the_same_scene_are_not_those_that_a_run_of_a_sweep_ended_wi
     def spoil(first, second):
         expect(gneiss("run", os.path.join(second, "scene.yaml"), "--out", second, "--force", "--quiet", "--set", "materials.block.friction=0.9"), 0)
     compute_again(folder, spoil, "not those that the run ended with")
+
+
+@fact
+def an_outcome_that_was_changed_or_says_nothing_is_named_and_the_run_computed_again(folder):
+    def put(text):
+        def spoil(first, second):
+            with open(os.path.join(second, "outcome.json"), "w") as file:
+                file.write(text)
+        return spoil
+
+    def leave_out(first, second):
+        path = os.path.join(second, "outcome.json")
+        with open(path) as file:
+            said = json.load(file)
+        del said["results"]
+        put(json.dumps(said))(first, second)
+    for spoil, pattern in ((leave_out, "not those that the run ended with, which outcome.json does not name"),
+                           (put(""), "its outcome cannot be read: .*outcome.json: expected status"),
+                           (put('{"status": "do'), "its outcome cannot be read: .*outcome.json: expected status")):
+        compute_again(folder, spoil, pattern)
+        shutil.rmtree(os.path.join(folder, "out"))
 
 
 @fact
@@ -375,6 +478,25 @@ def a_report_names_what_it_cannot_read_instead_of_leaving_it_out(folder):
 
 
 @fact
+def a_report_names_the_data_set_whose_numbers_lead_nowhere(folder):
+    for scene, end, sets in ((LATTICE, "0.05 ms", ("bonds/i", "bonds/j")), (ELEMENTS, "0.05 ms", ("elements/node",))):
+        run(scene, folder, "--set", f"time.end={end}", "--set", "output.snapshots=0", "--force")
+        path = os.path.join(folder, "results.h5")
+        whole = open(path, "rb").read()
+        for name in sets:
+            for value in (100_000_000, -1):
+                with h5py.File(path) as file:
+                    place = (0,) * file[name].ndim
+                change(path, name, place, value, anew=True)
+                expect(gneiss("report", folder), 2, rf"{name}: expected numbers below \d+, found {value}")
+                with open(path, "wb") as file:
+                    file.write(whole)
+        expect(gneiss("report", folder), 0)
+        shutil.rmtree(folder)
+        os.mkdir(folder)
+
+
+@fact
 def a_report_follows_no_link_when_it_writes(folder):
     out, victim = os.path.join(folder, "out"), os.path.join(folder, "victim")
     run(LATTICE, out, "--set", "time.end=0.1 ms", "--set", "output.snapshots=0")
@@ -418,6 +540,21 @@ def control_characters_do_not_reach_a_terminal(folder):
         file["history/\x1b[2J"] = np.zeros(3)
     done = expect(gneiss("report", out), 2)
     assert "\x1b" not in done.stderr
+    for sign in "\u061c\u200b\u200e\u202e\u2028\u2066\x9b":
+        done = expect(gneiss("check", write_scene(folder, f'title: "a \\u{ord(sign):04x} b"\n' + rest)), 2, "title: expected text without control characters")
+        assert sign not in done.stderr
+    expect(gneiss("check", write_scene(folder, 'title: "m\\u200Cn \\u00e9 \\u4e2d"\n' + rest)), 0)  # joiners belong to words
+    place, small = os.path.join(folder, "a\x1b[2Jb"), ("--set", "time.end=0.05 ms", "--set", "output.snapshots=0")
+    specimen = write_scene(folder, SPECIMEN % 1, "specimen.yaml")
+    for call in (("run", LATTICE, "--out", place, *small), ("resume", place), ("pack", specimen, "--out", place + "2"),
+                 ("sweep", write_scene(folder, SWEEP, "sweep.yaml"), "--out", place + "3", *small)):
+        done = expect(gneiss(*call), 0)
+        assert "\x1b" not in done.stdout + done.stderr, (call, done.stdout, done.stderr)
+    with h5py.File(os.path.join(place, "results.h5"), "r+") as file:
+        file.attrs.create("title", np.bytes_(b"a \x1b[2J title"))
+        report_digest.seal(file)
+    expect(gneiss("report", place), 0)
+    assert b"\x1b" not in open(os.path.join(place, "report.html"), "rb").read()
 
 
 if __name__ == "__main__":

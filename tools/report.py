@@ -276,6 +276,7 @@ def write_report(folder):
     if os.path.exists(os.path.join(folder, "sweep.h5")) and not os.path.exists(path):
         return write_sweep_report(folder)
     results = Results(path)
+    results.check_summary(os.path.join(folder, "summary.json"))
     write_csv(results, folder)
     return write_page(folder, page(results, draw_figures(results, folder)))
 

@@ -29,7 +29,8 @@ pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; }
 
 
 def escape(text):
-    return html.escape(str(text))
+    """Control characters have no meaning in a page, and a terminal that shows its text takes them for commands."""
+    return html.escape("".join(c if c.isprintable() or c in "\n\t" else "?" for c in str(text)))
 
 
 def is_inside(path):

@@ -1,4 +1,5 @@
 """What `report.py` knows of results.h5 (the layout is in docs/results.md), read at once and checked."""
+import json
 import re
 
 import h5py
@@ -72,6 +73,18 @@ class Results:
         if not self.history and not self.particles and not self.elements:
             raise Unreadable(f"{path}: expected groups /history and /particles, found neither")
 
+        self._check_places(path)
+
+    def _check_places(self, path):
+        """Rows of particles, nodes and bursts that others point to are there."""
+        for group, name, count in (("bonds", "i", self.particle_count), ("bonds", "j", self.particle_count),
+                                   ("elements", "node", len(getattr(self.nodes.get("position"), "value", ())))):
+            column = getattr(self, group).get(name)
+            values = np.zeros(0) if column is None else np.asarray(column.value).reshape(-1)
+            outside = values[(values < 0) | (values >= count)]
+            if outside.size:
+                raise Unreadable(f"{path}: {group}/{name}: expected numbers below {count}, found {outside[0]}; {REMEDY}")
+
     def _read(self, file):
         self.attributes = dict(file.attrs)
         scene = file.get("scene")
@@ -94,6 +107,18 @@ class Results:
         self.rows = min(lengths, default=0)
         for column in self.history.values():
             column.value = np.asarray(column.value, float).reshape(-1)[: self.rows]
+
+    def check_summary(self, path):
+        """Refuses results beside the summary of another finished run. That of a run that goes on is older."""
+        try:
+            with open(path, encoding="utf-8") as file:
+                said = json.load(file)
+        except (OSError, ValueError):
+            return
+        expected = said.get("state_hash") if isinstance(said, dict) else None
+        if self.finished and expected and self.attribute("state_hash") != expected:
+            raise Unreadable(f"{path}: expected the summary of the run that results.h5 is of (state_hash {self.attribute('state_hash')}), "
+                             f"found that of another run ({expected}); {REMEDY}")
 
     def attribute(self, name, default=""):
         return _text(self.attributes[name]) if name in self.attributes else default

@@ -70,8 +70,9 @@ static const struct {
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
     {"run pack plan sweep", "--force",
-     "run: replace also what a finished run of more than a minute left, and\n"
-     "files that are not gneiss's; sweep: compute everything anew"},
+     "run: replace also what a finished run of more than a minute left; run,
+     "
+     "pack: files that are not gneiss's; sweep: compute everything anew"},
     {"run check plan pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen that is a geometry (.geo, .step, ...), which can\n"
      "make it execute any command: for files that you trust"},

@@ -1,4 +1,5 @@
 /* The `gneiss` program. */
+#include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
 #include "cli/help.h"
@@ -185,6 +186,7 @@ static gneiss_status command_run_all(const gn_options *o, gneiss_error *error) {
 }
 
 static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
+    char shown[GN_PATH_SIZE];
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(nothing_lost, NULL);
@@ -194,8 +196,8 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
         const int64_t before = run->world.step;
         status = go(o, run, error);
         if (status == GNEISS_OK && run->world.step == before)
-            fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n", o->target,
-                    run->stop_reason,
+            fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
+                    gn_printable(o->target, shown, sizeof shown), run->stop_reason,
                     !o->override_count   ? ""
                     : run->world.halt[0] ? "; the model itself ended it, which no setting changes"
                                          : "; a later time.end or a stop condition lifted goes on");
@@ -224,6 +226,7 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
     gn_world *world = calloc(1, sizeof *world);
     if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     int warnings = 0;
+    char shown[GN_PATH_SIZE];
     gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = load_scene(o, &scene, error);
     if (status == GNEISS_OK) {
@@ -244,7 +247,8 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
         gn_world_free(world);
     }
     if (status == GNEISS_OK && !plan)
-        printf("%s: %s\n", o->target, warnings ? "can run; mind the warnings above" : "can run");
+        printf("%s: %s\n", gn_printable(o->target, shown, sizeof shown),
+               warnings ? "can run; mind the warnings above" : "can run");
     free(world);
     return status;
 }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
 #include "cli/line.h"
@@ -260,6 +261,7 @@ static void note_scale(const gn_scene *scene, const gn_pack_result *r) {
 
 static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char *folder,
                                gneiss_error *error) {
+    char shown[GN_PATH_SIZE];
     gn_pack_result result;
     gn_pack_quality quality;
     gn_scene *shifted = gn_alloc(sizeof *shifted);
@@ -282,7 +284,8 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
             note_scale(scene, &result);
         }
         if (status == GNEISS_OK && !o->json && !o->quiet)
-            printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n", folder);
+            printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n",
+                   gn_printable(folder, shown, sizeof shown));
         gn_pack_quality_free(&quality);
     }
     gn_pack_result_free(&result);
@@ -299,6 +302,7 @@ static gneiss_status pack_scene(const gn_options *o, gn_scene *scene, gneiss_err
     GN_TRY(gn_make_directory(folder, error));
     GN_TRY(gn_folder_lock(folder, &lock, error));
     gneiss_status status = check_folder(folder, error);
+    if (status == GNEISS_OK && !o->force) status = gn_folder_check_packing(folder, error);
     gn_signals_end_at_once(interrupted, there ? NULL : folder);
     if (status == GNEISS_OK) status = pack_into(o, scene, folder, error);
     gn_signals_end_at_once(interrupted, NULL);

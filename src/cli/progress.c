@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/printable.h"
 #include "cli/budget_show.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
@@ -180,7 +181,8 @@ gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_erro
     printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
     gn_print_element_notes(w, "");
     print_limits(w);
-    printf("output: %s\n", run->directory);
+    char shown[GN_PATH_SIZE];
+    printf("output: %s\n", gn_printable(run->directory, shown, sizeof shown));
     fflush(stdout);
     return GNEISS_OK;
 }
@@ -381,7 +383,9 @@ gneiss_status gn_print_summary(const gn_options *o, const gn_run *run, gneiss_er
     GN_TRY(print_outcome(run, error));
     if (o->quiet) return GNEISS_OK;
     print_profile(run);
-    printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n", run->directory,
+    char shown[GN_PATH_SIZE];
+    printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n",
+           gn_printable(run->directory, shown, sizeof shown),
            w->scene.has_specimen ? ", particles.hdf.series" : "",
            w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
            w->scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",

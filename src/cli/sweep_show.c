@@ -1,5 +1,6 @@
 #include "cli/sweep_show.h"
 
+#include "base/printable.h"
 #include "base/timer.h"
 #include "cli/line.h"
 #include "cli/progress.h"
@@ -103,7 +104,8 @@ static void print_heading(const gn_sweep *s, const gn_sweep_way *way) {
         printf(", %zu of them in shard %zu of %zu", mine, way->shard + 1, way->shards);
     else if (mine != s->run_count)
         printf(", %zu of them different", mine);
-    printf("\noutput: %s\n", way->directory);
+    char shown[GN_PATH_SIZE];
+    printf("\noutput: %s\n", gn_printable(way->directory, shown, sizeof shown));
     fflush(stdout);
 }
 
@@ -295,8 +297,10 @@ static void print_summary(const gn_options *o, const gn_summary *summary,
     print_envelopes(summary, envelopes);
     print_failed(summary);
     if (o->quiet) return;
+    char shown[GN_PATH_SIZE];
+    (void)gn_printable(summary->directory, shown, sizeof shown);
     printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
-           summary->directory, summary->directory);
+           shown, shown);
 }
 
 void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {

@@ -61,8 +61,8 @@ gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attr
  * digests: refused if they are `demanded`, otherwise taken as it is. */
 gneiss_status gn_h5_check_names(gn_h5 *file, bool demanded, gneiss_error *error);
 bool gn_h5_has_digests(const gn_h5 *file);
-/* The values of all data sets of a group (none: it is not there) as well. */
-gneiss_status gn_h5_check_values(const gn_h5 *file, const char *group, gneiss_error *error);
+/* The values of all data sets as well. */
+gneiss_status gn_h5_check_values(const gn_h5 *file, gneiss_error *error);
 
 /* Reading. Shapes are checked against what is expected and mismatches are GNEISS_ERROR_INPUT. */
 /* Whether the file itself has it: a link to elsewhere counts as nothing. */

@@ -73,19 +73,25 @@ uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, 
     return gn_h5_digest(bytes, size, digest_of_text(head));
 }
 
+/* Objects go by their paths within the file, the root by ".". */
+static const char *shown(const char *name) {
+    return strcmp(name, ".") == 0 ? "/" : name;
+}
+
 /* A failure keeps what HDF5 says of it: out of memory is no damage. */
 static gneiss_status unreadable(const gn_h5 *file, const char *name, gneiss_error *error) {
     return gn_h5_fail(file, error, file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
-                      "attributes of %s cannot be read", name);
+                      "attributes of %s cannot be read", shown(name));
 }
 
-static gneiss_status read_number(const gn_h5 *file, hid_t object, const char *name, uint64_t *value,
-                                 gneiss_error *error) {
+/* Attribute `name` of the object that is `of`. */
+static gneiss_status read_number(const gn_h5 *file, hid_t object, const char *of, const char *name,
+                                 uint64_t *value, gneiss_error *error) {
     int64_t found = 0;
     hid_t id = H5Aopen(object, name, H5P_DEFAULT);
     gneiss_status status = id >= 0 && H5Aread(id, H5T_NATIVE_INT64, &found) >= 0
                                ? GNEISS_OK
-                               : unreadable(file, name, error);
+                               : unreadable(file, of, error);
     if (id >= 0) H5Aclose(id);
     *value = (uint64_t)found;
     return status;
@@ -111,21 +117,22 @@ gneiss_status gn_h5_put_digest(gn_h5 *file, const char *name, hid_t set, const v
                       name);
 }
 
-static gneiss_status changed(const gn_h5 *file, const char *what, const char *name,
+static gneiss_status changed(const gn_h5 *file, bool attributes, const char *name,
                              gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: %s %s is damaged or was changed: its digest is not the one that was "
-                   "written with it",
-                   file->path, what, name);
+                   "%s: %s %s %s changed: %s digest is not the one that was written", file->path,
+                   attributes ? "attributes of" : "data set", shown(name),
+                   attributes ? "are damaged or were" : "is damaged or was",
+                   attributes ? "their" : "its");
 }
 
 gneiss_status gn_h5_check_digest(const gn_h5 *file, const char *name, hid_t set, const void *bytes,
                                  size_t size, gneiss_error *error) {
     uint64_t written;
     if (!file->digested) return GNEISS_OK;
-    GN_TRY(read_number(file, set, of_values, &written, error));
+    GN_TRY(read_number(file, set, name, of_values, &written, error));
     if (written == gn_h5_digest_of_values(name, set, bytes, size)) return GNEISS_OK;
-    return changed(file, "data set", name, error);
+    return changed(file, false, name, error);
 }
 
 /* ---- attributes ---- */
@@ -149,7 +156,7 @@ static gneiss_status add_values(attribute_sum *s, const char *name, hid_t id, hi
     if (!item || __builtin_mul_overflow((size_t)points, item, &size) || size > ATTRIBUTE_BYTES_MOST)
         return gn_fail(s->error, GNEISS_ERROR_INPUT,
                        "%s: attribute %s of %s: expected values of fixed length, found others",
-                       s->file->path, name, s->object);
+                       s->file->path, name, shown(s->object));
     void *bytes = calloc(size + 1, 1);
     if (!bytes)
         return gn_fail(s->error, GNEISS_ERROR_MEMORY, "%s: no memory to read attribute %s",
@@ -192,10 +199,8 @@ static gneiss_status check_object(const gn_h5 *file, hid_t object, const char *n
                                   uint64_t *digest, gneiss_error *error) {
     uint64_t written;
     GN_TRY(digest_attributes(file, object, name, digest, error));
-    GN_TRY(read_number(file, object, of_attributes, &written, error));
-    return written == *digest
-               ? GNEISS_OK
-               : changed(file, "attributes of", strcmp(name, ".") ? name : "/", error);
+    GN_TRY(read_number(file, object, name, of_attributes, &written, error));
+    return written == *digest ? GNEISS_OK : changed(file, true, name, error);
 }
 
 gneiss_status gn_h5_check_attributes(const gn_h5 *file, const char *object, gneiss_error *error) {
@@ -276,7 +281,7 @@ gneiss_status gn_h5_check_names(gn_h5 *file, bool demanded, gneiss_error *error)
     GN_TRY(walk_all(&w));
     hid_t root = H5Oopen(file->id, "/", H5P_DEFAULT);
     gneiss_status status = root < 0 ? unreadable(file, "/", error)
-                                    : read_number(file, root, of_names, &written, error);
+                                    : read_number(file, root, "/", of_names, &written, error);
     if (root >= 0) H5Oclose(root);
     if (status != GNEISS_OK || written == w.names) return status;
     return gn_fail(error, GNEISS_ERROR_INPUT,

@@ -205,31 +205,24 @@ static gneiss_status check_values(const gn_h5 *file, const char *name, gneiss_er
 
 typedef struct looked {
     const gn_h5 *file;
-    const char *group;
     gneiss_status status;
     gneiss_error *error;
 } looked;
 
-static herr_t check_link(hid_t group, const char *name, const H5L_info_t *info, void *data) {
-    (void)group, (void)info;
+static herr_t check_object(hid_t root, const char *name, const H5O_info_t *info, void *data) {
+    (void)root;
     looked *l = data;
-    char *path = gn_text_format("%s/%s", l->group, name);
-    l->status = path ? check_values(l->file, path, l->error)
-                     : gn_fail(l->error, GNEISS_ERROR_MEMORY, "no memory for a name");
-    free(path);
+    if (info->type == H5O_TYPE_DATASET) l->status = check_values(l->file, name, l->error);
     return l->status == GNEISS_OK ? 0 : -1;
 }
 
-gneiss_status gn_h5_check_values(const gn_h5 *file, const char *group, gneiss_error *error) {
+gneiss_status gn_h5_check_values(const gn_h5 *file, gneiss_error *error) {
     gn_h5_quiet();
-    looked l = {.file = file, .group = group, .error = error};
-    if (!gn_h5_has(file, group)) return GNEISS_OK;
-    hid_t id = H5Gopen2(file->id, group, H5P_DEFAULT);
+    looked l = {.file = file, .error = error};
     herr_t ended =
-        id < 0 ? -1 : H5Literate(id, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, check_link, &l);
-    if (id >= 0) H5Gclose(id);
+        H5Ovisit2(file->id, H5_INDEX_NAME, H5_ITER_NATIVE, check_object, &l, H5O_INFO_BASIC);
     if (l.status != GNEISS_OK || ended >= 0) return l.status;
-    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "group %s is damaged", group);
+    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "its objects cannot be listed");
 }
 
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error) {

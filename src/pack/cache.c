@@ -120,7 +120,8 @@ static gneiss_status check_spheres(const gn_pack_result *r, gneiss_error *error)
         if (!(sphere[3] > 0.0 && sphere[3] < 1e30 && fabs(sphere[0]) < 1e30 &&
               fabs(sphere[1]) < 1e30 && fabs(sphere[2]) < 1e30))
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "data set sphere: expected a place and a radius > 0, found %g %g %g %g "
+                           "data set sphere: expected a place and a radius > 0, below 1e30 m, "
+                           "found %g %g %g %g "
                            "in row %zu",
                            sphere[0], sphere[1], sphere[2], sphere[3], k);
     }

@@ -304,6 +304,32 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
                           "%s: expected positive steps and intervals, found others", path);
 }
 
+/* A state that was saved has steps like those before it, and rates that its step goes with: values
+ * far from these would make a run without end. */
+static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_error *error) {
+    const double far = 1e5, steps = (double)(w->step - w->first_step);
+    const double least = steps > 0.0 ? w->time / steps / far : 0.0, most = far / w->dt;
+    const struct {
+        const char *name;
+        double value;
+    } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
+                 {"world_boundary_vertex_rate", w->boundary.vertex_rate},
+                 {"world_couple", w->couple.rate[0]},
+                 {"world_couple", w->couple.rate[1]}};
+    if (w->dt < least)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: run/world_dt: expected at least %.3g s, 1e-5 of the mean step so far, "
+                       "found %.3g s",
+                       path, least, w->dt);
+    for (size_t k = 0; k < sizeof rates / sizeof *rates; k++)
+        if (!(rates[k].value <= most))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: run/%s: expected a rate of at most %.3g 1/s, 1e5 of that of the "
+                           "time step, found %.3g",
+                           path, rates[k].name, most, rates[k].value);
+    return GNEISS_OK;
+}
+
 /* Rows of the history that stages begin with rise, and what ended one is known. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
@@ -373,6 +399,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_dem_load(w, file, path, error));
     GN_TRY(gn_boundary_load(w, file, path, error));
     GN_TRY(gn_elements_load(w, file, path, error));
+    GN_TRY(check_pace(w, path, error));
     GN_TRY(check_gauge(w, path, error));
     GN_TRY(get_kept(run, file, path, error));
     GN_TRY(get_history(run, file, error));

@@ -14,8 +14,9 @@ typedef struct range {
 } range;
 
 static const double light = 299792458.0; /* m/s: nothing in a scene comes near it */
-#define FAR 1e30                         /* m: squares and cubes of distances are finite */
-#define ANY INFINITY
+#define FAR    1e30                      /* m: squares and cubes of distances are finite */
+#define GROUPS 1e6 /* as specimen.group allows: arrays have a place for each group */
+#define ANY    INFINITY
 
 static const range of_particles[] = {
     {"pos", 0, -FAR, FAR},       {"pos", 1, -FAR, FAR},     {"pos", 2, -FAR, FAR},
@@ -23,7 +24,7 @@ static const range of_particles[] = {
     {"vel", 2, -light, light},   {"vel", 3, 0.0, ANY},      {"spin", 3, 0.0, ANY},
     {"start", 0, -FAR, FAR},     {"start", 1, -FAR, FAR},   {"start", 2, -FAR, FAR},
     {"ref", 0, -FAR, FAR},       {"ref", 1, -FAR, FAR},     {"ref", 2, -FAR, FAR},
-    {"own_share", -1, 0.0, 1.0}, {"group", -1, 0, ANY},     {"bonds0", -1, 0, ANY},
+    {"own_share", -1, 0.0, 1.0}, {"group", -1, 0, GROUPS},  {"bonds0", -1, 0, ANY},
     {"slot", -1, -1, ANY},       {"pressed", -1, 0.0, ANY}, {"orientation", -1, -2.0, 2.0},
     {"blend", 0, -1.0, 2.0},
 };

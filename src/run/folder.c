@@ -196,6 +196,39 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
     return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
 }
 
+/* The first line of a list of gneiss ends with its version. */
+static bool own_list(const char *path) {
+    char line[256] = "";
+    FILE *file = fopen(path, "r");
+    bool own =
+        file && fgets(line, sizeof line, file) && line[0] == '#' && strstr(line, "; gneiss ");
+    if (file) fclose(file);
+    return own;
+}
+
+static bool own_packing(const char *path) {
+    char *kind = NULL;
+    bool own = gn_h5_peek_text(path, "/", "kind", &kind, NULL) == GNEISS_OK &&
+               strcmp(kind, "packing") == 0;
+    free(kind);
+    return own;
+}
+
+gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error) {
+    static const char *const names[] = {GN_PACKING_FILE, "packing.txt"};
+    char path[GN_PATH_SIZE + 32];
+    for (size_t k = 0; k < 2; k++) {
+        snprintf(path, sizeof path, "%.*s/%s", GN_PATH_SIZE, directory, names[k]);
+        if (access(path, F_OK) == 0 && !(k ? own_list : own_packing)(path))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%.300s: expected an empty folder or one of an earlier packing, found "
+                           "%s in it, which gneiss did not write: choose another folder with "
+                           "--out, or --force replaces it",
+                           directory, names[k]);
+    }
+    return check_series(directory, series[0], true, error);
+}
+
 /* The folder of a run of a sweep is named by 16 hex digits and has its outcome or its scene in it.
  */
 bool gn_folder_holds_sweep(const char *directory) {
@@ -269,4 +302,98 @@ gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gnei
         GN_TRY(remove_snapshots(directory, series[k], error));
     }
     return GNEISS_OK;
+}
+
+/* --- going on --- */
+
+/* Which run wrote a file: its scene file, and the scene as it was read. */
+typedef struct origin {
+    char *source, *scene;
+} origin;
+
+static bool read_origin(const char *path, origin *from) {
+    gn_h5 *file = NULL;
+    *from = (origin){0};
+    if (access(path, F_OK) != 0 || gn_h5_open(path, &file, NULL) != GNEISS_OK) return false;
+    bool read =
+        gn_h5_get_attribute_text(file, "/", "scene_file", &from->source, NULL) == GNEISS_OK &&
+        gn_h5_get_text(file, "scene", &from->scene, NULL) == GNEISS_OK;
+    gn_h5_close(file);
+    return read;
+}
+
+static void free_origin(origin *from) {
+    free(from->source);
+    free(from->scene);
+}
+
+/* A resumed run may change these sections (check_overrides in run.c). The seed decides the model.
+ */
+static bool may_change(const char *section, const char *line) {
+    static const char *const names[] = {"time:", "output:", "run:", "stages:"};
+    if (strncmp(line, "  seed:", 7) == 0) return false;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        if (strncmp(section, names[k], strlen(names[k])) == 0) return true;
+    return false;
+}
+
+/* The first line at or after `line` that decides which run it is; *section is where it stands. */
+static const char *deciding_line(const char *line, const char **section) {
+    for (; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        if (*line != ' ') *section = line;
+        if (!may_change(*section, line)) break;
+    }
+    return line;
+}
+
+static bool same_scene(const char *a, const char *b) {
+    const char *section_a = a, *section_b = b;
+    for (;;) {
+        a = deciding_line(a, &section_a);
+        b = deciding_line(b, &section_b);
+        const size_t length = strcspn(a, "\n");
+        if (length != strcspn(b, "\n") || memcmp(a, b, length) != 0) return false;
+        if (!*a) return true;
+        a += length + (a[length] == '\n');
+        b += length + (b[length] == '\n');
+    }
+}
+
+static gneiss_status check_same(const char *path, const origin *own, const char *other,
+                                gneiss_error *error) {
+    origin found;
+    gneiss_status status = GNEISS_OK;
+    if (read_origin(other, &found)) {
+        const bool source = strcmp(own->source, found.source) == 0;
+        if (!source || !same_scene(own->scene, found.scene))
+            status = gn_fail(error, GNEISS_ERROR_INPUT,
+                             "%.400s: expected a checkpoint of the run that wrote %.400s, found "
+                             "one of another run (%.200s, there %.200s%s): move the file of the "
+                             "other run away",
+                             path, other, own->source, found.source,
+                             source ? " with other values of its keys" : "");
+    }
+    free_origin(&found);
+    return status;
+}
+
+gneiss_status gn_folder_check_checkpoint(const char *directory, int64_t step, const int64_t *others,
+                                         size_t count, gneiss_error *error) {
+    char *path = NULL, results[GN_PATH_SIZE + 32];
+    origin own;
+    snprintf(results, sizeof results, "%.*s/results.h5", GN_PATH_SIZE, directory);
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    gneiss_status status = GNEISS_OK;
+    const bool read = read_origin(path, &own);
+    if (read) status = check_same(path, &own, results, error);
+    for (size_t k = 0; read && status == GNEISS_OK && k < count; k++) {
+        char *other = NULL;
+        if (others[k] == step) continue;
+        status = gn_checkpoint_path(directory, others[k], &other, error);
+        if (status == GNEISS_OK) status = check_same(path, &own, other, error);
+        free(other);
+    }
+    free_origin(&own);
+    free(path);
+    return status;
 }

@@ -26,11 +26,19 @@ gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_
  * snapshots of it, is somebody else's: GNEISS_ERROR_INPUT names the first of them. That of a sweep
  * is none for a run either. */
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
+/* The same of the files that a packing replaces: packing.h5, packing.txt and its snapshot. */
+gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error);
 bool gn_folder_holds_sweep(const char *directory);
 
 /* Makes way for a new run: removes what an earlier run of the same scene file left, whoever wrote
  * it (gn_folder_check comes before). Results of another scene are not touched:
  * GNEISS_ERROR_INPUT. */
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);
+
+/* Refuses a checkpoint of another run than the one that wrote results.h5 and the other checkpoints
+ * in the folder: by the scene file and the scene without what a resumed run may change. Files that
+ * cannot be read say nothing. */
+gneiss_status gn_folder_check_checkpoint(const char *directory, int64_t step, const int64_t *others,
+                                         size_t count, gneiss_error *error);
 
 #endif

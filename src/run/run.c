@@ -303,7 +303,9 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
         gneiss_status status =
             load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
         if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
-        if (status == GNEISS_OK) return GNEISS_OK;
+        if (status == GNEISS_OK)
+            return gn_folder_check_checkpoint(directory, steps[*damaged], steps + *damaged,
+                                              count - *damaged, error);
         if (status != GNEISS_ERROR_INPUT)
             return gn_fail(error, status,
                            "%.1500s\n  it may be intact, and nothing was changed: try again, or "

@@ -133,6 +133,32 @@ static gneiss_status check_dimension(const gn_scene *scene, const source *s, con
                    (int)scene->dimension, (int)dimension);
 }
 
+static int by_size(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* One particle of another order of size than all others is none of a specimen: every step would be
+ * as short as the smallest needs, and lists as long as the largest reaches. */
+static gneiss_status check_sizes(const gn_from_run *from, gneiss_error *error) {
+    const double apart = 1e4;
+    double *radius = gn_alloc_array(from->count + 1, sizeof *radius);
+    if (!radius) return no_memory(error);
+    for (size_t p = 0; p < from->count; p++) radius[p] = from->sphere[4 * p + 3];
+    qsort(radius, from->count, sizeof *radius, by_size);
+    const double median = from->count ? radius[from->count / 2] : 0.0;
+    gn_free(radius);
+    for (size_t p = 0; p < from->count; p++) {
+        const double r = from->sphere[4 * p + 3];
+        if (r > apart * median || r < median / apart)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "data set particles/radius: expected radii from 1e-4 to 1e4 of their "
+                           "median, %g m, found %g",
+                           median, r);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *error) {
     from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
     if (!from->sphere) return no_memory(error);
@@ -144,9 +170,9 @@ static gneiss_status take_spheres(source *s, gn_from_run *from, gneiss_error *er
             if (!(fabs(sphere[a]) < far))
                 return refuse("particles/position", "a place within 1e30 m", sphere[a], p, error);
         if (!(sphere[3] > 0.0 && sphere[3] < far))
-            return refuse("particles/radius", "a radius > 0", sphere[3], p, error);
+            return refuse("particles/radius", "a radius > 0, below 1e30 m", sphere[3], p, error);
     }
-    return GNEISS_OK;
+    return check_sizes(from, error);
 }
 
 /* All of its particles are there, at rest. */

@@ -79,22 +79,21 @@ static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneis
     return GNEISS_OK;
 }
 
-/* Everything that a summary reads of them. */
+/* Everything in them, also what no summary reads: they count as what the run ended with. */
 static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
                                     const char *results, bool *replaced, gneiss_error *error) {
-    static const char *const groups[] = {"readings", "energy", "history"};
     char *hash = NULL, digest[24];
     GN_TRY(gn_h5_check_names(file, false, error));
     GN_TRY(gn_h5_get_attribute_text(file, "/", "state_hash", &hash, error));
     free(hash);
     GN_TRY(check_owner(file, path, folder, error));
-    for (size_t k = 0; k < sizeof groups / sizeof *groups; k++)
-        GN_TRY(gn_h5_check_values(file, groups[k], error));
+    GN_TRY(gn_h5_check_values(file, error));
     GN_TRY(digest_of_results(file, digest, error));
-    *replaced = results && *results && strcmp(results, digest) != 0;
+    *replaced = strcmp(results ? results : "", digest) != 0;
     if (!*replaced) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s: they are not those that the run ended with",
-                   path);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.200s: they are not those that the run ended with%s", path,
+                   results ? "" : ", which outcome.json does not name");
 }
 
 /* The disk was full, somebody took the file away or put another there, a copy was cut off. */
@@ -159,23 +158,35 @@ static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gne
     return GNEISS_OK;
 }
 
-gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
-    char path[GN_PATH_SIZE + 32], *text = NULL, *results = NULL;
-    *o = (gn_outcome){0};
+/* *known is false, and o->lost true, where outcome.json is there and says nothing. */
+static void read_outcome(const char *folder, gn_outcome *o, char **results, bool *known) {
+    char path[GN_PATH_SIZE + 32], *text = NULL;
+    gneiss_error trouble = {0};
     outcome_path(folder, path, sizeof path);
-    if (access(path, F_OK) == 0 && gn_read_text_file(path, 1 << 16, &text, NULL) == GNEISS_OK) {
-        bool known = parse(text, path, o, &results);
-        free(text);
-        gneiss_error trouble = {0};
-        bool replaced = false, lost = known && o->state == GN_RUN_DONE &&
-                                      !has_results(folder, results, &replaced, &trouble);
-        free(results);
-        if (known && !lost) return GNEISS_OK;
-        if (lost) lose(o, "results", &trouble);
-        o->replaced = replaced;
-        if (replaced) return GNEISS_OK;
-    }
-    return look_for_checkpoints(folder, o, error);
+    *known = false;
+    if (access(path, F_OK) != 0) return;
+    if (gn_read_text_file(path, 1 << 16, &text, &trouble) == GNEISS_OK)
+        *known = parse(text, path, o, results);
+    if (!*known && text)
+        gn_fail(&trouble, GNEISS_ERROR_INPUT,
+                "%.300s: expected status (done, failed) and code, found others", path);
+    free(text);
+    if (!*known) lose(o, "outcome", &trouble);
+}
+
+gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
+    char *results = NULL;
+    bool known, replaced = false;
+    gneiss_error trouble = {0};
+    *o = (gn_outcome){0};
+    read_outcome(folder, o, &results, &known);
+    bool whole =
+        known && (o->state != GN_RUN_DONE || has_results(folder, results, &replaced, &trouble));
+    free(results);
+    if (whole) return GNEISS_OK;
+    if (known) lose(o, "results", &trouble);
+    o->replaced = replaced;
+    return replaced ? GNEISS_OK : look_for_checkpoints(folder, o, error);
 }
 
 /* "" where they cannot be read, which the next call finds. */

@@ -30,8 +30,8 @@ bool gn_run_folder(const char *directory, uint64_t hash, char folder[GN_PATH_SIZ
 
 /* From outcome.json, else from what the run left. An outcome.json that cannot be read counts as
  * none, and so does that of a run that is done but whose results are not there, are damaged
- * anywhere that a summary looks, are not those that it ended with or are those of another run:
- * `lost` and the message say so. Checkpoints of another run count as none. */
+ * anywhere, are not those that it ended with or are those of another run: `lost` and the message
+ * say so. Checkpoints of another run count as none. */
 gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_error *error);
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error);
 /* Renames checkpoints of another run in the folder, as damaged ones are. */
