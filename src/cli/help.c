@@ -70,8 +70,7 @@ static const struct {
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
     {"run pack plan sweep", "--force",
-     "run: replace also what a finished run of more than a minute left; run,
-     "
+     "run: replace also what a finished run of more than a minute left; run,\n"
      "pack: files that are not gneiss's; sweep: compute everything anew"},
     {"run check plan pack sweep resume", "--allow-gmsh",
      "let gmsh mesh a specimen that is a geometry (.geo, .step, ...), which can\n"

@@ -104,7 +104,7 @@ static double follows(const gn_curves *c, gn_row_span span, int a, int b) {
  * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
 static void need_one_axis(const gn_curves *c, gn_row_span span, gn_reading which, double limit,
                           gn_readings *r) {
-    int axis = c->tested->axis;
+    const int axis = c->tested->axis;
     double along = c->tested->sign * follows(c, span, axis, axis);
     if (isnan(along)) return; /* no mean stress to look at */
     if (!(along > 0.5 && along < 2))
@@ -149,6 +149,7 @@ static void need_ways_or_stress(const gn_curves *c, gn_row_span span, gn_reading
 }
 
 void gn_need_axial(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
+    if (c->tested->axis < 0) return; /* as a hydrostatic test, which loads along all */
     need_one_axis(c, span, which, beside_modulus, r);
     need_ways(c, span, which, r);
 }

@@ -341,7 +341,8 @@ static gneiss_status find_groups(const gn_msh *msh, size_t at, int64_t dimension
                               "%lld",
                               (long long)tag, (long long)dimension);
     size_t first = msh->entity_first[held / 2];
-    groups->tag = msh->entity_group + first;
+    groups->tag =
+        msh->entity_group ? msh->entity_group + first : NULL; /* no entity is in a group */
     groups->count = msh->entity_first[held / 2 + 1] - first;
     groups->reversed = held % 2;
     return GNEISS_OK;
