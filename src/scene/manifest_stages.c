@@ -1,7 +1,7 @@
 /* The keys of `stages`. */
 #include "scene/manifest_keys.h"
-#include "scene/units.h"
 #include "scene/stages.h"
+#include "scene/units.h"
 
 #define NONE(TEXT) .word = "none", .fallback = "none", .text = TEXT
 
