@@ -103,7 +103,8 @@ void gn_bodies_follow(const gn_world *w, double *dt) {
     }
 }
 
-/* Whether a particle overlaps a wall, or did so before the last step: its contact acts once more. */
+/* Whether a particle overlaps a wall, or did so before the last step: its contact acts once more.
+ */
 static bool is_pressed(const gn_world *w, size_t wall) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     const gn_wall *of = &w->boundary.walls[wall];
