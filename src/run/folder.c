@@ -216,10 +216,12 @@ static bool own_packing(const char *path) {
 
 gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error) {
     static const char *const names[] = {GN_PACKING_FILE, "packing.txt"};
+    struct stat there;
     char path[GN_PATH_SIZE + 32];
     for (size_t k = 0; k < 2; k++) {
         snprintf(path, sizeof path, "%.*s/%s", GN_PATH_SIZE, directory, names[k]);
-        if (access(path, F_OK) == 0 && !(k ? own_list : own_packing)(path))
+        const bool file = stat(path, &there) == 0 && S_ISREG(there.st_mode);
+        if (file && !(k ? own_list : own_packing)(path))
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%.300s: expected an empty folder or one of an earlier packing, found "
                            "%s in it, which gneiss did not write: choose another folder with "
