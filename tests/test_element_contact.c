@@ -373,6 +373,20 @@ static void a_large_particle_bounces_wherever_its_centre_is(void **state) {
     }
 }
 
+/* By Hertz's law near edges and corners, where a facet that only its rim presses has a potential
+ * within rounding of 0. */
+static void a_large_hertz_sphere_bounces_near_edges_and_corners(void **state) {
+    (void)state;
+    const double gaps[] = {0.0, 0.2, 0.5, 1.1, 2.3};
+    for (size_t k = 0; k < sizeof gaps / sizeof *gaps; k++)
+        for (int corner = 0; corner < 2; corner++) {
+            const double x = 5.0 - gaps[k], y = corner ? 5.0 - 1.13 * gaps[k] : 0.31;
+            double v[3];
+            assert_true(bounce_at(x, y, "hertz", 0.0, v) < 1e-5);
+            assert_near(sqrt(gn_dot3(v, v)), 0.5, 2e-3);
+        }
+}
+
 /* --- the same bits --- */
 
 static gn_world *make_shower(void) {
@@ -523,6 +537,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_large_particle_makes_no_energy),
         cmocka_unit_test(a_large_particle_moves_on_a_plane_as_on_a_wall),
         cmocka_unit_test(a_large_particle_bounces_wherever_its_centre_is),
+        cmocka_unit_test(a_large_hertz_sphere_bounces_near_edges_and_corners),
     };
     return run_part(argc, tests, long_tests);
 }

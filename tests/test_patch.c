@@ -273,6 +273,38 @@ static void the_force_is_that_of_the_potential_at_edges_and_corners(void **state
     }
 }
 
+/* By Hertz's law at edges and corners every contact has a part that is positive, and a force
+ * that is no more than that of the power 5/4 of the whole potential. */
+static void hertz_contacts_are_finite_at_edges_and_corners(void **state) {
+    (void)state;
+    static soup s;
+    static pressed p;
+    static gn_facet_contact contact[1024];
+    for (int corners = 2; corners <= 3; corners++) {
+        make_block(corners, &s);
+        for (int k = 0; k < 400; k++) {
+            uint64_t at = 900 + (uint64_t)k;
+            const double radius = uniform(&at, 0.8, 2.0);
+            double centre[3] = {some_place(&at), some_place(&at), 0.0};
+            centre[corners - 1] = radius * (1.0 - pow(10.0, uniform(&at, -10.0, -1.5)));
+            press_block(&s, corners, centre, radius, &p);
+            gn_patch_contacts(p.near, p.part, p.count, true, contact);
+            const double whole = sqrt(sqrt(2.0 * p.potential));
+            for (size_t c = 0; c < p.count; c++) {
+                const double overlap = -contact[c].overlap;
+                const double force = contact[c].part * pow(overlap, 1.5);
+                assert_true(isfinite(1.0 / contact[c].part) && isfinite(contact[c].crowd));
+                assert_true(overlap > 0.0 && overlap < radius);
+                assert_true(force <= 1.001 * whole * p.part[c].force + 1e-12 * radius);
+            }
+        }
+    }
+    gn_facet_near near = {.away = {0.0, 0.0, -1.0}, .distance = 1.0};
+    const gn_patch_facet rim = {.force = 1e-14, .potential = 0.0};
+    gn_patch_contacts(&near, &rim, 1, true, contact);
+    assert_true(isfinite(1.0 / contact[0].part) && contact[0].part < 1e-4);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_however_it_is_cut_is_one_contact),
@@ -280,6 +312,7 @@ int main(void) {
         cmocka_unit_test(contacts_share_force_and_potential),
         cmocka_unit_test(a_centre_over_a_node_or_an_edge_is_no_special_place),
         cmocka_unit_test(the_force_is_that_of_the_potential_at_edges_and_corners),
+        cmocka_unit_test(hertz_contacts_are_finite_at_edges_and_corners),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -285,6 +285,7 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
         contacts[i].crowd = fmax(1.0, force / overlap);
-        if (hertz) contacts[i].part *= sqrt(sqrt(2.0 * potential) / overlap);
+        /* Twice the potential of that overlap, which is positive where U is rounding. */
+        if (hertz) contacts[i].part *= sqrt(sqrt(force * overlap) / overlap);
     }
 }
