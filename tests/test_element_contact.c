@@ -449,6 +449,27 @@ static void too_many_facets_at_once_are_refused(void **state) {
     if (!strstr(error.message, "512 facets")) fail_msg("%s", error.message);
 }
 
+/* The overlap from which on there is no room is known before the run. */
+static void too_many_facets_are_announced(void **state) {
+    (void)state;
+    const double radius[] = {5e-3, 20e-3};
+    for (int k = 0; k < 2; k++) {
+        char doubts[GNEISS_MESSAGE_SIZE];
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0, 0, %g, %g]], group: 0}\n"
+            "materials: [{name: g, density: 2000, normal_stiffness: 1e6, kratio: 2}]\n"
+            "law: {stiffness: uniform}\nelements: {box: {size: [4e-3, 4e-3, 0.4e-3], cells: [20, "
+            "20, 2], origin: [-2e-3, -2e-3, -0.4e-3]}, materials: [{young: 1e9, poisson: 0.2, "
+            "density: 2000}], contact: {stiffness: 1e6}}\ndomain: {min: [-9, -9, -9], max: [9, 9, "
+            "9]}\ntime: {end: 1}\n",
+            radius[k], radius[k]);
+        gn_elements_doubts(w, doubts, sizeof doubts);
+        assert_true(k == (strstr(doubts, "512 facets of the elements at once") != NULL));
+        assert_true(k == (strstr(doubts, "overlap of some 7.2e-05 m") != NULL));
+        world_end(w);
+    }
+}
+
 static void errors_say_where_and_what(void **state) {
     (void)state;
     const char *const scenes[][2] = {
@@ -527,6 +548,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_free_block_of_elements_is_hit_as_a_whole),
         cmocka_unit_test(a_large_particle_keeps_momentum),
         cmocka_unit_test(too_many_facets_at_once_are_refused),
+        cmocka_unit_test(too_many_facets_are_announced),
         cmocka_unit_test(errors_say_where_and_what),
         cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
     };
