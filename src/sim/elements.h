@@ -79,9 +79,9 @@ double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no 
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
  * z) m". */
 const gn_element_model *gn_elements_lead(const gn_world *world);
-/* Where elements of one part are not joined though they touch: a sentence for each of places with
- * two nodes, and hanging nodes; "": nowhere, or the mesh was not read from a file. Returns `text`.
- */
+/* Where elements of one part are not joined though they touch (a sentence for each of places with
+ * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
+ * than there is room for; "": nothing. Returns `text`. */
 const char *gn_elements_doubts(const gn_world *world, char *text, size_t size);
 const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
                                 size_t size);

@@ -14,68 +14,76 @@ static const double pi = 3.14159265358979323846;
 typedef struct integrals {
     double angle;     /* solid angle, int y/s^3 dA */
     double across[2]; /* int x/s^3 dA */
-    double inverse;   /* m, int dA/s */
-    double area;      /* m2 */
+    double potential; /* m2, int (R - s)/s dA */
 } integrals;
 
 typedef struct disc {
     double radius, y, circle; /* m: of the particle, of the plane from the centre, of the cut */
 } disc;
 
-/* An arc of the circle, from the direction of a to that of b, negative backwards. */
+/* Part of a line through two corners, at the distance `off` from the foot, positive where the foot
+ * is on its left; from and to: places along it from the point that is nearest to the foot. */
+typedef struct piece {
+    double along[2], off, from, to;
+} piece;
+
+static void find_point(const piece *line, double place, double point[2]) {
+    point[0] = place * line->along[0] + line->off * line->along[1];
+    point[1] = place * line->along[1] - line->off * line->along[0];
+}
+
+/* An arc of the circle, from the direction of a to that of b, negative backwards; less than half
+ * the circle, since a side that leaves the circle does not contain the foot there. */
 static void add_arc(const disc *d, const double a[2], const double b[2], integrals *sum) {
     const double size_a = hypot(a[0], a[1]), size_b = hypot(b[0], b[1]);
-    const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
     if (!(size_a > 0.0) || !(size_b > 0.0)) return;
-    sum->angle += turn * (1.0 - d->y / d->radius);
-    sum->inverse += turn * (d->radius - d->y);
-    sum->area += 0.5 * turn * d->circle * d->circle;
+    const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    const double depth = d->radius - d->y;
+    sum->angle += turn * depth / d->radius;
+    sum->potential += 0.5 * turn * depth * depth;
     sum->across[0] -= d->circle / d->radius * (b[1] / size_b - a[1] / size_a);
     sum->across[1] += d->circle / d->radius * (b[0] / size_b - a[0] / size_a);
 }
 
-/* A straight piece of the boundary, with what lies between it and the foot. */
-static void add_piece(const disc *d, const double a[2], const double b[2], integrals *sum) {
-    const double side[2] = {b[0] - a[0], b[1] - a[1]}, length = hypot(side[0], side[1]);
-    if (!(length > 0.0)) return;
-    const double along[2] = {side[0] / length, side[1] / length};
-    const double q = a[0] * along[1] - a[1] * along[0], off = hypot(q, d->y);
-    const double t[2] = {a[0] * along[0] + a[1] * along[1], b[0] * along[0] + b[1] * along[1]};
-    const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-    double lean = 0.0;
-    for (int k = 0; k < 2 && q != 0.0; k++)
-        lean += (k ? 1.0 : -1.0) * atan(t[k] * d->y / (q * hypot(off, t[k])));
-    const double reach = asinh(t[1] / off) - asinh(t[0] / off);
-    sum->angle += turn - lean;
-    sum->inverse += q * reach + d->y * (lean - turn);
-    sum->area += 0.5 * q * length;
-    sum->across[0] -= along[1] * reach;
-    sum->across[1] += along[0] * reach;
+/* A straight piece of the boundary, with what lies between it and the foot. Its solid angle is that
+ * of a triangle by one arctangent (van Oosterom and Strackee 1983) of which the second argument is
+ * positive: it is regular where the foot lies on the line or at an end of the piece. */
+static void add_piece(const disc *d, const piece *line, integrals *sum) {
+    const double q = line->off, y = d->y, length = line->to - line->from;
+    const double flat = hypot(q, y);
+    const double a = hypot(flat, line->from), b = hypot(flat, line->to);
+    const double reach = asinh(line->to / flat) - asinh(line->from / flat);
+    const double angle =
+        2.0 * atan2(q * length, a * b + line->from * line->to + flat * flat + y * (a + b));
+    sum->angle += angle;
+    sum->potential += q * (d->radius * reach - 0.5 * length) - d->radius * y * angle;
+    sum->across[0] -= line->along[1] * reach;
+    sum->across[1] += line->along[0] * reach;
 }
 
-/* The side from p to q of a triangle, cut where it leaves the circle. */
-static void add_side(const disc *d, const double p[2], const double q[2], integrals *sum) {
-    const double side[2] = {q[0] - p[0], q[1] - p[1]};
-    const double length2 = side[0] * side[0] + side[1] * side[1];
-    const double half = p[0] * side[0] + p[1] * side[1];
-    const double inside = d->circle * d->circle - p[0] * p[0] - p[1] * p[1];
-    const double root2 = half * half + length2 * inside;
-    if (!(length2 > 0.0)) return;
-    double begin = 1.0, end = 0.0;
-    if (root2 > 0.0) {
-        begin = fmax(0.0, (-half - sqrt(root2)) / length2);
-        end = fmin(1.0, (-half + sqrt(root2)) / length2);
-    }
-    if (!(begin < end)) {
+/* The side from p to q of a triangle, cut where it leaves the circle; fills *line but for corners
+ * that coincide. */
+static void add_side(const disc *d, const double p[2], const double q[2], piece *line,
+                     integrals *sum) {
+    const double side[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(side[0], side[1]);
+    if (!(length > 0.0)) return;
+    for (int k = 0; k < 2; k++) line->along[k] = side[k] / length;
+    line->off = p[0] * line->along[1] - p[1] * line->along[0];
+    const double begin = p[0] * line->along[0] + p[1] * line->along[1], end = begin + length;
+    const double square = (d->circle - fabs(line->off)) * (d->circle + fabs(line->off));
+    const double half = sqrt(fmax(0.0, square));
+    line->from = fmax(begin, -half);
+    line->to = fmin(end, half);
+    if (!(line->from < line->to)) {
         add_arc(d, p, q, sum);
         return;
     }
-    const double a[2] = {p[0] + begin * side[0], p[1] + begin * side[1]};
-    const double b[2] = {end < 1.0 ? p[0] + end * side[0] : q[0],
-                         end < 1.0 ? p[1] + end * side[1] : q[1]};
-    if (begin > 0.0) add_arc(d, p, a, sum);
-    add_piece(d, a, b, sum);
-    if (end < 1.0) add_arc(d, b, q, sum);
+    double a[2], b[2];
+    find_point(line, line->from, a);
+    find_point(line, line->to, b);
+    if (line->from > begin) add_arc(d, p, a, sum);
+    add_piece(d, line, sum);
+    if (line->to < end) add_arc(d, b, q, sum);
 }
 
 /* Two unit vectors across a unit vector, by which a third turns into right-handed ones. */
@@ -122,9 +130,30 @@ static bool is_far(double corner[3][2], double circle) {
     return hypot(middle[0], middle[1]) > circle + reach;
 }
 
+/* Where the force acts, in the plane: the mean of the pressure, which lies in the part that is in
+ * the particle. Where the centre is nearly in the plane both angle and y vanish, and the bounds of
+ * that part hold what their quotient does not. */
+static void find_mean(const disc *d, const piece lines[3], const integrals *sum, double mean[2]) {
+    const double across = hypot(sum->across[0], sum->across[1]);
+    double least = 0.0, most = d->circle;
+    mean[0] = mean[1] = 0.0;
+    if (!(across > 0.0)) return;
+    const double way[2] = {sum->across[0] / across, sum->across[1] / across};
+    for (int c = 0; c < 3; c++) {
+        const piece *l = &lines[c];
+        const double leaves = way[0] * l->along[1] - way[1] * l->along[0];
+        if (leaves > 0.0) most = fmin(most, l->off / leaves);
+        if (leaves < 0.0) least = fmax(least, l->off / leaves);
+    }
+    double far = most;
+    if (d->y * across < far * sum->angle) far = d->y * across / sum->angle;
+    far = fmax(far, fmin(least, d->circle));
+    for (int k = 0; k < 2; k++) mean[k] = far * way[k];
+}
+
 static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
                            gn_patch_facet *facet) {
-    double e[2][3], normal[3], n[3], first[3], second[3], corner[3][2];
+    double e[2][3], normal[3], n[3], first[3], second[3], corner[3][2], mean[2];
     for (int k = 0; k < 3; k++) {
         e[0][k] = x[1][k] - x[0][k];
         e[1][k] = x[2][k] - x[0][k];
@@ -133,8 +162,8 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
     const double area2 = gn_dot3(normal, normal), size = sqrt(area2);
     if (!(size > 0.0)) return false;
     const double away = gn_dot3(x[0], normal) / size, sign = away < 0.0 ? -1.0 : 1.0;
-    const disc d = {radius, fmax(fabs(away), 1e-12 * radius),
-                    sqrt(fmax(0.0, radius * radius - away * away))};
+    const double y = fmax(fabs(away), 1e-12 * radius);
+    const disc d = {radius, y, sqrt(fmax(0.0, (radius - y) * (radius + y)))};
     if (!(d.circle > 0.0)) return false;
     for (int k = 0; k < 3; k++) n[k] = sign * normal[k] / size;
     find_across(n, first, second);
@@ -145,34 +174,36 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
     if (is_far(corner, d.circle)) return false;
     /* Counter-clockwise about n: backwards where the facet looks the other way. */
     integrals sum = {0};
+    piece lines[3] = {{{0.0, 0.0}, 0.0, 0.0, 0.0}};
     for (int c = 0; c < 3; c++) {
         const int from = sign > 0.0 ? c : (c + 1) % 3, to = sign > 0.0 ? (c + 1) % 3 : c;
-        add_side(&d, corner[from], corner[to], &sum);
+        add_side(&d, corner[from], corner[to], &lines[c], &sum);
     }
-    if (!(sum.angle > 0.0) || !(sum.area > 0.0)) return false;
+    const double pressure =
+        sqrt(sum.angle * sum.angle + sum.across[0] * sum.across[0] + sum.across[1] * sum.across[1]);
+    if (!(pressure > 1e-15)) return false; /* rounding: the facet is outside */
+    find_mean(&d, lines, &sum, mean);
     for (int k = 0; k < 3; k++)
-        near->away[k] =
-            d.y * (n[k] + (sum.across[0] * first[k] + sum.across[1] * second[k]) / sum.angle);
+        near->away[k] = d.y * n[k] + mean[0] * first[k] + mean[1] * second[k];
     weigh_corners(x, normal, area2, near);
-    facet->force = radius / (2.0 * pi) *
-                   sqrt(sum.angle * sum.angle +
-                        gn_dot3(sum.across, (double[3]){sum.across[0], sum.across[1], 0.0}));
-    facet->potential = fmax(0.0, (radius * sum.inverse - sum.area) / (2.0 * pi));
-    return facet->force > 0.0;
+    facet->force = radius / (2.0 * pi) * pressure;
+    facet->potential = fmax(0.0, sum.potential / (2.0 * pi));
+    return true;
 }
 
 /* --- in the plane --- */
 
-/* Antiderivatives along a line at the distance y, at the place t from the foot. */
+/* Antiderivatives along a line at the distance y, at the place t from the foot, without differences
+ * of nearly equal angles: atan2(t R, y v) is the sum of `turn` and `rest`. */
 static void add_end(double radius, double y, double t, double sign, double force[2],
                     double *potential) {
-    const double half2 = radius * radius - y * y, v = sqrt(fmax(0.0, half2 - t * t));
+    const double half2 = (radius - y) * (radius + y), v = sqrt(fmax(0.0, half2 - t * t));
     const double turn = atan2(t, v); /* as rounded as v, so that both cancel where v is small */
-    const double normal = radius * atan2(t * radius, y * v) - y * turn;
-    const double depth = radius * atanh(v / radius) - v; /* pi G */
-    force[0] += sign * normal / pi;
-    force[1] += sign * (v - radius * atanh(v / radius)) / pi;
-    *potential += sign * (t * depth + 0.5 * (t * v + half2 * turn) - y * normal) / pi;
+    const double gap = radius - y, rest = atan2(t * v * gap, y * v * v + radius * t * t);
+    const double depth = radius * asinh(v / hypot(t, y)) - v; /* pi G */
+    force[0] += sign * (radius * rest + gap * turn) / pi;
+    force[1] -= sign * depth / pi;
+    *potential += sign * (t * depth + 0.5 * (t * v + gap * gap * turn) - y * radius * rest) / pi;
 }
 
 static bool press_segment(double x[3][3], double radius, gn_facet_near *near,
@@ -186,22 +217,23 @@ static bool press_segment(double x[3][3], double radius, gn_facet_near *near,
     for (int k = 0; k < 3; k++) n[k] = x[0][k] - place * along[k];
     const double y = fmax(sqrt(gn_dot3(n, n)), 1e-12 * radius);
     if (!(y < radius)) return false;
-    const double half = sqrt(radius * radius - y * y);
+    const double half = sqrt((radius - y) * (radius + y));
     const double begin = fmax(-half, place), end = fmin(half, place + length);
     if (!(begin < end)) return false;
     facet->potential = 0.0;
     add_end(radius, y, end, 1.0, force, &facet->potential);
     add_end(radius, y, begin, -1.0, force, &facet->potential);
-    if (!(force[0] > 0.0)) return false;
-    const double at = fmax(begin, fmin(end, y * force[1] / force[0]));
+    facet->force = hypot(force[0], force[1]);
+    if (!(facet->force > 1e-15 * radius)) return false; /* rounding: the facet is outside */
+    double at = force[1] < 0.0 ? begin : end;
+    if (force[0] > 0.0) at = fmax(begin, fmin(end, y * force[1] / force[0]));
     near->weight[1] = (at - place) / length;
     near->weight[0] = 1.0 - near->weight[1];
     near->weight[2] = 0.0;
     for (int k = 0; k < 3; k++)
         near->away[k] = near->weight[0] * x[0][k] + near->weight[1] * x[1][k];
-    facet->force = hypot(force[0], force[1]);
     facet->potential = fmax(0.0, facet->potential);
-    return facet->force > 0.0;
+    return true;
 }
 
 /* --- all of them --- */
@@ -253,6 +285,7 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
         contacts[i].crowd = fmax(1.0, force / overlap);
-        if (hertz) contacts[i].part *= sqrt(sqrt(2.0 * potential) / overlap);
+        /* Twice the potential of that overlap, which is positive where U is rounding. */
+        if (hertz) contacts[i].part *= sqrt(sqrt(force * overlap) / overlap);
     }
 }
