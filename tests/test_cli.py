@@ -414,7 +414,8 @@ def check_accepts_every_scene_that_comes_with_the_program(folder):
     assert len(whole) > 25 and all("scene" in keys[path] or "pack" in path for path in set(scenes) - set(whole))
     with ThreadPoolExecutor(2) as pool:
         for path, call in zip(whole, pool.map(lambda path: gneiss("check", path), whole)):
-            assert call.returncode == 0 and not call.stderr, f"{path}: {call.stderr}"
+            said = [line for line in call.stderr.splitlines() if line.startswith("gneiss:")]  # others tell of progress
+            assert call.returncode == 0 and not said, f"{path}: {call.stderr}"
 
 
 @fact

@@ -105,7 +105,7 @@ static void place_notes(const gn_sweep *s, size_t run, gn_scene_notes *notes) {
         const gn_sweep_parameter *p = NULL;
         char text[GN_SCENE_NOTE_SIZE];
         if (!blamed(s, run, notes->text[k], &p)) continue;
-        memcpy(text, notes->text[k] + strlen("--set "), sizeof text - strlen("--set "));
+        snprintf(text, sizeof text, "%s", notes->text[k] + strlen("--set "));
         const int at = snprintf(notes->text[k], GN_SCENE_NOTE_SIZE, "%.200s:%d:%d: parameters.",
                                 s->source, p->where.line, p->where.column);
         snprintf(notes->text[k] + at, (size_t)(GN_SCENE_NOTE_SIZE - at), "%.*s",
