@@ -320,6 +320,15 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 GN_CONTACT_KINDS(X)
 #undef X
 
+/* The kinds that this part of the build compiles. */
+#if GN_PART == 0
+#define KINDS_OF_PART GN_CONTACT_KINDS_0
+#elif GN_PART == 1
+#define KINDS_OF_PART GN_CONTACT_KINDS_1
+#else
+#define KINDS_OF_PART GN_CONTACT_KINDS_2
+#endif
+
 /* One body serves all options of a kind in one space, with spins or without: damping, energies and
  * periods are branches that all vectors of a list take alike. */
 #define BODY(number, name, law, shear, friction, bonds)                                            \
@@ -335,13 +344,7 @@ GN_CONTACT_KINDS(X)
     }
 #define X(number, ...)                                                                             \
     BODY(0, __VA_ARGS__) BODY(1, __VA_ARGS__) BODY(2, __VA_ARGS__) BODY(3, __VA_ARGS__)
-#if GN_PART == 0
-GN_CONTACT_KINDS_0(X)
-#elif GN_PART == 1
-GN_CONTACT_KINDS_1(X)
-#else
-GN_CONTACT_KINDS_2(X)
-#endif
+KINDS_OF_PART(X)
 #undef X
 
 #define WRAPPER(options, name, law, shear, friction, bonds)                                        \
@@ -353,13 +356,7 @@ GN_CONTACT_KINDS_2(X)
         if (((options)&3) == 3) name##_body_3(a, begin, end, sums, options);                       \
     }
 #define X(number, ...) GN_EACH_32(WRAPPER, __VA_ARGS__)
-#if GN_PART == 0
-GN_CONTACT_KINDS_0(X)
-#elif GN_PART == 1
-GN_CONTACT_KINDS_1(X)
-#else
-GN_CONTACT_KINDS_2(X)
-#endif
+KINDS_OF_PART(X)
 #undef X
 
 #if GN_PART == 0
