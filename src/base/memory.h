@@ -20,8 +20,8 @@ void *gn_alloc_array_raw(size_t count, size_t size);
 
 void gn_free(void *block);
 
-/* Whether any of these calls has been refused since the program began: what is not a number since
- * then may be so for want of memory. */
+/* Tells whether any of these calls has been refused since the program began: what is not a number
+ * since then may be so for want of memory. */
 bool gn_alloc_was_refused(void);
 
 #endif

@@ -65,7 +65,7 @@ bool gn_h5_has_digests(const gn_h5 *file);
 gneiss_status gn_h5_check_values(const gn_h5 *file, gneiss_error *error);
 
 /* Reading. Shapes are checked against what is expected and mismatches are GNEISS_ERROR_INPUT. */
-/* Whether the file itself has it: a link to elsewhere counts as nothing. */
+/* Tells whether the file itself has it: a link to elsewhere counts as nothing. */
 bool gn_h5_has(const gn_h5 *file, const char *name);
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error);
 /* Fills `data` (stride as in gn_h5_put); rows, components and type must match. */

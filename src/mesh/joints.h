@@ -1,4 +1,4 @@
-/* Whether the elements of a mesh are there once and joined. */
+/* Tells whether the elements of a mesh are there once and joined. */
 #ifndef GN_MESH_JOINTS_H
 #define GN_MESH_JOINTS_H
 

@@ -19,7 +19,7 @@ typedef struct overlap_search {
     int32_t found; /* facet; -1: none yet */
 } overlap_search;
 
-/* Whether the axis shows facet and element apart, or in touch within the tolerance. */
+/* Tells whether the axis shows facet and element apart, or in touch within the tolerance. */
 static bool apart(const overlap_search *o, const int32_t *facet, const double axis[3], double scale,
                   double tolerance) {
     const gn_joint_search *s = o->s;
@@ -152,7 +152,7 @@ static double distance2(const double *x, const double *y) {
     return gn_mesh_dot(v, v);
 }
 
-/* Whether x is within reach of a facet, away from its corners. */
+/* Tells whether x is within reach of a facet, away from its corners. */
 static bool on_facet(const gn_joint_search *s, const int32_t *facet, const double *x,
                      double reach) {
     const double *corner = gn_joint_place(s, facet[0]);

@@ -113,7 +113,7 @@ static bool has_moved(const gn_run *run) {
     return strain && strain[run->history.row_count - 1] > strain[0];
 }
 
-/* Whether the test goes on; its first rows are none of it. */
+/* Tells whether the test goes on; its first rows are none of it. */
 static bool has_begun(gn_run *run, bool look) {
     gn_kept *k = &run->kept;
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;

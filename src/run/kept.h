@@ -25,8 +25,8 @@ void gn_kept_resume(gn_run *run);
 /* After a row of the history; `look`: stop conditions are evaluated at it. */
 void gn_kept_row(gn_run *run, bool look);
 
-/* Whether the step to come begins with snapshots; `first`: of the run or of a stage. Regular ones
- * that the thinning would remove at once are left out. */
+/* Tells whether the step to come begins with snapshots; `first`: of the run or of a stage. Regular
+ * ones that the thinning would remove at once are left out. */
 bool gn_kept_is_due(gn_run *run, bool first);
 
 /* Snapshots of the present step were written: notes them and removes those whose place they take.

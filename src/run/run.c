@@ -160,7 +160,8 @@ static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Whether the test has begun with so many looks as mean over those before `end`, and the mean. */
+/* Tells whether the test has begun with so many looks as mean over those before `end`, and the
+ * mean. */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
     const double *stress = run->looks.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;

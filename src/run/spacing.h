@@ -12,7 +12,7 @@
 
 #include "run/run.h"
 
-/* Whether a condition that is not a time can end the run, or its stage. */
+/* Tells whether a condition that is not a time can end the run, or its stage. */
 bool gn_run_may_end_early(const gn_run *run);
 
 /* Halvings of the interval, at most. */
@@ -28,17 +28,17 @@ int64_t gn_row_halvings(int64_t interval);
 /* Of the rows of the scene, or of the stage, which begin with the next one. */
 void gn_run_space_rows(gn_run *run, int64_t interval);
 
-/* Whether the step to come is one of a row by the interval. */
+/* Tells whether the step to come is one of a row by the interval. */
 bool gn_run_row_is_due(const gn_run *run);
 
-/* Whether the last step of the run has a row although none is due: particles that came and went
- * until then are in it. */
+/* Tells whether the last step of the run has a row although none is due: particles that came and
+ * went until then are in it. */
 bool gn_run_has_end_row(const gn_run *run);
 /* Before a step: a run that goes on after such a row does so without it, as if it had never ended.
  */
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error);
 
-/* Whether a row of the history is a look. */
+/* Tells whether a row of the history is a look. */
 bool gn_run_is_look(const gn_run *run, size_t row);
 /* The number of looks from row `begin` on, at most `most`. */
 size_t gn_run_looks(const gn_run *run, size_t begin, size_t most);

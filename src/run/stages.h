@@ -50,8 +50,9 @@ double gn_run_time_left(const gn_run *run);
 /* time.end ends the run, in whichever stage. */
 void gn_run_out_of_time(gn_run *run);
 
-/* Whether the last row of `rows` shows forces in balance to a ratio: some contact carries, nothing
- * falls freely, and the unbalanced force ratio is below the limit, after 20 rows. 0: no limit. */
+/* Tells whether the last row of `rows` shows forces in balance to a ratio: some contact carries,
+ * nothing falls freely, and the unbalanced force ratio is below the limit, after 20 rows. 0: no
+ * limit. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit);
 /* "unbalanced force ratio fell below 0.01" */
 const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size);

@@ -156,7 +156,7 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, (long long)run->world.dem.bonds_at_start);
 }
 
-/* Whether every material says that its bonds soften in shear. */
+/* Tells whether every material says that its bonds soften in shear. */
 static bool softens_in_shear(const gn_scene *s) {
     if (s->softening == GN_SOFTENING_RATIO) return true;
     for (size_t k = 0; k < s->material_count; k++) {

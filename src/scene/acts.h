@@ -25,7 +25,7 @@ bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 
 /* Whether a name is among the first `parts` of an end of a test. */
 bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
-/* Whether it is the name of a part of either end of the test. */
+/* Tells whether it is the name of a part of either end of the test. */
 bool gn_scene_is_end(const gn_scene *scene, const char *name);
 
 /* Whether something beside the ends of the test, or a body that is one and no box, holds the

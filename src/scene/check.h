@@ -100,8 +100,8 @@ bool gn_check_direction(double v[3]);
 /* Keeps notes of keys that change nothing in a scene in which nothing is wrong (check_idle.c). */
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root);
 
-/* Whether some contacts of a material have a tangential spring (check_contacts.c); friction that
- * none can carry is refused. */
+/* Tells whether some contacts of a material have a tangential spring (check_contacts.c); friction
+ * that none can carry is refused. */
 bool gn_material_has_spring(const gn_scene *s, const gn_material *m);
 gneiss_status gn_check_grip(const check *c, const gn_scene *s, const gn_material *m);
 

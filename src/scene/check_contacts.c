@@ -55,7 +55,8 @@ static const gn_material *material_of(const gn_scene *s, const gn_contact_def *d
     return &s->materials[gn_scene_find_material(s, d->between[at])];
 }
 
-/* Whether the contacts of two materials have a tangential spring; `d`, NULL: what a pair says. */
+/* Tells whether the contacts of two materials have a tangential spring; `d`, NULL: what a pair
+ * says. */
 static bool has_spring(const gn_scene *s, const gn_material *a, const gn_material *b,
                        const gn_contact_def *d) {
     const bool area = gn_scene_by_area(s);

@@ -9,7 +9,7 @@
 
 /* ---- what is given ---- */
 
-/* Whether a value in the struct is the one that the key has when it is left out. */
+/* Tells whether a value in the struct is the one that the key has when it is left out. */
 static bool is_default(const gn_key *key, const void *base) {
     const char *at = (const char *)base + key->offset;
     if (key->presence == GN_PRESENT_BOOL || key->presence == GN_PRESENT_ENUM)
@@ -105,7 +105,7 @@ static const char *unread_by_material(const gn_scene *s, const material_row *row
     return NULL;
 }
 
-/* Whether something is of the material; files of particles and earlier runs may name any. */
+/* Tells whether something is of the material; files of particles and earlier runs may name any. */
 static bool is_used(const gn_scene *s, const char *name) {
     bool used = *s->specimen.file || *s->specimen.from || strcmp(s->specimen.material, name) == 0 ||
                 strcmp(s->elements.contact.material, name) == 0;

@@ -284,7 +284,7 @@ static double scaled(double number, double factor) {
     return number * factor;
 }
 
-/* Whether `word` stands in the text of a unit, by itself or behind a prefix ("kHz"). */
+/* Tells whether `word` stands in the text of a unit, by itself or behind a prefix ("kHz"). */
 static bool has_word(const char *text, const char *word) {
     for (; *text; text++) {
         if (!is_letter(*text)) continue;
@@ -367,7 +367,7 @@ bool gn_units_read_slope(gn_units *units, const char *text, double *value, char 
     return false;
 }
 
-/* Whether a word of a unit is `name`, with a prefix or in the plural. */
+/* Tells whether a word of a unit is `name`, with a prefix or in the plural. */
 static bool is_named(const char *word, size_t length, const char *name) {
     static const char *const prefixes[] = {"", "k", "M", "kilo", "mega"};
     size_t own = strlen(name);

@@ -22,7 +22,7 @@ typedef struct gn_units gn_units;
 gn_units *gn_units_new(void);
 void gn_units_free(gn_units *units);
 
-/* Whether UDUNITS-2 has lacked memory: a quantity that was not understood may be right. */
+/* Tells whether UDUNITS-2 has lacked memory: a quantity that was not understood may be right. */
 bool gn_units_exhausted(const gn_units *units);
 
 /* Reads "23 mm" as 0.023 when `unit` is "m". `unit` is one of the units of gn_unit_text; "1" stands
@@ -43,8 +43,8 @@ bool gn_units_read_whole(const char *text, int64_t *value);
 /* "a length such as '23 mm'" for "m". */
 const char *gn_unit_text(const char *unit);
 
-/* Whether the unit has a name that is written behind numbers; "1", GN_PLAIN_NUMBER and GN_STRAIN
- * have none. */
+/* Tells whether the unit has a name that is written behind numbers; "1", GN_PLAIN_NUMBER and
+ * GN_STRAIN have none. */
 bool gn_unit_is_shown(const char *unit);
 
 /* A sentence about a quantity whose unit has another meaning for many; NULL: there is none. */

@@ -70,7 +70,7 @@ static void speeds_in(const gn_world *w, size_t k, double dt, double *speed, dou
     if (turns && w->dt_past > 0.0) *spin += 2.0 * change(b->spin, b->spin_past);
 }
 
-/* Whether the lists hold a particle that is near a body. */
+/* Tells whether the lists hold a particle that is near a body. */
 static bool has_particles(const gn_world *w, size_t body) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     const gn_surface *s = &w->boundary.surfaces[body];
@@ -103,7 +103,8 @@ void gn_bodies_follow(const gn_world *w, double *dt) {
     }
 }
 
-/* Whether a particle overlaps a wall, or did so before the last step: its contact acts once more.
+/* Tells whether a particle overlaps a wall, or did so before the last step: its contact acts once
+ * more.
  */
 static bool is_pressed(const gn_world *w, size_t wall) {
     const gn_wall_contacts *q = &w->boundary.contacts;

@@ -112,9 +112,9 @@ static void add_overlap(free_overlaps *o, int32_t i, int32_t j, double rest) {
 /* Overlaps below this share of r_i + r_j are rounding of the places. */
 static const double overlap_least = 1e-9;
 
-/* Whether overlaps of the start are those of a packing that bonds take as they are. Where a later
- * stage forms the bonds this is known of packings that were made to overlap. Elements that convert
- * refuse overlaps without a bond (conversion_check.c). */
+/* Tells whether overlaps of the start are those of a packing that bonds take as they are. Where a
+ * later stage forms the bonds this is known of packings that were made to overlap. Elements that
+ * convert refuse overlaps without a bond (conversion_check.c). */
 static bool overlaps_are_free(const gn_world *w) {
     const gn_scene *s = &w->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);

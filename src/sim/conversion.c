@@ -205,7 +205,7 @@ gneiss_status gn_conversion_kinds(const gn_world *w, uint8_t *kind, gneiss_error
 #define GN_PART_ROUNDING  1e-12
 #define GN_SHAPE_ROUNDING 1e-9
 
-/* Whether an element has all nodes that the place of a tie depends on: the place is in it. */
+/* Tells whether an element has all nodes that the place of a tie depends on: the place is in it. */
 static bool shares_place(const gn_fem_solid *b, const gn_tie *tie, size_t e) {
     for (int a = 0; a <= b->dimension; a++) {
         bool found = fabs(tie->shape[a]) < GN_SHAPE_ROUNDING;

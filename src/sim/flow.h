@@ -75,8 +75,8 @@ bool gn_flow_is_behind(const gn_world *world, size_t k);
 double gn_flow_late(const gn_world *world, size_t k);
 /* Particles that source k brings until time.end by its rate, at most its total. */
 double gn_flow_expected(const gn_world *world, size_t k);
-/* Whether a source will bring more particles until time.end, and has not waited for room since it
- * last looked. */
+/* Tells whether a source will bring more particles until time.end, and has not waited for room
+ * since it last looked. */
 bool gn_flow_brings(const gn_world *world);
 /* The wall that has all of the region of source k behind it; NULL: none has. */
 const char *gn_flow_wall_before(const gn_world *world, size_t k);
@@ -85,15 +85,16 @@ const char *gn_flow_wall_before(const gn_world *world, size_t k);
 bool gn_sink_has(const gn_world *world, size_t sink, const double x[4]);
 /* m: the least extent of its region, of a polygon at most that; INFINITY: a plane. */
 double gn_sink_width(const gn_world *world, size_t sink);
-/* Whether a particle is where a sink has it, or was there at any time of the last step if the sink
- * is thin. */
+/* Tells whether a particle is where a sink has it, or was there at any time of the last step if the
+ * sink is thin. */
 bool gn_sink_takes(const gn_world *world, size_t sink, size_t particle);
-/* Whether a sink that is thin beside the ways on which lists stand has a particle to remove; such
- * sinks are looked at in every step. */
+/* Tells whether a sink that is thin beside the ways on which lists stand has a particle to remove;
+ * such sinks are looked at in every step. */
 bool gn_sinks_are_due(const gn_world *world);
 /* The lists are made. */
 void gn_sinks_listed(gn_world *world);
-/* Whether there are particles that never are wholly inside of a sink; then the text says so. */
+/* Tells whether there are particles that never are wholly inside of a sink; then the text says so.
+ */
 bool gn_sink_is_too_thin(const gn_world *world, size_t sink, char *text, size_t size);
 /* Counts particles that cross planes which do not remove: since the lists were made. */
 void gn_flow_count(gn_world *world);

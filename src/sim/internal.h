@@ -106,7 +106,7 @@ gneiss_status gn_bonds_add(gn_world *world, gneiss_error *error);
 void gn_bonds_dissolve(gn_world *world);
 /* J, what the springs of all contacts between particles hold. */
 double gn_contacts_stored(const gn_world *world);
-/* Whether that is more than rounding, and lets particles at rest spring apart. */
+/* Tells whether that is more than rounding, and lets particles at rest spring apart. */
 bool gn_stored_matters(const gn_world *world, double stored);
 
 /* Numbers of particles (lists.c): null particles behind the last one, index_of_id, and the ends of

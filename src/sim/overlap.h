@@ -15,9 +15,9 @@ typedef struct gn_overlap {
 gneiss_status gn_world_overlaps(const gn_world *world, gn_overlap *overlap, gneiss_error *error);
 /* Of a wall. */
 gn_overlap gn_wall_overlap(const gn_world *world, size_t wall);
-/* Whether a wall, a body or elements that are no end of the test overlap particles at the start,
- * under stress that nothing inside the specimen balances; `text` then says which. `overlap` as of
- * gn_world_overlaps. */
+/* Tells whether a wall, a body or elements that are no end of the test overlap particles at the
+ * start, under stress that nothing inside the specimen balances; `text` then says which. `overlap`
+ * as of gn_world_overlaps. */
 bool gn_overlap_bursts(const gn_world *world, const gn_overlap *overlap, char *text, size_t size);
 
 #endif

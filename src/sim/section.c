@@ -98,7 +98,7 @@ static slabs slabs_of(const gn_world *w) {
     return s;
 }
 
-/* Whether a section is less than others before and behind it: the body is not convex. */
+/* Tells whether a section is less than others before and behind it: the body is not convex. */
 static bool has_waist(const slabs *s) {
     double before = 0.0;
     for (size_t k = 0; k < s->count; k++) {

@@ -27,8 +27,8 @@ static double largest_radius(const gn_world *w) {
     return most;
 }
 
-/* Whether a particle can be wholly in it for hardly longer than lists may stand: the skin grows to
- * six times that of the start. */
+/* Tells whether a particle can be wholly in it for hardly longer than lists may stand: the skin
+ * grows to six times that of the start. */
 static bool is_thin(const gn_world *w, size_t sink) {
     return w->scene.sinks[sink].remove &&
            gn_sink_width(w, sink) - 2.0 * w->dem.flow.largest < 12.0 * w->dem.verlet.skin_start;
@@ -63,8 +63,8 @@ static double deepest_between(const gn_world *w, const gn_domain *region, size_t
     return depth_before(w, region, particle, 0.5 * (from + to));
 }
 
-/* Whether it was wholly inside at any instant of the last step. Depth changes along the way by no
- * more than the way, which is at most half of the smallest radius (paths.c). */
+/* Tells whether it was wholly inside at any instant of the last step. Depth changes along the way
+ * by no more than the way, which is at most half of the smallest radius (paths.c). */
 static bool passed(const gn_world *w, size_t sink, size_t particle) {
     const gn_domain *region = w->dem.flow.region[w->scene.source_count + sink];
     const double *v = w->dem.particles.vel + 4 * particle,
@@ -89,7 +89,7 @@ bool gn_sink_takes(const gn_world *w, size_t sink, size_t particle) {
            (is_thin(w, sink) && passed(w, sink, particle));
 }
 
-/* Whether its centre is in the box about the region, the last way added. */
+/* Tells whether its centre is in the box about the region, the last way added. */
 static bool is_near(const gn_world *w, const double lower[3], const double upper[3], size_t p) {
     const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p;
     for (int a = 0; a < (int)w->scene.dimension; a++) {

@@ -4,8 +4,8 @@
 
 #include "sim/world.h"
 
-/* Whether walls or periodic sides close the specimen in along every axis; `now` and `start`: their
- * distances, m, multiplied. Walls are the first two across an axis that face each other. */
+/* Tells whether walls or periodic sides close the specimen in along every axis; `now` and `start`:
+ * their distances, m, multiplied. Walls are the first two across an axis that face each other. */
 bool gn_space_closed(const gn_world *world, double *now, double *start);
 
 /* m3 (2D: m2 x 1 m): what the mean stress of the specimen refers to. Of walls that close it in, of

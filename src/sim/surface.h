@@ -44,8 +44,9 @@ typedef struct gn_surface {
     size_t vertices;
 } gn_surface;
 
-/* Whether a particle of this radius is pressed by all of the surface that is in it (patch.h): one
- * that is smaller touches facets at their nearest points, between which it hardly is at once. */
+/* Tells whether a particle of this radius is pressed by all of the surface that is in it (patch.h):
+ * one that is smaller touches facets at their nearest points, between which it hardly is at once.
+ */
 static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
     const double facets = 3.0;
     return surface->body < 0 && radius > facets * surface->facet_size;

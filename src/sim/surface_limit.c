@@ -310,7 +310,7 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
     }
 }
 
-/* Whether a facet of those before has a vertex. */
+/* Tells whether a facet of those before has a vertex. */
 static bool has_vertex(const gn_surface_contact *found, size_t count, int32_t vertex) {
     for (size_t k = 0; k < count; k++)
         for (int v = 0; v < found[k].parts; v++)
@@ -364,7 +364,7 @@ static void add_patch(const gn_world *w, const gn_surface_contact *found, size_t
         }
 }
 
-/* Whether every component of a vertex is prescribed. */
+/* Tells whether every component of a vertex is prescribed. */
 static bool is_held(const gn_surface *s, size_t vertex) {
     const int32_t slot = s->prescribed->count ? s->slot[vertex] : -1;
     const unsigned all = (1U << s->facets.corners) - 1U;

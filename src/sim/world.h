@@ -278,8 +278,8 @@ gneiss_status gn_world_loads(const gn_world *world, double *total, double *dampi
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);
 
-/* Whether no shape measures world->volume: it is the length of the test times its area, or that of
- * the convex hull of the particles. */
+/* Tells whether no shape measures world->volume: it is the length of the test times its area, or
+ * that of the convex hull of the particles. */
 bool gn_world_volume_is_of_test(const gn_world *world);
 bool gn_world_volume_is_of_hull(const gn_world *world);
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */

@@ -120,7 +120,7 @@ static void weigh_corners(double x[3][3], const double normal[3], double area2,
     }
 }
 
-/* Whether a triangle is farther from the foot than the circle, for sure. */
+/* Tells whether a triangle is farther from the foot than the circle, for sure. */
 static bool is_far(double corner[3][2], double circle) {
     double middle[2] = {0.0, 0.0}, reach = 0.0;
     for (int c = 0; c < 3; c++)

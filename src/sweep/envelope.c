@@ -115,7 +115,7 @@ static bool ends_with(const char *key, const char *end) {
     return length >= own && strcmp(key + length - own, end) == 0;
 }
 
-/* Whether a parameter is what confines the specimen. */
+/* Tells whether a parameter is what confines the specimen. */
 static bool is_confinement(const char *key) {
     static const char *const ends[] = {"membrane.pressure", "servo.stress",
                                        "servo.force",       "periodic.x.stress",
@@ -125,7 +125,7 @@ static bool is_confinement(const char *key) {
     return false;
 }
 
-/* Whether a parameter says how a test is carried out, and nothing of the specimen. */
+/* Tells whether a parameter says how a test is carried out, and nothing of the specimen. */
 static bool is_procedure(const char *key) {
     static const char *const lists[] = {"walls", "sets",   "bodies", "membrane", "time",
                                         "test",  "output", "run",    "stages",   "periodic"};

@@ -142,7 +142,7 @@ gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Whether there is one to go on from; of another run there is none. */
+/* Tells whether there is one to go on from; of another run there is none. */
 static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
     size_t count = 0;
