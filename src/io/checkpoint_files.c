@@ -37,24 +37,13 @@ gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t m
     return GNEISS_OK;
 }
 
-static gneiss_status remove_checkpoint(const char *directory, int64_t step, gneiss_error *error) {
-    char *path;
-    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
-    gneiss_status status = GNEISS_OK;
-    if (unlink(path) != 0 && errno != ENOENT)
-        status =
-            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
-    free(path);
-    return status;
-}
-
 gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error) {
     int64_t *steps;
     size_t count;
     GN_TRY(gn_step_list(directory, prefix, suffix, &steps, &count, error));
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; k + keep < count && status == GNEISS_OK; k++)
-        status = remove_checkpoint(directory, steps[k], error);
+        status = gn_step_remove(directory, prefix, steps[k], suffix, error);
     free(steps);
     return status;
 }

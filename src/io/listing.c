@@ -15,6 +15,18 @@ char *gn_step_path(const char *directory, const char *prefix, int64_t step, cons
     return gn_text_format("%s/%s_%010" PRId64 "%s", directory, prefix, step, suffix);
 }
 
+gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t step,
+                             const char *suffix, gneiss_error *error) {
+    char *path = gn_step_path(directory, prefix, step, suffix);
+    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+    gneiss_status status = GNEISS_OK;
+    if (unlink(path) != 0 && errno != ENOENT)
+        status =
+            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
+    free(path);
+    return status;
+}
+
 /* The step in `name`, -1 when it is not exactly what gn_step_path writes. *rest is what follows. */
 static int64_t parse_step(const char *name, const char *prefix, const char **rest) {
     size_t length = strlen(prefix);

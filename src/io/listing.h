@@ -9,6 +9,9 @@
 
 /* DIRECTORY/PREFIX_<step>SUFFIX, malloc'ed; NULL: out of memory. */
 char *gn_step_path(const char *directory, const char *prefix, int64_t step, const char *suffix);
+/* Removes that file; none there is no error. */
+gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t step,
+                             const char *suffix, gneiss_error *error);
 
 /* The steps on disk, ascending; *steps is malloc'ed. Temporary files of the same form that no
  * process holds (a run was killed while it wrote) are removed. */

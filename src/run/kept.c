@@ -6,11 +6,9 @@
 #include "run/spacing.h"
 #include "run/stages.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* An interval has PARTS parts at most. Up to LEAST_COUNT regular ones are there while the run goes
  * on even where fewer are wanted: half of the peak is to be near one of them. A file costs tens of
@@ -147,18 +145,6 @@ void gn_kept_row(gn_run *run, bool look) {
 
 /* --- removal --- */
 
-static gneiss_status remove_file(const gn_run *run, const char *name, int64_t step,
-                                 gneiss_error *error) {
-    char *path = gn_step_path(run->directory, name, step, ".hdf");
-    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the name of a snapshot");
-    gneiss_status status = GNEISS_OK;
-    if (unlink(path) != 0 && errno != ENOENT)
-        status =
-            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
-    free(path);
-    return status;
-}
-
 /* Files of a step; unless another entry has them as well. */
 static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *error) {
     static const char *const names[] = {"particles", "bonds", "contacts", "bodies"};
@@ -166,10 +152,11 @@ static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *
     for (size_t n = 0; n < k->count; n++)
         if (k->list[n].step == step) return GNEISS_OK;
     for (size_t n = 0; n < sizeof names / sizeof *names; n++)
-        GN_TRY(remove_file(run, names[n], (int64_t)step, error));
+        GN_TRY(gn_step_remove(run->directory, names[n], (int64_t)step, ".hdf", error));
     for (size_t n = 0; n < run->world.element_count; n++) {
         char file[GN_ELEMENT_PATH];
-        GN_TRY(remove_file(run, gn_elements_file(n, "elements", file), (int64_t)step, error));
+        GN_TRY(gn_step_remove(run->directory, gn_elements_file(n, "elements", file), (int64_t)step,
+                              ".hdf", error));
     }
     return GNEISS_OK;
 }
