@@ -2,7 +2,7 @@
 
 #include "base/timer.h"
 #include "run/run.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <omp.h>
 #include <stdlib.h>

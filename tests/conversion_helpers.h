@@ -2,11 +2,11 @@
 #ifndef GN_TESTS_CONVERSION_HELPERS_H
 #define GN_TESTS_CONVERSION_HELPERS_H
 
+#include "conversion/conversion.h"
 #include "couple/front.h"
-#include "sim/conversion.h"
-#include "sim/coupling.h"
-#include "sim/exchange.h"
+#include "world/exchange.h"
 #include "world_helpers.h"
+#include "zones/zones.h"
 
 /* A block of elements of 2 mm, and a square lattice (3D: cubic) of spacing 1 mm in all of it, with
  * k_n = k_t: along its axes and across them it has the moduli M = k_n and G = M/2 of the elements,

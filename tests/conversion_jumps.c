@@ -7,8 +7,8 @@
  */
 #include "world_helpers.h"
 
-#include "sim/conversion.h"
-#include "sim/exchange.h"
+#include "conversion/conversion.h"
+#include "world/exchange.h"
 
 static double fastest(const gn_world *w) {
     const gn_particles *of[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};

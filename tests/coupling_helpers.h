@@ -2,9 +2,9 @@
 #ifndef GN_TESTS_COUPLING_HELPERS_H
 #define GN_TESTS_COUPLING_HELPERS_H
 
-#include "sim/coupling.h"
-#include "sim/exchange.h"
+#include "world/exchange.h"
 #include "world_helpers.h"
+#include "zones/zones.h"
 
 /* A strip along x: elements of side h up to the middle of its length and half a zone farther,
  * particles of a square lattice (spacing 1 mm) from half a zone before it to the other end. Columns

@@ -1,7 +1,7 @@
 /* Laws by area: sections of bonds, what stiffness and strength follow, and what a body of them is.
  */
-#include "sim/areas.h"
-#include "sim/polyhedron.h"
+#include "particles/bond_sections.h"
+#include "particles/polyhedron.h"
 
 #include "world_helpers.h"
 

@@ -1,8 +1,8 @@
 /* Rigid bodies: what they weigh, how they move, what particles do to them. */
 #include "surface_helpers.h"
 
+#include "boundary/self_intersection.h"
 #include "run/run.h"
-#include "sim/body_cuts.h"
 
 /* One far particle, so that there is a specimen. */
 static const char head[] =

@@ -2,8 +2,8 @@
 #include "body_helpers.h"
 #include "run_helpers.h"
 
-#include "sim/body_pairs.h"
-#include "sim/body_walls.h"
+#include "boundary/body_pairs.h"
+#include "boundary/body_walls.h"
 
 /* As head3, by Hertz's law. */
 static const char head[] =

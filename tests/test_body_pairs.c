@@ -2,7 +2,7 @@
 #include "body_helpers.h"
 #include "run_helpers.h"
 
-#include "sim/body_pairs.h"
+#include "boundary/body_pairs.h"
 #include "surfaces/body_shape.h"
 
 static gn_rigid *body(gn_world *w, size_t k) {

@@ -1,8 +1,8 @@
 /* Free rigid bodies on plane walls. */
 #include "body_helpers.h"
 
+#include "boundary/body_walls.h"
 #include "run/run.h"
-#include "sim/body_walls.h"
 
 static gn_rigid *body(gn_world *w) {
     return &w->boundary.bodies[0];

@@ -2,9 +2,9 @@
 #include "base/memory.h"
 #include "conversion_helpers.h"
 #include "limit/springs.h"
+#include "particles/flow.h"
 #include "run/verdict.h"
 #include "run_helpers.h"
-#include "sim/flow.h"
 
 #include <unistd.h>
 

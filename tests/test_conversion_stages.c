@@ -1,7 +1,7 @@
 /* Stages of a body whose elements turn into particles. */
+#include "conversion/conversion.h"
 #include "couple/front.h"
 #include "run_helpers.h"
-#include "sim/conversion.h"
 
 /* Bent at three points, on supports that hold its ends: elements of 2 mm, a lattice of 1 mm, E = M,
  * nu = 0. */

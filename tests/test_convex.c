@@ -343,7 +343,7 @@ static void derivatives_are_those_of_the_depth(void **state) {
     }
     print_message("# %d pairs: %.3g from differences; second derivatives up to %.3g and %.3g\n",
                   met, worst, bend, turned);
-    assert_true(bend < 2.0 && turned < 2.0); /* what src/sim/body_pairs.c takes */
+    assert_true(bend < 2.0 && turned < 2.0); /* what src/boundary/body_pairs.c takes */
 }
 
 /* Friction that turns goes by the spread, and has to be the same for the same bodies. */

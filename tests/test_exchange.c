@@ -2,7 +2,7 @@
 #include "world_helpers.h"
 
 #include "run/parts.h"
-#include "sim/exchange.h"
+#include "world/exchange.h"
 
 #include <unistd.h>
 

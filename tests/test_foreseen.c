@@ -1,6 +1,6 @@
 /* What is foretold of the step of a body whose elements convert, before it has made one. */
 #include "conversion_helpers.h"
-#include "sim/element_walls.h"
+#include "solids/element_walls.h"
 
 /* A bar that is drawn at its ends, of which only the middle may convert; E = M, nu = 0. */
 static block bar(const char *couple, const char *time) {

@@ -2,8 +2,8 @@
  * warning of a specimen that holds energy at rest. */
 #include "surface_helpers.h"
 
+#include "boundary/overlap.h"
 #include "run/run.h"
-#include "sim/overlap.h"
 
 /* Four discs or spheres of 10 mm in a row; neighbours overlap by 1 mm. The right half is another
  * cohesive group, so that the pair in the middle has no bond. */

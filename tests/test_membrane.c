@@ -2,8 +2,8 @@
  */
 #include "world_helpers.h"
 
-#include "sim/membrane.h"
-#include "sim/space.h"
+#include "membrane/membrane.h"
+#include "world/space.h"
 
 static const char scene[] =
     "dimension: %d\nspecimen: {%s, particles: 80, packing: {size_ratio: 2}}\n"

@@ -2,8 +2,8 @@
  */
 #include "world_helpers.h"
 
-#include "sim/membrane.h"
-#include "sim/membrane_bear.h"
+#include "membrane/membrane.h"
+#include "membrane/support.h"
 
 static const double pitch = 2e-3;
 

@@ -1,7 +1,7 @@
 /* Several bodies under a membrane: each is in balance and followed by itself. */
 #include "world_helpers.h"
 
-#include "sim/membrane.h"
+#include "membrane/membrane.h"
 
 static const double pitch = 2e-3;
 static const double rotation[9] = {0.6, 0, 0.8, 0.64, 0.6, -0.48, -0.48, 0.8, 0.36};

@@ -1,6 +1,6 @@
 /* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
  * formulas and an integrator written down anew, and scenes. */
-#include "sim/areas.h"
+#include "particles/bond_sections.h"
 #include "softening_bond.h"
 
 static const double uf = 6e-6, us = 9e-6, mu1 = 0.8, mu2 = 0.3;

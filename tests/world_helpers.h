@@ -5,7 +5,7 @@
 #include "test.h"
 
 #include "base/random.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 /* |a - b| <= allowed, in the unit of a and b; prints both when not. */
 #define assert_near(a, b, allowed)                                                                 \

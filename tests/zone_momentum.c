@@ -2,8 +2,8 @@
  * prints by how much its momentum has changed, over the sum of sizes. For random_zones.py. */
 #include "world_helpers.h"
 
-#include "sim/coupling.h"
-#include "sim/exchange.h"
+#include "world/exchange.h"
+#include "zones/zones.h"
 
 /* What the nodes carry of particles is counted there; particles that springs tie have their own. */
 static void add_momentum(const gn_world *w, const gn_particles *q, bool particles, double sum[4]) {

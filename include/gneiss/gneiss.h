@@ -3,7 +3,7 @@
  * Three kinds of reader:
  *   users of the API    this header is all there is to know; examples/ shows it at work
  *   writers of laws     src/kernels/contact_law.h, and "Add a contact law" in CONTRIBUTING.md
- *   the core            docs/design.md, then src/sim/world.h and src/sim/step.c
+ *   the core            docs/design.md, then src/world/world.h and src/world/step.c
  *
  * In short:
  *     gneiss_scene_load(path, ...)      what the scene file says, checked and resolved

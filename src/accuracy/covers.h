@@ -3,7 +3,7 @@
 #define GN_ACCURACY_COVERS_H
 
 #include "accuracy/causes.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 /* Fills what follows from the scene and its specimen; `speed` is NaN. Returns why the study does
  * not cover it; NULL: it does. */

@@ -1,7 +1,7 @@
 /* The public API: scenes and worlds. It checks arguments and keeps the handles; the work is in sim.
  */
 #include "api/handles.h"
-#include "sim/conversion.h"
+#include "conversion/conversion.h"
 
 #include <math.h>
 #include <stdlib.h>

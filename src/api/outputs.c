@@ -3,7 +3,7 @@
 
 #include "run/output_fields.h"
 #include "run/parts.h"
-#include "sim/elements.h"
+#include "solids/elements.h"
 
 #include <string.h>
 

@@ -12,11 +12,11 @@
 #include "cli/signals.h"
 #include "cli/sweep.h"
 #include "cli/wrong_file.h"
+#include "conversion/conversion.h"
 #include "io/files.h"
 #include "run/folder.h"
-#include "sim/conversion.h"
-#include "sim/scale.h"
 #include "sweep/sweep.h"
+#include "world/scale.h"
 
 #include <malloc.h>
 #include <omp.h>

@@ -14,7 +14,7 @@
 #include "pack/sizes.h"
 #include "pack/store.h"
 #include "run/folder.h"
-#include "sim/origin.h"
+#include "world/origin.h"
 
 #include <math.h>
 #include <stdlib.h>

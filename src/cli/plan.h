@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_H
 #define GN_CLI_PLAN_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* Effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the speed, so
  * the world is not at its start afterwards. */

@@ -3,7 +3,7 @@
 #define GN_CLI_PLAN_ACCURACY_H
 
 #include "cli/options.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 /* `setup`: s of a processor that making the world took. */
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,

@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_CONVERT_H
 #define GN_CLI_PLAN_CONVERT_H
 
-#include "sim/conversion.h"
+#include "conversion/conversion.h"
 
 void gn_print_conversion(gn_world *world, int *warnings);
 /* Of a whole run, with `print` said with all that it is made of; s. The world is of no use after

@@ -1,8 +1,8 @@
 #include "cli/plan_couple.h"
 
 #include "base/memory.h"
-#include "sim/coupling.h"
-#include "sim/element_walls.h"
+#include "solids/element_walls.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <stdio.h>

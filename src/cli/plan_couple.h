@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_COUPLE_H
 #define GN_CLI_PLAN_COUPLE_H
 
-#include "sim/coupling.h"
+#include "zones/zones.h"
 
 /* m: of a zone of elements and particles of these sizes: zones as wide return what docs/coupling.md
  * says. */

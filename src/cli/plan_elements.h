@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_ELEMENTS_H
 #define GN_CLI_PLAN_ELEMENTS_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 void gn_print_element_kernels(const gn_world *world);
 void gn_print_element_limits(const gn_world *world);

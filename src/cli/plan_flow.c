@@ -3,7 +3,7 @@
 #include "base/timer.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <math.h>
 

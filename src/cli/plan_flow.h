@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_FLOW_H
 #define GN_CLI_PLAN_FLOW_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* From the first steps of the real thing, which it takes for some seconds: steps to the end at the
  * length that the last of them had, and what they cost with the particles that will be there then,

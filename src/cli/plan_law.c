@@ -1,6 +1,6 @@
 #include "cli/plan_law.h"
 
-#include "sim/areas.h"
+#include "particles/bond_sections.h"
 
 #include <math.h>
 

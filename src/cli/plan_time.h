@@ -2,7 +2,7 @@
 #ifndef GN_CLI_PLAN_TIME_H
 #define GN_CLI_PLAN_TIME_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* Seconds per step from a few steps of the real thing, none behind `until`. Where steps are short
  * threads may wait for each other more than they work, of which a run makes something after 160

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/printable.h"
+#include "boundary/overlap.h"
 #include "cli/budget_show.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
@@ -10,8 +11,7 @@
 #include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
-#include "sim/body_paths.h"
-#include "sim/overlap.h"
+#include "timestep/body_paths.h"
 
 #include <math.h>
 #include <stdlib.h>

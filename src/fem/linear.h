@@ -1,5 +1,5 @@
 /* A solid linearised at its start: what its limit of the step is found of (limit.c), and for who
- * has it as a part of a larger system (src/sim/coupling_limit.c). */
+ * has it as a part of a larger system (src/timestep/coupled_limit.c). */
 #ifndef GN_FEM_LINEAR_H
 #define GN_FEM_LINEAR_H
 

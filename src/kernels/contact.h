@@ -37,7 +37,7 @@ typedef struct gn_contact_args {
     double flow[3]; /* 1/s: by how much branches grew with the box in the interval that led here,
                        over what they are; see flows */
     bool flows;     /* the sides of the periodic box moved: velocities are what particles do
-                       besides (sim/box.h) */
+                       besides (drive/box.h) */
     const int32_t *slot; /* [particles] of those with prescribed components, -1: none; NULL: no
                             particle has any */
     const uint8_t *held; /* [slots] which: see gn_prescription.mask */

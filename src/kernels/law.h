@@ -129,7 +129,7 @@ typedef struct gn_law {
     void (*weigh)(gn_contacts *list, size_t c, double part);
     /* The largest stiffness that two particles can show which meet unbonded. For a given partner
      * k_n (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius of a material
-     * (src/sim/resolution.c looks at no others). */
+     * (src/timestep/collisions.c looks at no others). */
     gn_law_spring (*meeting)(const gn_law_model *model, const gn_law_pair *pair, double overlap);
     /* The largest stiffness that contact c can show. */
     gn_law_spring (*spring)(const gn_contacts *list, size_t c, double overlap);

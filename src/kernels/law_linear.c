@@ -300,7 +300,7 @@ static double opening_force(double kn, const gn_touch *t, double p, double dt) {
 }
 
 /* Up to this (w dt)^2 the works of a crossing close exactly: three steps to a contact, which
- * automatic steps give (src/sim/resolution.c). A longer step that is given has the full force
+ * automatic steps give (src/timestep/collisions.c). A longer step that is given has the full force
  * wherever there is an overlap: shares of steps that do not resolve the contact made platens
  * chatter. */
 static const double crossing_resolved = 1.0;

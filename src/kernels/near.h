@@ -1,4 +1,5 @@
-/* Which pairs of a block a contact kernel has to work on, and their columns (sim/near.h). */
+/* Which pairs of a block a contact kernel has to work on, and their columns
+ * (particles/active_pairs.h). */
 #ifndef GN_KERNELS_NEAR_H
 #define GN_KERNELS_NEAR_H
 

@@ -1,6 +1,6 @@
 /* The springs of the linearised system: what gn_step_limits and gn_step_holds work on. Inside
  * src/limit/springs.c, step_limits.c, step_holds.c and equilibrium.c, and for who has the springs
- * as a part of a larger system (src/sim/coupling_limit.c). */
+ * as a part of a larger system (src/timestep/coupled_limit.c). */
 #ifndef GN_LIMIT_SPRINGS_H
 #define GN_LIMIT_SPRINGS_H
 

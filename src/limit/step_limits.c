@@ -522,8 +522,8 @@ static gneiss_status set_sharp_of_awake(const gn_springs *y, const uint8_t *awak
     return status;
 }
 
-/* Where most sleep (src/sim/conversion.c), vectors are only as long as those who do not: the same
- * limit to the bit. */
+/* Where most sleep (src/conversion/conversion.c), vectors are only as long as those who do not: the
+ * same limit to the bit. */
 static gneiss_status set_sharp_of_all(const gn_springs *y, double tolerance, gn_step_limit *limit,
                                       gneiss_error *error) {
     enum { FEW = 64 };

@@ -3,7 +3,7 @@
 #ifndef GN_PLAN_COST_H
 #define GN_PLAN_COST_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* s of a processor, all threads together. */
 typedef struct gn_cost {

@@ -3,7 +3,7 @@
 #ifndef GN_PLAN_ESTIMATE_H
 #define GN_PLAN_ESTIMATE_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 typedef struct gn_estimate {
     const char *study;             /* the case of the study that stands for the scene */

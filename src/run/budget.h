@@ -7,7 +7,7 @@
 #include "io/files.h"
 #include "io/h5.h"
 #include "measure/measure.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 typedef struct gn_budget {
     char absent[GN_REASON_SIZE]; /* why there is none; "": there is one */

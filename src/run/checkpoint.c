@@ -11,9 +11,9 @@
 #include "run/run.h"
 #include "run/spacing.h"
 #include "run/stages.h"
-#include "sim/coupling.h"
-#include "sim/internal.h"
-#include "sim/origin.h"
+#include "world/internal.h"
+#include "world/origin.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <stddef.h>

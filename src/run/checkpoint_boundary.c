@@ -1,9 +1,9 @@
 /* The part of a checkpoint that walls, bodies and the contacts with them have. */
 #include "base/memory.h"
+#include "boundary/body_walls.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
-#include "sim/body_walls.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* The part of a checkpoint that particles have. */
 #include "base/memory.h"
+#include "conversion/conversion.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
-#include "sim/conversion.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #define GN_RUN_CHECKPOINT_INTERNAL_H
 
 #include "io/h5_pieces.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 /* A data set in the group `arrays`, and the place of the array. */
 typedef struct gn_checkpoint_array {

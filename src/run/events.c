@@ -1,11 +1,11 @@
-/* The list of events (sim/events.h) and their bursts (sim/bursts.h) in results.h5, events in
- * checkpoints. */
+/* The list of events (particles/events.h) and their bursts (particles/bursts.h) in results.h5,
+ * events in checkpoints. */
 #define GN_EVERY_EFFECT /* fields say what they need, whatever is built */
+#include "particles/bursts.h"
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
 #include "run/parts.h"
-#include "sim/bursts.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include "base/memory.h"
 

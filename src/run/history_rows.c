@@ -2,8 +2,8 @@
 
 #include "base/timer.h"
 #include "base/vec3.h"
+#include "laboratory/ends.h"
 #include "run/quantities.h"
-#include "sim/ends.h"
 
 #include <float.h>
 #include <math.h>

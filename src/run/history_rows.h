@@ -2,7 +2,7 @@
 #ifndef GN_RUN_HISTORY_ROWS_H
 #define GN_RUN_HISTORY_ROWS_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* Creates the columns that the scene has (docs/results.md). */
 gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error);

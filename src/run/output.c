@@ -1,9 +1,11 @@
 /* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
 #include "base/resident.h"
 #include "base/timer.h"
+#include "conversion/conversion.h"
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "membrane/membrane.h"
 #include "run/budget.h"
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
@@ -11,10 +13,8 @@
 #include "run/parts.h"
 #include "run/run.h"
 #include "run/stages.h"
-#include "sim/conversion.h"
-#include "sim/internal.h"
-#include "sim/membrane.h"
-#include "sim/space.h"
+#include "world/internal.h"
+#include "world/space.h"
 
 #include <math.h>
 #include <stdlib.h>

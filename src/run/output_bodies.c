@@ -2,7 +2,7 @@
 #include "base/memory.h"
 #include "run/output_table.h"
 #include "run/parts.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <string.h>
 

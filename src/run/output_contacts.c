@@ -2,7 +2,7 @@
 #define GN_EVERY_EFFECT
 #include "run/output_contacts.h"
 
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,11 +3,11 @@
 #include "run/output_fields.h"
 
 #include "base/memory.h"
-#include "sim/conversion.h"
-#include "sim/coupling.h"
-#include "sim/internal.h"
-#include "sim/membrane.h"
-#include "sim/space.h"
+#include "conversion/conversion.h"
+#include "membrane/membrane.h"
+#include "world/internal.h"
+#include "world/space.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,9 @@
 #ifndef GN_RUN_OUTPUT_FIELDS_H
 #define GN_RUN_OUTPUT_FIELDS_H
 
+#include "particles/fragments.h"
 #include "run/output_table.h"
-#include "sim/fragments.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 typedef struct gn_output_view {
     const gn_world *world;

@@ -1,7 +1,7 @@
-/* Pieces that bonds hold together (sim/fragments.h) in results.h5. */
+/* Pieces that bonds hold together (particles/fragments.h) in results.h5. */
+#include "particles/fragments.h"
 #include "run/output_table.h"
 #include "run/parts.h"
-#include "sim/fragments.h"
 
 #include <string.h>
 

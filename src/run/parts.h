@@ -5,7 +5,7 @@
 
 #include "io/h5.h"
 #include "run/output_table.h"
-#include "sim/world.h"
+#include "world/world.h"
 
 /* --- solids of finite elements --- */
 

@@ -1,11 +1,11 @@
 #include "run/quantities.h"
 
-#include "sim/conversion.h"
-#include "sim/coupling.h"
-#include "sim/ends.h"
-#include "sim/laboratory.h"
-#include "sim/membrane.h"
-#include "sim/space.h"
+#include "conversion/conversion.h"
+#include "laboratory/ends.h"
+#include "laboratory/laboratory.h"
+#include "membrane/membrane.h"
+#include "world/space.h"
+#include "zones/zones.h"
 
 #include <string.h>
 

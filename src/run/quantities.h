@@ -5,7 +5,7 @@
 #ifndef GN_RUN_QUANTITIES_H
 #define GN_RUN_QUANTITIES_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 /* In 2D a vector has two components, a turn one (z), a tensor three. */
 typedef enum gn_shape { GN_SCALAR, GN_VECTOR, GN_TURN, GN_TENSOR } gn_shape;

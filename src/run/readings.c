@@ -1,13 +1,13 @@
 /* What is read off a run: of its whole history, or of the rows of one stage. */
 #include "accuracy/covers.h"
+#include "laboratory/laboratory.h"
+#include "laboratory/section.h"
+#include "particles/bursts.h"
+#include "particles/fragments.h"
 #include "run/budget.h"
 #include "run/run.h"
 #include "run/stages.h"
-#include "sim/bursts.h"
-#include "sim/coupling.h"
-#include "sim/fragments.h"
-#include "sim/laboratory.h"
-#include "sim/section.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #include "run/run.h"
 
 #include "base/timer.h"
+#include "conversion/conversion.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "run/folder.h"
@@ -10,9 +11,8 @@
 #include "run/stages.h"
 #include "scene/manifest.h"
 #include "scene/stops.h"
-#include "sim/conversion.h"
-#include "sim/internal.h"
-#include "sim/origin.h"
+#include "world/internal.h"
+#include "world/origin.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 #include "run/spacing.h"
 
+#include "conversion/conversion.h"
 #include "run/stages.h"
 #include "scene/stops.h"
-#include "sim/conversion.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 /* Stages of a run: when one ends, and the next begins. What they are is in scene/stages.h, what
- * changes in the world in sim/stages.c. */
+ * changes in the world in world/stages.c. */
 #include "run/stages.h"
 
 #include "base/vec3.h"
 #include "run/spacing.h"
-#include "sim/internal.h"
+#include "world/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

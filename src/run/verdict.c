@@ -1,12 +1,12 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/verdict.h"
 #include "base/point.h"
+#include "conversion/conversion.h"
+#include "laboratory/ends.h"
+#include "laboratory/geometry.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/acts.h"
-#include "sim/conversion.h"
-#include "sim/ends.h"
-#include "sim/geometry.h"
 
 #include <math.h>
 
@@ -231,7 +231,7 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
              w->scene.end, w->dt);
 }
 
-/* The model itself ended the run (sim/conversion.c). */
+/* The model itself ended the run (conversion/conversion.c). */
 static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !w->halt[0]) return;

@@ -1,9 +1,9 @@
 /* What a run of particles and elements as one body has to say against its own results. */
 #include "base/point.h"
+#include "conversion/conversion.h"
 #include "run/verdict.h"
-#include "sim/conversion.h"
-#include "sim/coupling.h"
-#include "sim/element_walls.h"
+#include "solids/element_walls.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>

@@ -97,7 +97,7 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
             : " (do the ends move, in the sense of the test, and reach the specimen in time?)");
 }
 
-/* What the model ended (sim/conversion.c) did not come to the end of the test. */
+/* What the model ended (conversion/conversion.c) did not come to the end of the test. */
 static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
     const double drop = gn_scene_peak_drop(&run->world.scene);
     if (!run->finished || !run->world.halt[0] || isnan(r->peak_stress)) return;

@@ -35,7 +35,7 @@ bool gn_scene_is_end(const gn_scene *scene, const char *name);
 bool gn_scene_stands(const gn_scene *scene, int axis);
 
 /* The same of one thing: beside the ends, and at rest along the axis. Where it is is not looked at
- * (sim/ends_apart.c does). Of stages walls and bodies may come to rest. */
+ * (laboratory/check_ends.c does). Of stages walls and bodies may come to rest. */
 bool gn_scene_wall_stands(const gn_scene *scene, size_t wall, int axis);
 bool gn_scene_body_stands(const gn_scene *scene, size_t body, int axis);
 bool gn_scene_set_stands(const gn_scene *scene, size_t set, int axis);
@@ -43,7 +43,7 @@ bool gn_scene_motion_stands(const gn_scene *scene, size_t motion, int axis);
 
 /* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is
  * neither held nor pressed by itself. Walls beside them are not looked at
- * (sim/ends_apart.c does). */
+ * (laboratory/check_ends.c does). */
 bool gn_scene_shears_loose(const gn_scene *scene);
 
 /* Whether a part of an end of a shear test is held or pressed across the sheared plane. */

@@ -1,11 +1,11 @@
 /* The path of equilibria of a loaded specimen, up to shortly before its first break.
  *
  * An increment of time moves what is prescribed; Newton's method brings the rest into equilibrium,
- * with the forces of the real contacts (sim/trial.h) and the tangent of the stability limit, whose
- * contacts open, close and slide as they do at the last trial. Increments begin from the rates of
- * the last one. When each bond reaches its strength is extrapolated from its forces at the ends of
- * the last increment, by the law's own criterion; the path ends at the wanted fraction of the
- * earliest.
+ * with the forces of the real contacts (timestep/trial.h) and the tangent of the stability limit,
+ * whose contacts open, close and slide as they do at the last trial. Increments begin from the
+ * rates of the last one. When each bond reaches its strength is extrapolated from its forces at the
+ * ends of the last increment, by the law's own criterion; the path ends at the wanted fraction of
+ * the earliest.
  *
  * Steady loading: what moves at a constant rate has no resultant, so that non-viscous damping,
  * which is a part of the resultant, has nothing to act on, and the state is the same with or
@@ -15,8 +15,8 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/vec3.h"
-#include "sim/internal.h"
-#include "sim/trial.h"
+#include "timestep/trial.h"
+#include "world/internal.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
 #ifndef GN_STATIC_FIRST_BREAK_H
 #define GN_STATIC_FIRST_BREAK_H
 
-#include "sim/world.h"
+#include "world/world.h"
 
 typedef struct gn_first_break {
     double time;     /* s, at which the first bond breaks, if all goes on as at the start */

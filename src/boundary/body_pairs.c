@@ -1,0 +1,543 @@
+#include "boundary/body_pairs.h"
+
+#include "base/memory.h"
+#include "base/point.h"
+#include "boundary/body_walls.h"
+#include "kernels/dashpot.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- who meets whom --- */
+
+static bool yield(const gn_world *w, size_t a, size_t b) {
+    const gn_surface *s = w->boundary.surfaces;
+    return a != b && (gn_surface_yields(w, &s[a]) || gn_surface_yields(w, &s[b]));
+}
+
+static gn_body_spring spring_of(const gn_world *w, size_t a, size_t b) {
+    return gn_body_spring_of(&w->scene, w->scene.wall_count + a, w->scene.wall_count + b);
+}
+static gn_touch_side side_of(const gn_world *w, size_t a, size_t b) {
+    return spring_of(w, a, b).side;
+}
+
+static bool may_meet(const gn_world *w, size_t a, size_t b) {
+    return yield(w, a, b) && side_of(w, a, b).stiffness > 0.0;
+}
+
+bool gn_bodies_meet(const gn_world *w, size_t a, size_t b) {
+    const gn_convex *c = w->boundary.pairs.convex;
+    return c && c[a].planes && c[b].planes && may_meet(w, a, b);
+}
+
+bool gn_body_meets_bodies(const gn_world *w, size_t k) {
+    for (size_t m = 0; w->boundary.pairs.convex && m < w->scene.body_count; m++)
+        if (gn_bodies_meet(w, k, m)) return true;
+    return false;
+}
+
+bool gn_body_misses_bodies(const gn_world *w, size_t k) {
+    const gn_convex *c = w->boundary.pairs.convex;
+    for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
+        if (may_meet(w, k, m)) return true;
+    return false;
+}
+
+/* Whether two places are as near as the farthest vertices of both reach. */
+static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double x[3],
+                             const double y[3]) {
+    const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+    return sqrt(gn_dot3(d, d)) <= a->reach + b->reach;
+}
+
+static bool are_near(const gn_world *w, size_t a, size_t b) {
+    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+    return reach_each_other(p, q, p->start, q->start) ||
+           reach_each_other(p, q, p->position, q->position);
+}
+
+bool gn_body_passes_bodies(const gn_world *w, size_t k) {
+    const gn_convex *c = w->boundary.pairs.convex;
+    for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
+        if (may_meet(w, k, m) && are_near(w, k, m)) return true;
+    return false;
+}
+
+bool gn_body_lacks_stiffness(const gn_world *w, size_t k) {
+    for (size_t m = 0; w->scene.bodies[k].free && m < w->scene.body_count; m++)
+        if (yield(w, k, m) && !(side_of(w, k, m).stiffness > 0.0) && are_near(w, k, m)) return true;
+    return gn_body_passes_walls(w, k);
+}
+
+gneiss_status gn_body_pairs_prepare(gn_world *w, gneiss_error *error) {
+    gn_body_pairs *p = &w->boundary.pairs;
+    size_t bodies = w->scene.body_count, planes = 0, polygons = 0;
+    bool any = false;
+    for (size_t a = 0; a < bodies && !any; a++)
+        for (size_t b = 0; b < a && !any; b++) any = may_meet(w, a, b);
+    if (!any) return GNEISS_OK;
+    p->convex = gn_alloc_array(bodies, sizeof *p->convex);
+    if (!p->convex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", bodies);
+    p->bodies = bodies;
+    for (size_t k = 0; k < bodies; k++) {
+        const gn_surface *s = &w->boundary.surfaces[k];
+        GN_TRY(gn_convex_make(&s->facets, s->vertices, &p->convex[k], error));
+        planes = p->convex[k].planes > planes ? p->convex[k].planes : planes;
+        polygons = p->convex[k].polygons > polygons ? p->convex[k].polygons : polygons;
+    }
+    return gn_convex_room_make(planes, polygons, &p->room, error);
+}
+
+void gn_body_pairs_free(gn_body_pairs *p) {
+    for (size_t k = 0; k < p->bodies; k++) gn_convex_free(&p->convex[k]);
+    gn_free(p->convex);
+    gn_convex_room_free(&p->room);
+    gn_free(p->pair);
+    *p = (gn_body_pairs){0};
+}
+
+static gn_convex_pose pose_of(const gn_rigid *b) {
+    gn_convex_pose p;
+    memcpy(p.place, b->position, sizeof p.place);
+    memcpy(p.axes, b->axes, sizeof p.axes);
+    return p;
+}
+
+/* m: what is less is rounding of places. */
+static double rounding_of(const gn_rigid *a, const gn_rigid *b) {
+    return 64.0 * GN_OVERLAP_ROUNDING * (a->reach + b->reach);
+}
+
+static bool meet(const gn_world *w, size_t a, size_t b, gn_convex_room *room,
+                 gn_convex_overlap *o) {
+    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+    const gn_convex *c = w->boundary.pairs.convex;
+    if (!reach_each_other(p, q, p->position, q->position)) return false;
+    gn_convex_pose at_a = pose_of(p), at_b = pose_of(q);
+    return gn_convex_meet(&c[a], &at_a, &c[b], &at_b, rounding_of(p, q), room, o);
+}
+
+/* Whether the reference point of a free body, its centre of mass, is in another body. */
+static bool holds(const gn_world *w, size_t a, size_t b) {
+    const gn_convex *c = &w->boundary.pairs.convex[a];
+    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+    double d[3], local[3];
+    for (int k = 0; k < 3; k++) d[k] = q->position[k] - p->position[k];
+    gn_rigid_local(p, d, local);
+    for (size_t k = 0; k < c->planes; k++)
+        if (!(gn_dot3(c->plane + 4 * k, local) < c->plane[4 * k + 3])) return false;
+    return w->scene.bodies[b].free;
+}
+
+gneiss_status gn_body_pairs_check(const gn_world *w, gneiss_error *error) {
+    for (size_t a = 0; a < w->scene.body_count; a++)
+        for (size_t b = 0; b < w->scene.body_count; b++) {
+            if (!gn_bodies_meet(w, a, b) || !holds(w, a, b)) continue;
+            const gn_body_def *def = &w->scene.bodies[b];
+            char at[GN_POINT_SIZE];
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: bodies: expected the centre of mass of the free body '%s' "
+                           "outside body '%s', found it inside, at %s m (a surface with a hole "
+                           "meets no bodies)",
+                           w->scene.source, def->where.line, def->where.column, def->name,
+                           w->scene.bodies[a].name,
+                           gn_point_text(w->scene.origin, w->boundary.bodies[b].position, at));
+        }
+    return GNEISS_OK;
+}
+
+/* --- springs --- */
+
+/* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them just
+ * begins to lift; edges and corners have less (tests/test_convex.c). */
+static const double stiffest = 2.0;
+
+double gn_body_pair_square(const gn_world *w, size_t a, size_t b) {
+    const gn_surface *s = w->boundary.surfaces;
+    return stiffest * side_of(w, a, b).stiffness *
+           (gn_surface_give(w, &s[a]) + gn_surface_give(w, &s[b]));
+}
+
+/* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2, s the give of y over that of x: each
+ * of both bears the frequency of the pair. Dashpots are 2 alpha sqrt(k m), of the mass that both
+ * have along their way. */
+void gn_body_pairs_rates(const gn_world *w, size_t body, double *stiff, double *damp) {
+    const gn_body_pairs *p = &w->boundary.pairs;
+    for (size_t k = 0; k < p->count; k++) {
+        size_t a = (size_t)p->pair[k].first, b = (size_t)p->pair[k].second;
+        if (a != body && b != body) continue;
+        gn_body_spring spring = spring_of(w, a, b);
+        gn_touch_side side = spring.side;
+        double alpha = spring.damping / gn_world_nonviscous_share(w);
+        double square = gn_body_pair_square(w, a, b), across = 0.0, whole = 0.0;
+        double give = square / (stiffest * side.stiffness);
+        if (side.friction > 0.0 && side.kratio > 0.0) across = side.stiffness / side.kratio * give;
+        for (int c = 0; c < 3; c++)
+            whole = fmax(whole, w->boundary.bodies[a].inverse_mass[c] +
+                                    w->boundary.bodies[b].inverse_mass[c]);
+        *stiff += square + across;
+        *damp += 2.0 * alpha * sqrt(side.stiffness / (whole > 0.0 ? whole : give)) * give;
+    }
+}
+
+double gn_body_pairs_bound(const gn_world *w) {
+    double most = 0.0;
+    for (size_t a = 0; a < w->scene.body_count; a++)
+        for (size_t b = 0; b < a; b++)
+            if (gn_bodies_meet(w, a, b)) most = fmax(most, gn_body_pair_square(w, a, b));
+    return most;
+}
+
+/* --- lists --- */
+
+/* Both may move by as much as the lists allow before they are made again. */
+static bool is_near(const gn_world *w, size_t a, size_t b) {
+    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+    const gn_convex *c = w->boundary.pairs.convex;
+    double skin = 2.0 * w->dem.verlet.skin, reach = p->reach + q->reach + skin, far2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double d = q->position[k] - p->position[k];
+        far2 += d * d;
+    }
+    if (far2 > reach * reach) return false;
+    gn_convex_pose at_a = pose_of(p), at_b = pose_of(q);
+    return gn_convex_apart(&c[a], &at_a, &c[b], &at_b) <= skin;
+}
+
+static gneiss_status make_room(gn_body_pairs *p, gneiss_error *error) {
+    if (p->count < p->most) return GNEISS_OK;
+    size_t most = 2 * p->most + 8;
+    gn_body_pair *now = gn_alloc_array(most, sizeof *now);
+    if (!now) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu pairs of bodies", most);
+    if (p->count) memcpy(now, p->pair, p->count * sizeof *now);
+    gn_free(p->pair);
+    p->pair = now;
+    p->most = most;
+    return GNEISS_OK;
+}
+
+static void keep_worst(gn_bodies_worst *worst, double value, const gn_body_pair *p) {
+    if (value > worst->value) *worst = (gn_bodies_worst){value, p->first, p->second};
+}
+
+static gn_bodies_overlap pressed_by(const gn_world *w, size_t a, size_t b,
+                                    const gn_convex_overlap *o) {
+    const double *g = w->scene.gravity;
+    double mass = w->boundary.bodies[a].mass + w->boundary.bodies[b].mass;
+    return (gn_bodies_overlap){.depth = o->depth,
+                               .force = side_of(w, a, b).stiffness * o->depth *
+                                        sqrt(gn_dot3(o->along, o->along)),
+                               .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
+}
+
+/* Beyond half of a thickness the nearest way out is the other side. */
+static void look_how_deep(gn_world *w, const gn_body_pair *p, const double along[3]) {
+    gn_body_pairs *all = &w->boundary.pairs;
+    double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
+    const double body[2] = {p->first, p->second};
+    if (!(size > 0.0)) return;
+    for (int k = 0; k < 2; k++) {
+        const gn_convex *c = &all->convex[(size_t)body[k]];
+        double n[3], low = (double)INFINITY, high = -(double)INFINITY;
+        gn_rigid_local(&w->boundary.bodies[(size_t)body[k]], along, n);
+        for (size_t m = 0; m < c->polygons * (size_t)c->corners; m++) {
+            double x = gn_dot3(n, c->corner + 3 * m) / size;
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        thin = fmin(thin, high - low);
+    }
+    keep_worst(&all->deepest, p->depth / thin, p);
+}
+
+static gn_body_pair new_pair(gn_world *w, bool first, size_t a, size_t b) {
+    gn_body_pair now = {.first = (double)a, .second = (double)b};
+    gn_convex_overlap o;
+    if (!first || !meet(w, a, b, &w->boundary.pairs.room, &o)) return now;
+    gn_bodies_overlap push = pressed_by(w, a, b, &o);
+    if (push.force > push.rest) keep_worst(&w->boundary.pairs.pushed, push.force, &now);
+    now.depth = o.depth;
+    look_how_deep(w, &now, o.along);
+    return now;
+}
+
+static gneiss_status list_pairs(gn_world *w, bool first, const gn_body_pairs *old,
+                                gneiss_error *error) {
+    gn_body_pairs *p = &w->boundary.pairs;
+    size_t at = 0;
+    for (size_t a = 0; a < w->scene.body_count; a++)
+        for (size_t b = a + 1; b < w->scene.body_count; b++) {
+            const gn_body_pair *q = old->pair;
+            while (at < old->count && (q[at].first < (double)a ||
+                                       (q[at].first == (double)a && q[at].second < (double)b)))
+                at++;
+            if (!gn_bodies_meet(w, a, b) || !is_near(w, a, b)) continue;
+            bool listed = at < old->count && q[at].first == (double)a && q[at].second == (double)b;
+            GN_TRY(make_room(p, error));
+            p->pair[p->count++] = listed ? q[at] : new_pair(w, first, a, b);
+        }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_body_pairs_find(gn_world *w, bool first, gneiss_error *error) {
+    gn_body_pairs *p = &w->boundary.pairs, old = *p;
+    if (!p->convex) return GNEISS_OK;
+    p->pair = NULL;
+    p->count = p->most = 0;
+    gneiss_status status = list_pairs(w, first, &old, error);
+    gn_free(old.pair);
+    return status;
+}
+
+/* --- forces --- */
+
+/* A pair in a step: levers are those of the point from both reference points. */
+typedef struct step {
+    gn_rigid *a, *b;
+    double lever[2][3], middle[2][3]; /* now, and in the middle of the step */
+    double turn[3];                   /* rad/s, of the second against the first */
+    double size;                      /* of the gradient */
+    gn_touch touch;
+    gn_touch_side side;
+    double damping; /* of critical */
+    bool pressed;
+} step;
+
+static void set_levers(const gn_world *w, const gn_body_pair *p, step *s) {
+    const gn_rigid *body[2] = {s->a, s->b};
+    for (int k = 0; k < 3; k++) {
+        s->lever[0][k] = p->point[k];
+        s->lever[1][k] = p->point[k] + s->a->position[k] - s->b->position[k];
+        s->turn[k] = s->b->spin[k] - s->a->spin[k];
+    }
+    for (int m = 0; m < 2; m++) {
+        double turn[3];
+        gn_cross3(body[m]->spin, s->lever[m], turn);
+        for (int k = 0; k < 3; k++) s->middle[m][k] = s->lever[m][k] - 0.5 * w->dt_past * turn[k];
+    }
+}
+
+/* m/s, of the second body against the first at the point. */
+static void velocity_at(const step *s, double v[3]) {
+    double turn[2][3];
+    gn_cross3(s->a->spin, s->middle[0], turn[0]);
+    gn_cross3(s->b->spin, s->middle[1], turn[1]);
+    for (int k = 0; k < 3; k++)
+        v[k] = s->b->velocity[k] + turn[1][k] - s->a->velocity[k] - turn[0][k];
+}
+
+static double inverse_mass_of(const gn_body_pair *p, const step *s) {
+    const gn_rigid *body[2] = {s->a, s->b};
+    double sum = 0.0, moment[3];
+    for (int m = 0; m < 2; m++) {
+        gn_cross3(s->lever[m], p->along, moment);
+        for (int k = 0; k < 3; k++) {
+            moment[k] += p->about[k];
+            sum += p->along[k] * p->along[k] * body[m]->inverse_mass[k];
+        }
+        sum += gn_rigid_compliance(body[m], moment);
+    }
+    return sum;
+}
+
+/* The path of h in the step: what it is but for the two steps in which it begins and ends, where it
+ * goes on as its gradient says. */
+static void set_path(const gn_world *w, gn_body_pair *p, double depth, step *s) {
+    gn_touch *t = &s->touch;
+    double v[3], dt = w->dt_past, rate, along;
+    velocity_at(s, v);
+    rate = gn_dot3(p->along, v) + gn_dot3(p->about, s->turn);
+    double path = -rate * dt;
+    if (depth > 0.0 && p->depth > 0.0)
+        path = p->depth - depth;
+    else if (depth > 0.0)
+        path = fmin(path, -depth);
+    else
+        path = fmax(path, p->depth);
+    t->gap = depth > 0.0 ? -depth : path - p->depth;
+    t->speed = dt > 0.0 ? path / dt : -rate;
+    s->size = sqrt(gn_dot3(p->along, p->along));
+    for (int k = 0; k < 3; k++) t->n[k] = s->size > 0.0 ? -p->along[k] / s->size : 0.0;
+    along = gn_dot3(v, t->n);
+    for (int k = 0; k < 3; k++) t->relative[k] = v[k] - along * t->n[k];
+    t->twist = gn_dot3(s->a->spin, t->n) + gn_dot3(s->b->spin, t->n);
+}
+
+/* The friction that is carried over stays across the normal. */
+static void turn_shear(const double n[3], double shear[3]) {
+    double size2 = gn_dot3(shear, shear), along = gn_dot3(shear, n), rest2;
+    for (int k = 0; k < 3; k++) shear[k] -= along * n[k];
+    rest2 = gn_dot3(shear, shear);
+    for (int k = 0; k < 3; k++) shear[k] *= rest2 > 0.0 ? sqrt(size2 / rest2) : 0.0;
+}
+
+static void push(gn_rigid *b, const double force[3], const double moment[3], const double lever[3],
+                 double sign) {
+    double turn[3];
+    gn_cross3(lever, force, turn);
+    for (int k = 0; k < 3; k++) {
+        b->force[k] += sign * force[k];
+        b->moment[k] += sign * (turn[k] + moment[k]);
+    }
+}
+
+/* Faces that rock on each other change h to second order only: the dashpot also resists where it is
+ * spread over the faces, M = c sum (r x n)((r x n).w). */
+static void rock(const gn_world *w, gn_body_pair *p, const step *s, const double spread[9],
+                 double moment[3], gn_contact_sums *sums) {
+    const double *n = s->touch.n;
+    double c = 0.0, across[3], spun[3], now[3] = {0, 0, 0};
+    if (s->pressed && w->effects & GN_FX_CONTACT_DAMPING)
+        c = s->size * s->size *
+            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, s->damping, w->dt_past);
+    if (c > 0.0) {
+        gn_cross3(n, s->turn, across);
+        for (int k = 0; k < 3; k++) spun[k] = c * gn_dot3(spread + 3 * k, across);
+        gn_cross3(spun, n, now);
+    }
+    for (int k = 0; k < 3; k++) {
+        sums->contact_damping += 0.5 * w->dt_past * (p->rocking[k] + now[k]) * s->turn[k];
+        p->rocking[k] = now[k];
+        moment[k] += now[k];
+    }
+}
+
+/* Friction against turning about the normal. */
+typedef struct twist {
+    double spring, radius; /* N m/rad; m: of a ring with as much friction */
+    double turn, trial;    /* rad, in this step; N m, if nothing slid */
+    double share;          /* of the limit, where both slide as one */
+} twist;
+
+/* Its spring is that of friction spread over the faces, and faces that press alike hold 0.943 mu N
+ * times the radius of gyration (discs; squares 0.937). A spring that changes with them keeps its
+ * moment or its angle, whichever holds less. Where they slide and turn at once, the limit is that
+ * of both as one vector, of force and moment over that radius. */
+static twist twist_of(const gn_world *w, const gn_body_pair *p, step *s, const double spread[9]) {
+    const double *n = s->touch.n;
+    double square = spread[0] + spread[4] + spread[8], kt = 0.0, slide2 = 0.0;
+    twist t = {.turn = w->dt_past * gn_dot3(s->turn, n), .trial = p->twisting, .share = 0.0};
+    for (int k = 0; k < 3; k++) square -= n[k] * gn_dot3(spread + 3 * k, n);
+    if (!s->pressed || !(s->side.kratio > 0.0) || !(w->effects & GN_FX_SPACE) || !(square > 0.0)) {
+        t.trial = 0.0;
+        return t;
+    }
+    kt = s->side.stiffness / s->side.kratio;
+    t.spring = kt * square;
+    t.radius = 0.943 * sqrt(square);
+    if (t.spring < p->twisting_spring) t.trial *= t.spring / p->twisting_spring;
+    t.trial += t.spring * t.turn;
+    for (int k = 0; k < 3; k++) {
+        double slide = p->shear[k] + kt * w->dt_past * s->touch.relative[k];
+        slide2 += slide * slide;
+    }
+    double whole = sqrt(slide2 + t.trial * t.trial / (t.radius * t.radius));
+    if (!(whole > 0.0)) return t;
+    t.share = fabs(t.trial) / t.radius / whole;
+    s->side.friction *= sqrt(slide2) / whole;
+    return t;
+}
+
+/* `most`, N: friction of all. */
+static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double most,
+                      double moment[3], gn_contact_sums *sums) {
+    double old = p->twisting, limit = most * t->share * t->radius;
+    double stored = p->twisting_spring > 0.0 ? 0.5 * old * old / p->twisting_spring : 0.0;
+    double now = fmax(-limit, fmin(limit, t->trial));
+    double left = t->spring > 0.0 ? 0.5 * now * now / t->spring : 0.0;
+    sums->friction += stored + 0.5 * (old + now) * t->turn - left;
+    sums->elastic_normal += left;
+    p->twisting = now;
+    p->twisting_spring = t->spring;
+    for (int k = 0; k < 3; k++) moment[k] += now * n[k];
+}
+
+/* Of the gap, by all but this contact. */
+static double other_acceleration(const gn_world *w, const gn_body_pair *p, const step *s) {
+    return gn_rigid_accelerates(w, s->a, s->a->force, s->a->moment, s->lever[0], p->along) -
+           gn_rigid_accelerates(w, s->b, s->b->force, s->b->moment, s->lever[1], p->along);
+}
+
+static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
+    gn_contact_sums *sums = &w->boundary.pairs.sums;
+    gn_touch_step of = {.dt = w->dt_past,
+                        .damping_fraction = s->damping,
+                        .damping = w->effects & GN_FX_CONTACT_DAMPING,
+                        .space = w->effects & GN_FX_SPACE,
+                        .spins = true};
+    double t[3], force[3], moment[3];
+    s->touch.inverse_mass = inverse_mass_of(p, s);
+    s->touch.other = other_acceleration(w, p, s);
+    s->side.friction *= s->size; /* the force is that along h times the gradient */
+    double friction = s->side.friction;
+    turn_shear(s->touch.n, p->shear);
+    twist turning = twist_of(w, p, s, spread);
+    double total = gn_linear_touch(&of, &s->side, &s->touch, &p->viscous, p->shear, 1, t, sums);
+    for (int k = 0; k < 3; k++) {
+        force[k] = t[k] - total * p->along[k];
+        moment[k] = -total * p->about[k];
+    }
+    rock(w, p, s, spread, moment, sums);
+    act_twist(p, &turning, s->touch.n, friction * fmax(-total, 0.0), moment, sums);
+    const double size = sqrt(gn_dot3(force, force));
+    sums->force += size;
+    sums->carrying += size > 0.0;
+    push(s->a, force, moment, s->lever[0], 1.0);
+    push(s->b, force, moment, s->lever[1], -1.0);
+}
+
+static bool holds_nothing(const gn_body_pair *p) {
+    return p->depth == 0.0 && p->viscous == 0.0 && p->twisting == 0.0 &&
+           gn_dot3(p->shear, p->shear) == 0.0 && gn_dot3(p->rocking, p->rocking) == 0.0;
+}
+
+static void contact(gn_world *w, gn_body_pair *p) {
+    size_t a = (size_t)p->first, b = (size_t)p->second;
+    gn_convex_overlap o = {0};
+    gn_body_spring spring = spring_of(w, a, b);
+    step s = {.a = &w->boundary.bodies[a],
+              .b = &w->boundary.bodies[b],
+              .side = spring.side,
+              .damping = spring.damping};
+    s.pressed = meet(w, a, b, &w->boundary.pairs.room, &o);
+    if (!s.pressed && holds_nothing(p)) return;
+    if (s.pressed) {
+        memcpy(p->along, o.along, sizeof p->along);
+        memcpy(p->about, o.about, sizeof p->about);
+        memcpy(p->point, o.point, sizeof p->point);
+    }
+    s.touch.rounding = 0.0;
+    set_levers(w, p, &s);
+    set_path(w, p, o.depth, &s);
+    act(w, p, &s, o.spread);
+    bool deeper = o.depth > p->depth;
+    p->depth = o.depth;
+    if (deeper) look_how_deep(w, p, p->along);
+}
+
+void gn_body_pairs_work(gn_world *w) {
+    gn_body_pairs *p = &w->boundary.pairs;
+    p->sums = (gn_contact_sums){0};
+    for (size_t k = 0; k < p->count; k++) contact(w, &p->pair[k]);
+}
+
+/* --- what lies where --- */
+
+gneiss_status gn_bodies_overlap_of(const gn_world *w, size_t a, size_t b, gn_bodies_overlap *to,
+                                   gneiss_error *error) {
+    const gn_convex_room *have = &w->boundary.pairs.room;
+    gn_convex_room room;
+    gn_convex_overlap o = {0};
+    *to = (gn_bodies_overlap){0};
+    if (!gn_bodies_meet(w, a, b)) return GNEISS_OK;
+    GN_TRY(gn_convex_room_make(have->planes, have->polygons, &room, error));
+    if (meet(w, a, b, &room, &o)) *to = pressed_by(w, a, b, &o);
+    gn_convex_room_free(&room);
+    return GNEISS_OK;
+}
+
+uint64_t gn_body_pairs_hash(const gn_body_pairs *p, uint64_t h) {
+    return p->count ? gn_hash_bytes(p->pair, p->count * sizeof *p->pair, h) : h;
+}

@@ -1,0 +1,20 @@
+/* The springs of rigid bodies on plane walls and on each other: those of both one behind the other,
+ * along and across. By Hertz's law, where walls and bodies have materials or are rigid, a body may
+ * have a stiffness for these contacts besides; what has none is rigid in them. */
+#ifndef GN_BOUNDARY_BODY_SPRINGS_H
+#define GN_BOUNDARY_BODY_SPRINGS_H
+
+#include "kernels/law.h"
+#include "world/world.h"
+
+/* Walls and bodies are counted through, as by gn_scene_side. */
+typedef struct gn_body_spring {
+    gn_touch_side side; /* stiffness 0: they do not meet; kratio 0: no tangential spring */
+    double damping;     /* of critical, of dashpots */
+} gn_body_spring;
+gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);
+
+/* Of critical, of any of these contacts. */
+double gn_body_damping_most(const gn_scene *scene);
+
+#endif

@@ -1,0 +1,196 @@
+/* Walls, bodies and surfaces as one part of the world. */
+#include "boundary/boundary.h"
+
+#include "base/memory.h"
+#include "boundary/body_walls.h"
+#include "timestep/body_paths.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* --- create, free --- */
+
+gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_walls_create(w, error));
+    GN_TRY(gn_bodies_create(w, error));
+    GN_TRY(gn_bodies_check_speeds(w, error));
+    GN_TRY(gn_body_walls_check(w, error));
+    return gn_body_pairs_check(w, error);
+}
+
+void gn_boundary_enter(gn_world *w) {
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        gn_surface *s = &w->boundary.surfaces[k];
+        if (s->body >= 0) s->friction = w->scene.bodies[s->body].friction;
+        if (s->body >= 0) s->kratio = w->scene.bodies[s->body].kratio;
+    }
+}
+
+gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gneiss_error *error) {
+    gn_boundary *b = &w->boundary;
+    gn_surface *s = &b->surfaces[b->surface_count], *last = b->surface_count ? s - 1 : NULL;
+    *s = *surface;
+    s->first = last ? last->first + (int32_t)last->facets.count : 0;
+    b->surface_count++;
+    if (s->body < 0) {
+        s->force = gn_alloc_array(s->vertices + 1, 4 * sizeof *s->force);
+        if (!s->force)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
+    }
+    return gn_facet_tree_build(&s->facets, &s->tree, error);
+}
+
+void gn_boundary_free(gn_boundary *b) {
+    gn_soa_destroy(&gn_wall_contact_record, &b->contacts);
+    gn_soa_destroy(&gn_wall_contact_record, &b->body_contacts);
+    gn_body_pairs_free(&b->pairs);
+    for (size_t k = 0; k < b->surface_count; k++) {
+        gn_facet_tree_free(&b->surfaces[k].tree);
+        gn_free(b->surfaces[k].force);
+    }
+    void *blocks[] = {b->first,    b->sums,       b->walls,       b->wall_normals, b->bodies,
+                      b->surfaces, b->body_shape, b->body_vertex, b->body_corner,  b->vertex_part};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    *b = (gn_boundary){0};
+}
+
+/* --- lists --- */
+
+void gn_boundary_resized(gn_boundary *b) {
+    gn_free(b->first);
+    gn_free(b->sums);
+    b->first = NULL;
+    b->sums = NULL;
+}
+
+static gneiss_status ready_sums(gn_world *w, gneiss_error *error) {
+    size_t blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
+    gn_boundary *b = &w->boundary;
+    if (!b->sums) b->sums = gn_alloc_array(blocks + 1, sizeof *b->sums);
+    return b->sums ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
+}
+
+gneiss_status gn_boundary_refresh(gn_world *w, bool first, gneiss_error *error) {
+    GN_TRY(ready_sums(w, error));
+    GN_TRY(gn_wall_contacts_find(w, first, error));
+    GN_TRY(gn_body_walls_find(w, first, error));
+    return gn_body_pairs_find(w, first, error);
+}
+
+gneiss_status gn_boundary_restore(gn_world *w, gneiss_error *error) {
+    size_t n = w->dem.particles.soa.count;
+    gn_boundary *b = &w->boundary;
+    b->first = gn_alloc_array(n + 2, sizeof *b->first);
+    if (!b->first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
+    for (size_t c = 0; c < b->contacts.soa.count; c++) b->first[b->contacts.i[c] + 1]++;
+    for (size_t p = 1; p <= n; p++) b->first[p] += b->first[p - 1];
+    return ready_sums(w, error);
+}
+
+gneiss_status gn_boundary_renumber(gn_world *w, const int32_t *place, gneiss_error *error) {
+    gn_wall_contacts *list = &w->boundary.contacts, now = {0};
+    size_t count = list->soa.count;
+    if (!count) return GNEISS_OK;
+    gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
+    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; c < count; c++)
+        keys[c] = (gn_renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
+    gneiss_status status = gn_sort_renamed(&gn_wall_contact_record, list, &now, keys, error);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) now.i[c] = keys[c].i;
+    if (status == GNEISS_OK) *list = now;
+    gn_free(keys);
+    return status;
+}
+
+double gn_boundary_travel(gn_world *w, bool exact) {
+    double wall = 0.0;
+    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->boundary.walls[k].travel);
+    return fmax(wall, gn_surfaces_travel(w, exact));
+}
+
+/* --- step --- */
+
+bool gn_boundary_work(gn_world *w, size_t block, size_t first, size_t last) {
+    gn_boundary *b = &w->boundary;
+    size_t begin = (size_t)b->first[first], end = (size_t)b->first[last];
+    b->sums[block] = (gn_contact_sums){0};
+    gn_wall_contacts_work(w, begin, end, &b->sums[block]);
+    return begin < end;
+}
+
+void gn_boundary_forces(gn_world *w) {
+    gn_walls_sum(w);
+    gn_surfaces_sum(w);
+    gn_body_walls_work(w);
+    gn_body_pairs_work(w);
+}
+
+void gn_boundary_kick(gn_world *w) {
+    gn_bodies_kick(w);
+}
+
+void gn_boundary_move(gn_world *w) {
+    gn_walls_move(w);
+    gn_bodies_drift(w);
+}
+
+void gn_boundary_book(const gn_world *w, gn_half half, gn_energy *ledger) {
+    double dt = half == GN_HALF_BEFORE ? w->dt_past : w->dt;
+    gn_walls_book(w, dt, ledger);
+    gn_bodies_book(w, dt, ledger);
+}
+
+void gn_boundary_measure(const gn_world *w, gn_energy *ledger) {
+    double translation, rotation;
+    gn_bodies_kinetic(w, &translation, &rotation);
+    ledger->kinetic += translation;
+    ledger->rotational += rotation;
+}
+
+/* Along what is free. */
+static void add_body(const gn_world *w, const gn_rigid *b, gn_balance *balance) {
+    double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
+    bool is_free = false;
+    for (int a = 0; a < 3; a++) {
+        if (!(b->inverse_mass[a] > 0.0)) continue;
+        is_free = true;
+        weight[a] = b->mass * w->scene.gravity[a];
+        pressed[a] = b->force[a];
+        resultant[a] = weight[a] + pressed[a];
+    }
+    const double rest = sqrt(gn_dot3(resultant, resultant)),
+                 touch = sqrt(gn_dot3(b->force, b->force));
+    if (!is_free) return;
+    balance->carries |= touch > 0.0;
+    balance->falls |= touch == 0.0 && rest > 0.0;
+    if (touch > 0.0)
+        balance->ratio =
+            fmax(balance->ratio, rest / (sqrt(gn_dot3(weight, weight)) +
+                                         sqrt(gn_dot3(pressed, pressed)) + balance->force));
+}
+
+void gn_boundary_balance(const gn_world *w, gn_balance *balance) {
+    for (size_t k = 0; k < w->scene.body_count; k++) add_body(w, &w->boundary.bodies[k], balance);
+}
+
+/* --- all of it --- */
+
+uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {
+    h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.contacts, h);
+    if (w->boundary.body_contacts.soa.count)
+        h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.body_contacts, h);
+    h = gn_body_pairs_hash(&w->boundary.pairs, h);
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
+    for (size_t k = 0; k < w->scene.body_count; k++)
+        h = gn_hash_bytes(&w->boundary.bodies[k], offsetof(gn_rigid, mass), h);
+    return h;
+}
+
+size_t gn_boundary_bytes(const gn_world *w) {
+    return w->boundary.contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, w->effects) +
+           w->boundary.body_contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, gn_body_wall_effects(w));
+}

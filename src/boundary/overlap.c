@@ -1,0 +1,197 @@
+#include "boundary/overlap.h"
+
+#include "base/memory.h"
+#include "boundary/contact_rows.h"
+#include "scene/acts.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- closed surfaces --- */
+
+/* What two facets share: an edge; in the plane a point, twice. */
+typedef struct rim {
+    int32_t low, high;
+} rim;
+
+static int by_corners(const void *a, const void *b) {
+    const rim *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    return (x->high > y->high) - (x->high < y->high);
+}
+
+static void fill_rims(const gn_facet_set *s, rim *rims) {
+    const size_t corners = (size_t)s->corners;
+    for (size_t k = 0; k < corners * s->count; k++) {
+        const int32_t *corner = s->corner + k / corners * corners;
+        int32_t a = corner[k % corners], b = corners == 3 ? corner[(k + 1) % corners] : a;
+        rims[k] = a < b ? (rim){a, b} : (rim){b, a};
+    }
+}
+
+/* Every edge belongs to an even number of facets. */
+static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error *error) {
+    const size_t count = (size_t)s->corners * s->count;
+    rim *rims = gn_alloc_array(count + 1, sizeof *rims);
+    if (!rims) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu edges", count);
+    fill_rims(s, rims);
+    qsort(rims, count, sizeof *rims, by_corners);
+    *closed = true;
+    for (size_t k = 0, next; k < count && *closed; k = next) {
+        for (next = k + 1; next < count && by_corners(&rims[k], &rims[next]) == 0;) next++;
+        *closed = (next - k) % 2 == 0;
+    }
+    gn_free(rims);
+    return GNEISS_OK;
+}
+
+/* --- inside --- */
+
+/* A ray in a direction that no face or edge of a usual body has. */
+static const double ray[3] = {0.6317, 0.5143, 0.5800};
+
+static const double *corner_of(const gn_facet_set *s, int32_t facet, int c) {
+    return s->pos + 4 * (int64_t)s->corner[s->corners * (int64_t)facet + c];
+}
+
+/* Moller and Trumbore 1997, J. Graphics Tools 2, 21-28. */
+static bool crosses_triangle(const gn_facet_set *s, int32_t facet, const double from[3]) {
+    double side[2][3], to[3], p[3], q[3];
+    const double *x = corner_of(s, facet, 0);
+    for (int a = 0; a < 3; a++) {
+        for (int c = 0; c < 2; c++) side[c][a] = corner_of(s, facet, c + 1)[a] - x[a];
+        to[a] = from[a] - x[a];
+    }
+    gn_cross3(ray, side[1], p);
+    gn_cross3(to, side[0], q);
+    double size = gn_dot3(side[0], p);
+    double u = gn_dot3(to, p) / size, v = gn_dot3(ray, q) / size;
+    return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && gn_dot3(side[1], q) / size > 0.0;
+}
+
+/* Along y in the plane; a corner belongs to one of the two segments that share it. */
+static bool crosses_segment(const gn_facet_set *s, int32_t facet, const double from[3]) {
+    const double *x = corner_of(s, facet, 0), *y = corner_of(s, facet, 1);
+    if ((x[0] > from[0]) == (y[0] > from[0])) return false;
+    double part = (from[0] - x[0]) / (y[0] - x[0]);
+    return x[1] + part * (y[1] - x[1]) > from[1];
+}
+
+static bool ray_meets_box(const gn_facet_box *box, const double from[3]) {
+    double begin = 0.0, end = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        begin = fmax(begin, (box->lower[a] - from[a]) / ray[a]);
+        end = fmin(end, (box->upper[a] - from[a]) / ray[a]);
+    }
+    return begin <= end * (1.0 + 1e-12);
+}
+
+static bool line_meets_box(const gn_facet_box *box, const double from[3]) {
+    return box->lower[0] <= from[0] && from[0] <= box->upper[0] && from[1] <= box->upper[1];
+}
+
+/* Facets of the box with number `at`, and of those in it, that the ray crosses. */
+static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
+    const gn_facet_box *box = &s->tree.box[at];
+    bool space = s->facets.corners == 3;
+    size_t count = 0;
+    if (!(space ? ray_meets_box(box, from) : line_meets_box(box, from))) return 0;
+    if (!box->count) return crossings(s, at + 1, from) + crossings(s, box->right, from);
+    for (int32_t k = box->begin; k < box->begin + box->count; k++) {
+        int32_t facet = s->tree.order[k];
+        count += space ? crosses_triangle(&s->facets, facet, from)
+                       : crosses_segment(&s->facets, facet, from);
+    }
+    return count;
+}
+
+static size_t count_inside(const gn_world *w, const gn_surface *s) {
+    size_t inside = 0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *x = w->dem.particles.pos + 4 * p;
+        const gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+        double d[3], centre[3];
+        for (int a = 0; a < 3; a++) centre[a] = d[a] = b ? x[a] - b->position[a] : x[a];
+        if (b) gn_rigid_local(b, d, centre);
+        inside += crossings(s, 0, centre) % 2;
+    }
+    return inside;
+}
+
+/* --- touching --- */
+
+/* From the lists, which hold every particle near a surface. */
+static void measure_touches(const gn_world *w, gn_overlap *overlap) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    gn_surface_contact contacts[GN_SURFACE_CONTACTS];
+    for (size_t c = 0; c < q->soa.count;) {
+        size_t count = 0;
+        if ((size_t)q->wall[c] < w->scene.wall_count) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, 0.0, contacts, &count);
+        if (!count) continue;
+        gn_overlap *o = &overlap[contacts[0].surface - w->boundary.surfaces];
+        o->touching++;
+        for (size_t k = 0; k < count; k++)
+            o->deepest = fmax(o->deepest, -contacts[k].contact.overlap);
+    }
+}
+
+gneiss_status gn_world_overlaps(const gn_world *w, gn_overlap *overlap, gneiss_error *error) {
+    memset(overlap, 0, w->boundary.surface_count * sizeof *overlap);
+    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
+    measure_touches(w, overlap);
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        bool closed = false;
+        GN_TRY(is_closed(&w->boundary.surfaces[k].facets, &closed, error));
+        if (closed) overlap[k].inside = count_inside(w, &w->boundary.surfaces[k]);
+    }
+    return GNEISS_OK;
+}
+
+gn_overlap gn_wall_overlap(const gn_world *w, size_t wall) {
+    const gn_particles *q = &w->dem.particles;
+    gn_overlap o = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double centre = gn_wall_distance(&w->boundary.walls[wall], q->pos + 4 * p);
+        o.touching += centre <= q->pos[4 * p + 3];
+        o.inside += centre < 0.0;
+        o.deepest = fmax(o.deepest, q->pos[4 * p + 3] - centre);
+    }
+    return o;
+}
+
+/* Share of the smallest radius: less is what a packing or the weight of a few layers leaves. */
+static const double bursting = 0.02;
+
+bool gn_overlap_bursts(const gn_world *w, const gn_overlap *overlap, char *text, size_t size) {
+    const gn_scene *s = &w->scene;
+    const size_t walls = s->wall_count, bodies = s->body_count;
+    const char *name = NULL, *kind = "";
+    double deepest = bursting * w->dem.radius_min;
+    /* Particles of another run may rest on what carries them. */
+    if (!s->has_specimen || *s->specimen.from || gn_stored_matters(w, gn_contacts_stored(w)))
+        return false;
+    for (size_t k = 0; k < walls + w->boundary.surface_count; k++) {
+        const bool wall = k < walls, body = !wall && k - walls < bodies;
+        const char *of = wall ? s->walls[k].name : body ? s->bodies[k - walls].name : "elements";
+        const gn_overlap o = wall ? gn_wall_overlap(w, k) : overlap[k - walls];
+        if ((wall && s->walls[k].passive) || gn_scene_is_end(s, of) || !(o.deepest > deepest))
+            continue;
+        deepest = o.deepest;
+        name = of;
+        kind = wall ? "wall" : body ? "body" : "surface";
+    }
+    if (name)
+        snprintf(text, size,
+                 "%s '%.60s' overlaps particles at the start by up to %.3g m, %.3g of the smallest "
+                 "radius: it pushes them away at once, and may break bonds; a place farther out, "
+                 "or passive: true of a wall, avoids it",
+                 kind, name, deepest, deepest / w->dem.radius_min);
+    return name;
+}

@@ -1,0 +1,23 @@
+/* How particles lie on the walls and surfaces of the world: what `gneiss check` says of them, and a
+ * run of those that begin on the wrong side. */
+#ifndef GN_BOUNDARY_OVERLAP_H
+#define GN_BOUNDARY_OVERLAP_H
+
+#include "world/world.h"
+
+typedef struct gn_overlap {
+    size_t touching; /* particles */
+    double deepest;  /* m */
+    size_t inside;   /* particles with their centre inside (behind a wall); 0 of an open surface */
+} gn_overlap;
+
+/* Of every surface, at the present positions, into overlap[world->boundary.surface_count]. */
+gneiss_status gn_world_overlaps(const gn_world *world, gn_overlap *overlap, gneiss_error *error);
+/* Of a wall. */
+gn_overlap gn_wall_overlap(const gn_world *world, size_t wall);
+/* Tells whether a wall, a body or elements that are no end of the test overlap particles at the
+ * start, under stress that nothing inside the specimen balances; `text` then says which. `overlap`
+ * as of gn_world_overlaps. */
+bool gn_overlap_bursts(const gn_world *world, const gn_overlap *overlap, char *text, size_t size);
+
+#endif

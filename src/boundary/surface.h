@@ -1,0 +1,55 @@
+/* Surfaces of triangles (segments in the plane) that particles touch: of rigid bodies, and of
+ * whatever has vertices that move by themselves (nodes of finite elements). */
+#ifndef GN_BOUNDARY_SURFACE_H
+#define GN_BOUNDARY_SURFACE_H
+
+#include "kernels/motion.h"
+#include "surfaces/facet_tree.h"
+
+#include <stdbool.h>
+
+/* A rigid body. Its frame has its origin at the reference point (free: the centre of mass) and, of
+ * a free body, its axes along the principal axes. Doubles only: checkpoints store it as it is. */
+typedef struct gn_rigid {
+    double position[3], start[3];  /* m, of the reference point */
+    double turn[4], turn_start[4]; /* quaternion w x y z from the body's frame */
+    double axes[9];                /* the same as a matrix, rows: x = position + axes X */
+    double velocity[3],
+        velocity_past[3];         /* m/s, over the interval that led here; before the kick */
+    double spin[3], spin_past[3]; /* rad/s */
+    double momentum[3], momentum_past[3]; /* N m s about the centre of mass, when spin is free */
+    double force[3], moment[3];           /* N, N m about the reference point, of what touches */
+    double mass, inertia[3];              /* kg, kg m2 about the axes of the frame */
+    double inverse_mass[3];               /* 1/kg along x y z; 0: prescribed */
+    double inverse_inertia[3];            /* 1/(kg m2) about the axes of the frame; 0: prescribed */
+    double held[3]; /* 1: bearings give the spin about this axis of space, beside free ones; 0 */
+    double volume;  /* m3, of a free body */
+    double reach;   /* m, of the farthest vertex from the reference point */
+    double travel;  /* m, bound on the path of any vertex since the lists were made */
+    double ref_position[3], ref_axes[9]; /* where it was then */
+} gn_rigid;
+
+typedef struct gn_surface {
+    gn_facet_set facets;               /* borrowed arrays; rigid: positions in the body's frame */
+    const double *velocity;            /* [vertices][4], m/s, 1/kg; NULL: rigid */
+    const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
+    const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
+    double *force; /* [vertices][4], N, of the particles on vertices; NULL: rigid */
+    int32_t body;  /* that it belongs to; -1: vertices are nodes of `elements` */
+    struct gn_element_model *elements;
+    int32_t first; /* place of its first facet among all facets */
+    double stiffness, kratio, friction;
+    double facet_size; /* m, mean at the start, where vertices move by themselves; 0 */
+    gn_facet_tree tree;
+    size_t vertices;
+} gn_surface;
+
+/* Tells whether a particle of this radius is pressed by all of the surface that is in it (patch.h):
+ * one that is smaller touches facets at their nearest points, between which it hardly is at once.
+ */
+static inline bool gn_surface_patched(const gn_surface *surface, double radius) {
+    const double facets = 3.0;
+    return surface->body < 0 && radius > facets * surface->facet_size;
+}
+
+#endif

@@ -1,0 +1,549 @@
+/* Contacts of particles with surfaces, worked on particle by particle. */
+#include "base/memory.h"
+#include "boundary/contact_rows.h"
+#include "boundary/surface_contacts.h"
+#include "solids/element_bodies.h"
+
+#include <math.h>
+#include <string.h>
+
+static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
+    return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+}
+
+/* --- contacts --- */
+
+/* The facets of one surface and one particle. */
+typedef struct group {
+    const gn_world *w;
+    const gn_surface *s;
+    const gn_rigid *body;
+    size_t particle, begin, end;
+} group;
+
+static int32_t facet_of(const group *g, size_t row) {
+    return g->w->boundary.contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
+}
+
+static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
+    const gn_facet_set *f = &g->s->facets;
+    const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, row);
+    const double *x[3] = {0};
+    *near = (gn_facet_near){.corner = {-1, -1, -1}, .row = row};
+    for (int k = 0; k < f->corners; k++) {
+        near->corner[k] = corner[k];
+        x[k] = f->pos + 4 * (int64_t)corner[k];
+    }
+    gn_facet_nearest(f->corners, x, centre, near);
+}
+
+/* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
+ * which to push it. SIZE_MAX: none. */
+static size_t row_on_facet(const gn_world *w) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    size_t found = SIZE_MAX;
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(w->threads) reduction(min : found)
+    for (size_t c = 0; c < q->soa.count; c++) {
+        if ((size_t)q->wall[c] < w->scene.wall_count) continue;
+        const gn_surface *s = gn_surface_of_row(w, c);
+        group g = {w, s, body_of(w, s), (size_t)q->i[c], c, c + 1};
+        gn_facet_near near;
+        double centre[3];
+        gn_surface_centre(w, s, g.particle, centre);
+        near_of_row(&g, centre, c, &near);
+        bool on = near.distance <= 0x1p-40 * w->dem.particles.pos[4 * g.particle + 3];
+        if (on && c < found) found = c;
+    }
+    return found;
+}
+
+gneiss_status gn_surfaces_check_centres(const gn_world *w, gneiss_error *error) {
+    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
+    size_t row = row_on_facet(w);
+    if (row == SIZE_MAX) return GNEISS_OK;
+    const gn_surface *s = gn_surface_of_row(w, row);
+    const char *name = s->body >= 0 ? w->scene.bodies[s->body].name : NULL;
+    gneiss_status status = w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
+    return gn_fail(error, status,
+                   "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
+                   "told%s",
+                   (int)w->dem.particles.id[w->boundary.contacts.i[row]],
+                   name ? "body '" : "the elements", name ? name : "", name ? "'" : "",
+                   w->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
+}
+
+static void away_in_space(const group *g, gn_facet_near *near) {
+    double world[3], along[3];
+    if (!g->body) return;
+    gn_rigid_direct(g->body, near->away, world);
+    gn_rigid_direct(g->body, near->along, along);
+    memcpy(near->away, world, sizeof world);
+    memcpy(near->along, along, sizeof along);
+}
+
+/* Minima of the distance that are nearer than `reach`, nearest first. */
+static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
+    double centre[3];
+    size_t count = 0;
+    gn_surface_centre(g->w, g->s, g->particle, centre);
+    for (size_t c = g->begin; c < g->end; c++) {
+        gn_facet_near near;
+        near_of_row(g, centre, c, &near);
+        if (near.distance < reach) gn_facet_add(minima, &count, &near);
+    }
+    count = gn_facet_minima(minima, count);
+    for (size_t k = 0; k < count; k++) away_in_space(g, &minima[k]);
+    return count;
+}
+
+/* Facets of a surface that deforms of which a part is within `radius` of the centre, in the order
+ * of the rows. */
+static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_near *near,
+                           gn_facet_contact *contacts) {
+    const gn_facet_set *f = &g->s->facets;
+    const double *centre = g->w->dem.particles.pos + 4 * g->particle;
+    gn_patch_facet facet[GN_PATCH_FACETS];
+    size_t count = 0;
+    for (size_t c = g->begin; c < g->end && count < GN_PATCH_FACETS; c++) {
+        const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, c);
+        const double *x[3] = {0};
+        near[count] = (gn_facet_near){.corner = {-1, -1, -1}, .row = c};
+        for (int k = 0; k < f->corners; k++) {
+            near[count].corner[k] = corner[k];
+            x[k] = f->pos + 4 * (int64_t)corner[k];
+        }
+        count += gn_patch_press(f->corners, x, centre, radius, &near[count], &facet[count]);
+    }
+    gn_patch_contacts(near, facet, count, hertz, contacts);
+    return count;
+}
+
+static bool is_patch(const group *g) {
+    return gn_surface_patched(g->s, g->w->dem.particles.pos[4 * g->particle + 3]);
+}
+
+/* Contacts that press now, and where they are. */
+static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    if (is_patch(g)) return patch_within(g, radius, g->w->effects & GN_FX_HERTZ, near, contacts);
+    const size_t count = minima_within(g, radius, near);
+    return gn_facet_contacts(near, count, radius, contacts);
+}
+
+/* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
+static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
+    double at[3], turn[3];
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    for (int a = 0; a < 3; a++) at[a] = x[a] + arm[a] - g->body->position[a];
+    gn_cross3(g->body->spin, at, turn);
+    for (int a = 0; a < 3; a++) v[a] = g->body->velocity[a] + turn[a];
+}
+
+/* How much of a vertex moves with a contact. */
+typedef struct vertex_part {
+    int32_t vertex;
+    double weight;
+} vertex_part;
+
+static int vertex_parts(const gn_facet_near *near, vertex_part part[3]) {
+    int count = 0;
+    for (int c = 0; c < 3; c++)
+        if (near->feature >> c & 1) part[count++] = (vertex_part){near->corner[c], near->weight[c]};
+    return count;
+}
+
+double gn_vertex_inverse_mass(const gn_surface *s, int32_t vertex, const double n[3]) {
+    double inverse = s->velocity[4 * (int64_t)vertex + 3];
+    int32_t slot = s->slot ? s->slot[vertex] : -1;
+    return slot < 0 ? inverse : gn_free_share(s->prescribed->mask[slot], n) * inverse;
+}
+
+/* Velocity of the surface at the contact and 1/mass with which it gives way along n. */
+static double surface_motion(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
+                             const double arm[3], double v[3]) {
+    if (g->body) {
+        double lever[3], at[3], inverse = 0.0;
+        const double *x = g->w->dem.particles.pos + 4 * g->particle;
+        rigid_velocity(g, arm, v);
+        for (int a = 0; a < 3; a++) {
+            at[a] = x[a] + arm[a] - g->body->position[a];
+            inverse += g->body->inverse_mass[a] * k->n[a] * k->n[a];
+        }
+        gn_cross3(at, k->n, lever);
+        return inverse + gn_rigid_compliance(g->body, lever);
+    }
+    vertex_part part[3];
+    int parts = vertex_parts(&minima[k->member], part);
+    double inverse = 0.0;
+    v[0] = v[1] = v[2] = 0.0;
+    for (int c = 0; c < parts; c++) {
+        const double *u = g->s->velocity + 4 * (int64_t)part[c].vertex;
+        for (int a = 0; a < 3; a++) v[a] += part[c].weight * u[a];
+        inverse +=
+            part[c].weight * part[c].weight * gn_vertex_inverse_mass(g->s, part[c].vertex, k->n);
+    }
+    return inverse;
+}
+
+/* 1/kg of a particle and of the body of finite elements that it hits, both as wholes, for the
+ * dashpot: single nodes would let a heavy particle rebound undamped. 0: none of them gives way, or
+ * the surface is rigid. A particle that is driven counts with its own mass, beyond which the step
+ * limit knows of no dashpot. */
+static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
+    if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
+    double own = gn_inverse_mass_along(g->w, g->particle, s->n);
+    double whole = gn_element_body_inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
+    return fmax(own + whole, g->w->dem.particles.vel[4 * g->particle + 3]);
+}
+
+/* Relative motion at a contact whose normal, overlap and arm are known. */
+static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
+                         const double arm[3]) {
+    const gn_particles *q = &g->w->dem.particles;
+    const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
+    gn_touch s = {.gap = k->overlap, .rounding = GN_OVERLAP_ROUNDING * q->pos[4 * g->particle + 3]};
+    double v[3], turn[3] = {0, 0, 0};
+    memcpy(s.n, k->n, sizeof s.n);
+    s.inverse_mass =
+        gn_inverse_mass_along(g->w, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
+    if (g->w->effects & GN_FX_CONTACT_DAMPING)
+        s.whole = inverse_mass_as_wholes(g, &minima[k->member], &s);
+    if (spin) {
+        gn_cross3(spin, arm, turn);
+        s.twist = gn_dot3(spin, s.n);
+    }
+    if (g->body) s.twist += gn_dot3(g->body->spin, s.n);
+    for (int a = 0; a < 3; a++) v[a] -= vp[a] + turn[a];
+    s.speed = gn_dot3(v, s.n);
+    for (int a = 0; a < 3; a++) s.relative[a] = v[a] - s.speed * s.n[a];
+    return s;
+}
+
+/* What turns against each other at a contact, and the moment of the last step: `roll` [3]. */
+static void take_roll(const group *g, double *roll, double *couple, gn_touch *s) {
+    const double *spin = g->w->dem.particles.spin + 4 * g->particle;
+    for (int a = 0; a < 3; a++) s->spin[a] = (g->body ? g->body->spin[a] : 0.0) - spin[a];
+    s->roll = roll;
+    s->roll_stride = 1;
+    s->couple = couple;
+}
+
+/* Of the mass behind a contact, so that the dashpots of those that share add up to one: of a patch
+ * by what they bear, whatever their stiffnesses add up to. */
+static double mass_share(const group *g, const gn_facet_contact *k) {
+    return is_patch(g) ? k->part / (k->crowd * k->crowd) : k->part;
+}
+
+/* One contact: force and history into its row. */
+static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
+                    const gn_facet_contact *k, const gn_touch_memory *before,
+                    gn_contact_sums *sums) {
+    size_t stride = q->soa.capacity, own = minima[k->member].row;
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
+    double scale =
+        g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
+    for (int a = 0; a < 3; a++) arm[a] = scale * k->arm[a];
+    double old[3] = {0, 0, 0}, roll[3] = {0, 0, 0}, couple[3] = {0, 0, 0};
+    if (before && q->shear) {
+        memcpy(old, before->shear, sizeof old);
+        gn_touch_follow(before->n, k->n, old);
+    }
+    if (before && q->roll) {
+        memcpy(roll, before->roll, sizeof roll);
+        gn_touch_follow(before->n, k->n, roll);
+    }
+    gn_touch s = touch_of(g, minima, k, arm);
+    /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
+     * dashpots add up as well. Across, friction bounds what each carries. */
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, k->part);
+    if (q->closeness) {
+        q->closeness[own] = before ? before->closeness : 0.0;
+        s.closeness = q->closeness + own;
+    }
+    s.inverse_mass /= k->part;
+    s.whole /= mass_share(g, k);
+    if (q->roll) take_roll(g, roll, couple, &s);
+    double total =
+        gn_touch_force(g->w, &law, own, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    for (size_t a = 0; a < 3; a++) {
+        force[a] = total * s.n[a] + t[a];
+        q->row[8 * own + a] = force[a];
+        q->touch[own + a * stride] = x[a] + arm[a];
+    }
+    /* Along one facet's normal, and to one point of many, the spring has no lever. */
+    gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
+    for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
+    for (size_t a = 0; a < 3; a++) {
+        q->normal[own + a * stride] = k->part * s.n[a];
+        if (q->shear) q->shear[own + a * stride] = old[a];
+        if (q->roll) q->roll[own + a * stride] = roll[a];
+    }
+    if (q->fd) q->fd[own] = fd;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += force[a] * arm[b];
+}
+
+/* Where a particle that let go of the surface is nearest to it now, in the direction of the contact
+ * that it had; false: nowhere within half its radius. */
+static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near *near) {
+    gn_facet_near minima[GN_FACET_TOUCHES];
+    size_t count = minima_within(g, 1.5 * g->w->dem.particles.pos[4 * g->particle + 3], minima);
+    double best = 0.5;
+    for (size_t k = 0; k < count; k++) {
+        double cosine = gn_dot3(minima[k].away, m->n) / minima[k].distance;
+        if (!(cosine > best)) continue;
+        best = cosine;
+        *near = minima[k];
+    }
+    return best > 0.5;
+}
+
+/* A contact that opened in this step: its spring across and its dashpot let go, and what the last
+ * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
+ * open. */
+static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m,
+                         gn_contact_sums *sums) {
+    double t[3];
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    gn_facet_near near;
+    gn_facet_contact k;
+    bool behind = left_behind(g, m, &near);
+    if (!behind) {
+        double centre[3];
+        gn_surface_centre(g->w, g->s, g->particle, centre);
+        near_of_row(g, centre, m->row, &near);
+        away_in_space(g, &near);
+    }
+    gn_facet_single(&near, 0, x[3], &k);
+    if (!behind) memcpy(k.n, m->n, sizeof k.n);
+    gn_touch s = touch_of(g, &near, &k, k.arm);
+    if (!behind || s.gap <= 0.0) s.gap = INFINITY;
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, m->part);
+    s.closeness = &m->closeness;
+    double couple[3];
+    if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
+    s.inverse_mass /= m->part;
+    s.whole /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
+    double total = gn_touch_force(g->w, &law, m->row, &s, q->fd ? &m->fd : NULL,
+                                  q->shear ? m->shear : NULL, 1, t, sums);
+    if (total == 0.0) return;
+    double *row = q->row + 8 * near.row;
+    size_t stride = q->soa.capacity;
+    bool used = row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        row[a] += total * s.n[a];
+        if (!used) q->touch[near.row + a * stride] = x[a] + k.arm[a];
+        for (size_t b = 0; b < 3; b++) sums->stress[3 * a + b] += total * s.n[a] * k.arm[b];
+    }
+    /* The dashpot's work closes with the next step. */
+    if (used || m->fd == 0.0) return;
+    for (size_t a = 0; a < 3; a++) q->normal[near.row + a * stride] = m->part * s.n[a];
+    q->fd[near.row] = m->fd;
+}
+
+/* The group that begins with a row, up to `end`. */
+static group group_at(const gn_world *w, size_t begin, size_t end) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const gn_surface *s = gn_surface_of_row(w, begin);
+    int32_t last = (int32_t)w->scene.wall_count + s->first + (int32_t)s->facets.count;
+    size_t past = begin + 1;
+    while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
+    return (group){w, s, body_of(w, s), (size_t)q->i[begin], begin, past};
+}
+
+/* Contacts of a particle that presses all that is within reach, each with its part of k, which add
+ * up to k at least. Of more facets than there is room for the nearest are enough for a bound. */
+static size_t patch_near(const group *g, double skin, gn_facet_near *near,
+                         gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    double reach = skin, sum = 0.0;
+    size_t count = patch_within(g, radius + reach, false, near, contacts);
+    for (int k = 0; k < 20 && count == GN_PATCH_FACETS; k++) {
+        reach *= 0.5;
+        count = patch_within(g, radius + reach, false, near, contacts);
+    }
+    for (size_t k = 0; k < count; k++) sum += contacts[k].part;
+    for (size_t k = 0; k < count; k++) {
+        contacts[k].overlap += reach;
+        if (sum < 1.0) contacts[k].part /= sum;
+    }
+    return count;
+}
+
+/* Minima up to `skin` from the particle, each for itself. */
+static size_t singles_near(const group *g, double skin, gn_facet_near *near,
+                           gn_facet_contact *contacts) {
+    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    if (is_patch(g)) return patch_near(g, skin, near, contacts);
+    const size_t count = minima_within(g, radius + skin, near);
+    for (size_t k = 0; k < count; k++) gn_facet_single(near, k, radius, &contacts[k]);
+    return count;
+}
+
+size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
+                              gn_surface_contact *contacts, size_t *count) {
+    group g = group_at(w, begin, w->boundary.contacts.soa.count);
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
+    *count = skin > 0.0 ? singles_near(&g, skin, near, now) : contacts_of(&g, near, now);
+    for (size_t k = 0; k < *count; k++) {
+        vertex_part part[3];
+        gn_surface_contact *out = &contacts[k];
+        *out = (gn_surface_contact){
+            .surface = g.s, .particle = g.particle, .contact = now[k], .patch = is_patch(&g)};
+        if (g.body) continue;
+        out->parts = vertex_parts(&near[now[k].member], part);
+        for (int v = 0; v < out->parts; v++) {
+            out->vertex[v] = part[v].vertex;
+            out->weight[v] = part[v].weight;
+        }
+    }
+    return g.end;
+}
+
+gneiss_status gn_surfaces_check_patches(const gn_world *w, gneiss_error *error) {
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    for (size_t c = 0; c < w->boundary.contacts.soa.count;) {
+        size_t count = 0;
+        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, 0.0, found, &count);
+        if (count < GN_PATCH_FACETS) continue;
+        return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                       "particle %d: expected fewer than %d facets of the elements in it at once, "
+                       "found more (larger elements, or stiffer contacts)",
+                       (int)w->dem.particles.id[found->particle], GN_PATCH_FACETS);
+    }
+    return GNEISS_OK;
+}
+
+/* As contacts that open and close, but with what they keep handed on from facet to facet. */
+static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet_near *near,
+                          const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                          size_t remembered, gn_contact_sums *sums) {
+    gn_touch_memory before[GN_PATCH_FACETS], opened;
+    gn_touch_hand_over(now, contacts, old, remembered, before);
+    for (size_t k = 0; k < contacts; k++) contact(g, rows, near, &now[k], &before[k], sums);
+    while (gn_touch_gather(old, remembered, &opened)) open_contact(g, rows, &opened, sums);
+}
+
+size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+    gn_wall_contacts *rows = &w->boundary.contacts;
+    group g = group_at(w, begin, end);
+    gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
+    size_t remembered = gn_touch_recall(rows, begin, g.end, old);
+    size_t contacts = contacts_of(&g, near, now);
+    if (!remembered && !contacts) return g.end;
+    if (is_patch(&g)) {
+        work_on_patch(&g, rows, near, now, contacts, old, remembered, sums);
+        return g.end;
+    }
+    int from[GN_FACET_TOUCHES];
+    gn_touch_match(now, contacts, old, remembered, from);
+    for (size_t k = 0; k < contacts; k++)
+        contact(&g, rows, near, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
+    for (size_t m = 0; m < remembered; m++)
+        if (!old[m].taken) open_contact(&g, rows, &old[m], sums);
+    return g.end;
+}
+
+size_t gn_surface_presses(const gn_world *w, size_t begin, size_t end, const double *but,
+                          double force[3]) {
+    group g = group_at(w, begin, end);
+    gn_facet_near near[GN_SURFACE_CONTACTS];
+    gn_facet_contact now[GN_SURFACE_CONTACTS];
+    const gn_touch_step step = gn_touch_step_of(w);
+    const size_t count = contacts_of(&g, near, now);
+    for (size_t k = 0; k < count; k++) {
+        if (but && gn_dot3(but, now[k].n) > cos(GN_FACET_SHARE)) continue;
+        gn_touch s = touch_of(&g, near, &now[k], now[k].arm);
+        const gn_touch_side law = gn_surface_side(w, g.s, g.particle, now[k].part);
+        s.inverse_mass /= now[k].part;
+        s.whole /= mass_share(&g, &now[k]);
+        double total = gn_linear_press(&step, &law, &s);
+        for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
+    }
+    return g.end;
+}
+
+/* --- forces on surfaces --- */
+
+static void load_body(gn_rigid *b, const double touch[3], const double force[3]) {
+    double lever[3], moment[3];
+    for (int a = 0; a < 3; a++) lever[a] = touch[a] - b->position[a];
+    gn_cross3(lever, force, moment);
+    for (int a = 0; a < 3; a++) {
+        b->force[a] -= force[a];
+        b->moment[a] -= moment[a];
+    }
+}
+
+static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
+                          const double force[3]) {
+    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
+    const double *x[3] = {0};
+    gn_facet_near near;
+    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
+    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    for (int c = 0; c < s->facets.corners; c++)
+        for (int a = 0; a < 3; a++)
+            s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
+}
+
+void gn_surface_velocity(const gn_world *w, size_t row, double v[3]) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const gn_surface *s = gn_surface_of_row(w, row);
+    const gn_rigid *b = body_of(w, s);
+    double touch[3], lever[3];
+    for (size_t a = 0; a < 3; a++) touch[a] = q->touch[row + a * q->soa.capacity];
+    if (b) {
+        for (int a = 0; a < 3; a++)
+            lever[a] = touch[a] - (b->position[a] - w->dt_past * b->velocity[a]);
+        gn_cross3(b->spin, lever, v);
+        for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
+        return;
+    }
+    int32_t facet = q->wall[row] - (int32_t)w->scene.wall_count - s->first;
+    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
+    const double *x[3] = {0};
+    gn_facet_near near;
+    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
+    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    v[0] = v[1] = v[2] = 0.0;
+    for (int c = 0; c < s->facets.corners; c++)
+        for (int a = 0; a < 3; a++)
+            v[a] += near.weight[c] * s->velocity[4 * (int64_t)corner[c] + a];
+}
+
+void gn_surfaces_sum(gn_world *w) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    if (!(w->effects & GN_FX_FACETS)) return;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        memset(w->boundary.bodies[k].force, 0, sizeof w->boundary.bodies[k].force);
+        memset(w->boundary.bodies[k].moment, 0, sizeof w->boundary.bodies[k].moment);
+    }
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        if (w->boundary.surfaces[k].force)
+            memset(w->boundary.surfaces[k].force, 0,
+                   w->boundary.surfaces[k].vertices * 4 * sizeof(double));
+    for (size_t c = 0; c < q->soa.count; c++) {
+        const double *force = q->row + 8 * c;
+        int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
+        if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
+        gn_surface *s = &w->boundary.surfaces[gn_surface_of_facet(w, facet)];
+        double touch[3];
+        for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
+        if (s->body < 0) {
+            load_vertices(s, facet - s->first, touch, force);
+            continue;
+        }
+        gn_rigid *b = &w->boundary.bodies[s->body];
+        load_body(b, touch, force);
+        for (size_t a = 0; q->roll && a < 3; a++) b->moment[a] -= q->roll[c + a * q->soa.capacity];
+    }
+}

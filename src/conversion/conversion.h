@@ -1,0 +1,158 @@
+/* Elements that turn into particles while a run goes on. The body is packed at the start: its
+ * particles are asleep, without mass, contacts and blocks to work on, and follow nothing; the bonds
+ * of all of them are formed and put by. Where stresses are high (couple/front.h) elements go, the
+ * particles in them wake, with the displacements, velocities and half the curl of what they were
+ * in, and so do those of a new zone between both, in which particles follow nodes as in any other
+ * zone (zones.h). */
+#ifndef GN_CONVERSION_CONVERSION_H
+#define GN_CONVERSION_CONVERSION_H
+
+#include "conversion/load_course.h"
+#include "couple/ties.h"
+#include "world/world.h"
+#include "zones/zones.h"
+
+static inline bool gn_converts(const gn_world *w) {
+    return w->scene.has_couple && w->scene.couple.has_convert;
+}
+static inline gn_sleeper *gn_sleeper_of(const gn_world *w, size_t p) {
+    return &w->dem.sleeper[w->dem.particles.id[p]];
+}
+static inline bool gn_is_asleep(const gn_world *w, size_t p) {
+    return w->dem.sleeper && gn_sleeper_of(w, p)->mass > 0.0;
+}
+/* Whether elements convert, and have all of the body at both places. */
+static inline bool gn_conversion_hides(const gn_world *w, int32_t i, int32_t j) {
+    const double *part = w->dem.particles.blend;
+    return gn_converts(w) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
+}
+static inline size_t gn_home_id(const gn_world *w, size_t p) {
+    return (size_t)gn_sleeper_of(w, p)->home;
+}
+
+/* Before bonds are formed: which element each particle is in. */
+gneiss_status gn_conversion_prepare(gn_world *world, gneiss_error *error);
+/* Puts the bonds by and the particles to sleep. */
+gneiss_status gn_conversion_lay_down(gn_world *world, gneiss_error *error);
+/* Marks the blocks of particles that all sleep, when lists are made. */
+gneiss_status gn_conversion_find_still(gn_world *world, gneiss_error *error);
+/* Of the particles that are awake in elements that are there. */
+gneiss_status gn_conversion_ties(const gn_world *world, gn_ties *ties, gneiss_error *error);
+
+/* Between two steps: every so many of them looks at the stresses, and converts. */
+gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
+/* What came nearest to a limit so far, the present state included. */
+gneiss_status gn_conversion_most_loaded(const gn_world *world, gn_most_loaded *most,
+                                        gneiss_error *error);
+/* Whether any element has been converted. */
+bool gn_conversion_begun(const gn_world *world);
+/* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
+ * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
+ * world->halt says what. */
+gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
+gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
+
+/* What that would come to, with nothing changed but world->halt and `kind`: how many rings of
+ * elements would go along. */
+gneiss_status gn_conversion_rehearse(gn_world *world, uint8_t *kind, int *rings,
+                                     gneiss_error *error);
+
+/* Whether world->halt says that conversion came to the end of couple.convert.box. */
+bool gn_conversion_left_box(const gn_world *world);
+/* That particles are too few for the mass of what would go. */
+bool gn_conversion_was_thin(const gn_world *world);
+/* That it came to elements whose nodes a motion only watches. */
+bool gn_conversion_met_watched(const gn_world *world);
+/* What is to be said of motions that only watch nodes of elements which would convert otherwise,
+ * in `text`, which it returns; "" where none does. */
+const char *gn_conversion_watches(const gn_world *world, char *text, size_t size);
+/* Whether nodes of what is driven or loaded would have had too little of the body. */
+bool gn_conversion_left_bare(const gn_world *world);
+
+/* Places of an unconverted body that may convert, looked at by themselves: how many there are; how
+ * many of them take elements around along, and at how many particles are too few all the same;
+ * those where the box ends count for nothing (conversion_check.c). */
+typedef struct gn_conversion_places_seen {
+    size_t looked, along, too_few;
+} gn_conversion_places_seen;
+gneiss_status gn_conversion_see_places(gn_world *world, gn_conversion_places_seen *seen,
+                                       gneiss_error *error);
+
+/* What is in the box (conversion_check.c): elements, and the particles that sleep in them, at the
+ * start all. */
+typedef struct gn_conversion_figures {
+    size_t elements, held, particles; /* held: of motions and loads */
+    double element, diameter;         /* m, means */
+    double smallest;  /* m, of elements: the least of what `element` is the mean of */
+    double side;      /* m, the shortest of the body of elements */
+    double mass;      /* of the particles over that of the elements */
+    size_t materials; /* of the elements, with the packing in each */
+    gn_zone_material material[GN_ZONE_MATERIALS];
+} gn_conversion_figures;
+gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
+                                    gneiss_error *error);
+
+/* For who looks at a scene at its start, when all of the particles sleep: the body as though they
+ * were all awake and bonded; a second call puts that back. Else nothing is done. */
+void gn_conversion_turn_over(gn_world *world);
+/* What a run of elements that convert comes to, before it has made a step
+ * (conversion_prediction.c).
+ */
+typedef struct gn_foreseen_step {
+    double dt;        /* s */
+    size_t elements;  /* that are left */
+    const char *side; /* what sets the step */
+} gn_foreseen_step;
+typedef struct gn_foreseen {
+    gn_course course;  /* what it goes through */
+    gn_step_limit all; /* of all particles by themselves, as if they were awake */
+    double collision;  /* s: that resolves their collisions; INFINITY: none has to be */
+    double time;       /* s: when the body, at rest under its motions and loads, comes to a limit
+                          first; INFINITY: not before the end */
+    size_t stage;      /* part of the course in which it does, or is loaded most */
+    double most;       /* times a limit that it is loaded there, at most, to a hundredth or so */
+    double reach;      /* times the first limit that its loads come to later on; 1 at least */
+    double rise;       /* s: that the load takes to come there, twice its second half */
+    double period;     /* s: the longest of the body's that it can swing with */
+    double burst;      /* times a limit, of a wave that the quickest change of a motion sends off */
+    double *place;     /* [nodes][4] m: then, or where it is loaded most; NULL: nothing loads it */
+    char halt[512];    /* why nothing of it can be converted; empty: something can */
+    gn_foreseen_step first; /* once the element has gone that is loaded most there, */
+    gn_foreseen_step grown; /* once more have, front by front as the load grows, */
+    size_t some;            /* elements that were left when those were loaded 0.7 times as much */
+    gn_foreseen_step least; /* and with whatever particle awake */
+    char stop[512];         /* why one of these fronts would end the run; empty: none would, */
+    double most_then;       /* times a limit, of these places; */
+    double part;            /* of that, where the last front was; */
+    int fronts;             /* behind the first */
+} gn_foreseen;
+/* Finds time and place, and leaves the world as it was. */
+gneiss_status gn_conversion_foresee(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
+/* Where it has a place converts what comes first, and what is loaded 0.7 times as much, front by
+ * front, of a world that is of no use any more but for the cost of its steps; then what goes with
+ * the most that its loads come to, and what later stages make of the step. */
+gneiss_status gn_conversion_try(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
+gneiss_status gn_conversion_try_more(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
+void gn_foreseen_free(gn_foreseen *foreseen);
+
+/* The limits that all of them would have by themselves. */
+gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
+
+/* Particles that sleep (conversion_readings.c). */
+size_t gn_conversion_asleep(const gn_world *world);
+/* Elements that are there. */
+size_t gn_conversion_elements(const gn_world *world);
+
+/* [elements of the mesh] places of those that are there, for gn_conversion_travel (gn_fem_places);
+ * NULL where nothing converts, or without memory. The caller's. */
+int32_t *gn_conversion_places(const gn_world *world);
+/* m: how far a particle has come; one that sleeps is where the elements have the body, not a number
+ * without their places. In any world (conversion_readings.c). */
+void gn_conversion_travel(const gn_world *world, const int32_t *places, size_t p, double u[3]);
+/* m/s: the same of its velocity. */
+void gn_conversion_velocity(const gn_world *world, const int32_t *places, size_t p, double v[3]);
+/* The mean displacement gradient of the particles (gn_strain_gauge_read), those that sleep being
+ * where the elements have them. In any world. */
+void gn_conversion_gradient(const gn_world *world, double gradient[9]);
+
+#endif

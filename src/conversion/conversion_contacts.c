@@ -1,0 +1,191 @@
+/* Contacts while elements convert. Those that there are have a larger part of their stiffness from
+ * now on, and with it of the forces that they carry along. Bonds of who has woken get the force
+ * that the strain of the elements makes: the normal one is that of the distance, whatever has
+ * turned; the tangential one is k_t times the way that the second centre has come from where the
+ * turns of both ends take it, which is eps l less its part along the normal in a uniform strain
+ * eps, and nothing in a rigid motion, however large. (With displacements alone each turn would
+ * shear all bonds.) */
+#include "base/memory.h"
+#include "conversion/conversion_private.h"
+#include "kernels/law.h"
+
+#include <math.h>
+#include <string.h>
+
+/* As contacts have it (law.c): next to nothing at least. */
+static double part_of(const double *part, int32_t i, int32_t j) {
+    return fmax(0.5 * (part[2 * (size_t)i] + part[2 * (size_t)j]), 1e-9);
+}
+
+static void scale_shear(gn_contacts *list, size_t c, double factor) {
+    for (size_t a = 0; a < 3; a++) {
+        const size_t at = c + a * list->soa.capacity;
+        if (list->shear) list->shear[at] *= factor;
+        if (list->shear_f) list->shear_f[at] *= (float)factor;
+    }
+}
+
+static void grow(const gn_conversion *c, gn_contacts *list) {
+    const gn_law *law = gn_law_of(list->soa.effects);
+    const double *now = c->world->dem.particles.blend;
+    for (size_t k = 0; k < list->soa.count; k++) {
+        const int32_t i = list->i[k], j = list->j[k];
+        if (now[2 * i] == c->part[2 * i] && now[2 * j] == c->part[2 * j]) continue;
+        const double factor = part_of(now, i, j) / part_of(c->part, i, j);
+        if (factor == 1.0) continue;
+        law->weigh(list, k, factor);
+        scale_shear(list, k, factor);
+    }
+}
+
+/* Turns at the particles that were asked for last: a particle has many bonds, which lie together.
+ */
+enum { TURNS = 256 };
+typedef struct turns {
+    int32_t particle[TURNS]; /* by its number modulo theirs; -1: none */
+    double turn[TURNS][3][3];
+} turns;
+
+/* The mean turn of the elements at the place of a particle. */
+static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_tie tie =
+        gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
+    int32_t element[GN_AROUND_MOST];
+    double one[3][3];
+    const size_t count = gn_conversion_around(b, &tie, element);
+    gn_fem_turn(b, (size_t)element[0], turn);
+    for (size_t e = 1; e < count; e++) {
+        gn_fem_turn(b, (size_t)element[e], one);
+        for (int r = 0; r < 3; r++)
+            for (int k = 0; k < 3; k++) turn[r][k] += one[r][k];
+    }
+    for (int r = 0; r < 3 && count > 1; r++)
+        for (int k = 0; k < 3; k++) turn[r][k] /= (double)count;
+}
+
+/* Of the elements that a particle is in, or was the last; one that moves by itself has none that
+ * is known. */
+static bool turn_of(const gn_conversion *c, turns *known, int32_t p, double turn[3][3]) {
+    const int32_t at = p % TURNS;
+    if (gn_home_of(c, (size_t)p) < 0) return false;
+    if (known->particle[at] != p) find_turn(c, p, known->turn[at]);
+    known->particle[at] = p;
+    memcpy(turn, known->turn[at], sizeof known->turn[at]);
+    return true;
+}
+
+/* Where the turns of both ends take the branch; false: neither is known. */
+static bool turned_branch(const gn_conversion *c, turns *known, int32_t i, int32_t j,
+                          double branch[3]) {
+    const gn_world *w = c->world;
+    const gn_particles *q = &w->dem.particles;
+    const double *a = q->start + 4 * (size_t)i, *b = q->start + 4 * (size_t)j;
+    double l[3], turn[2][3][3];
+    const double length = sqrt(gn_branch(w, a, b, l));
+    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double arm = (a[3] + half * (length - a[3] - b[3])) / length;
+    bool first = turn_of(c, known, i, turn[0]), second = turn_of(c, known, j, turn[1]);
+    if (!first && !second) return false;
+    if (!first) memcpy(turn[0], turn[1], sizeof turn[0]);
+    if (!second) memcpy(turn[1], turn[0], sizeof turn[1]);
+    for (int r = 0; r < 3; r++) {
+        branch[r] = 0.0;
+        for (int k = 0; k < 3; k++)
+            branch[r] += (arm * turn[0][r][k] + (1.0 - arm) * turn[1][r][k]) * l[k];
+    }
+    return true;
+}
+
+void gn_contact_rate(const gn_world *w, int32_t i, int32_t j, double length, const double n[3],
+                     double rate[3]) {
+    const gn_particles *q = &w->dem.particles;
+    const size_t a = 4 * (size_t)i, b = 4 * (size_t)j;
+    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double over = half * (length - q->pos[a + 3] - q->pos[b + 3]);
+    double spin[3] = {0.0}, turning[3];
+    for (size_t k = 0; q->spin && k < 3; k++)
+        spin[k] = (q->pos[a + 3] + over) * q->spin[a + k] + (q->pos[b + 3] + over) * q->spin[b + k];
+    gn_cross3(spin, n, turning);
+    for (size_t k = 0; k < 3; k++) rate[k] = q->vel[b + k] - q->vel[a + k] - turning[k];
+}
+
+/* The step to come adds what the last interval has done. */
+static void strain_bond(const gn_conversion *c, turns *known, gn_contacts *list, size_t k) {
+    const gn_particles *q = &c->world->dem.particles;
+    double d[3], slip[3], rate[3], along = 0.0;
+    const size_t i = 4 * (size_t)list->i[k], j = 4 * (size_t)list->j[k];
+    if (!list->kt || !turned_branch(c, known, list->i[k], list->j[k], slip)) return;
+    const double length = sqrt(gn_branch(c->world, q->pos + i, q->pos + j, d));
+    for (int a = 0; a < 3; a++) d[a] /= length;
+    gn_contact_rate(c->world, list->i[k], list->j[k], length, d, rate);
+    for (int a = 0; a < 3; a++) {
+        slip[a] = length * d[a] - slip[a] - c->world->dt_past * rate[a];
+        along += slip[a] * d[a];
+    }
+    for (size_t a = 0; a < 3; a++) {
+        const size_t at = k + a * list->soa.capacity;
+        const double force = list->kt[k] * (slip[a] - along * d[a]);
+        if (list->shear) list->shear[at] = force;
+        if (list->shear_f) list->shear_f[at] = (float)force;
+    }
+}
+
+enum { PART = 512 };
+
+/* Some of the prepared bonds, and where those that the list has already stand in it. */
+typedef struct part {
+    size_t begin, count;                /* places in the new list */
+    int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
+} part;
+
+/* Bonds of the last list go on, those that are new begin with what was prepared. */
+static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, part *q) {
+    gn_dem *d = &c->world->dem;
+    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds, q->from);
+    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->prepared, q->prepared);
+    for (size_t k = 0; k < q->count; k++) {
+        const size_t at = q->begin + k;
+        if (q->from[k] >= 0) continue;
+        const double share = part_of(d->particles.blend, now->i[at], now->j[at]);
+        if (share != 1.0) gn_law_of(now->soa.effects)->weigh(now, at, share);
+        strain_bond(c, known, now, at);
+    }
+    q->begin += q->count;
+    q->count = 0;
+}
+
+/* Both lists are sorted alike. */
+static void fill(const gn_conversion *c, gn_contacts *now) {
+    const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds;
+    turns turned;
+    part q = {0};
+    size_t old = 0;
+    for (size_t k = 0; k < TURNS; k++) turned.particle[k] = -1;
+    for (size_t k = 0; k < all->soa.count; k++) {
+        if (!c->active[k]) continue;
+        const bool known =
+            old < last->soa.count && last->i[old] == all->i[k] && last->j[old] == all->j[k];
+        now->i[q.begin + q.count] = all->i[k];
+        now->j[q.begin + q.count] = all->j[k];
+        q.from[q.count] = known ? (int32_t)old : -1;
+        q.prepared[q.count++] = known ? -1 : (int32_t)k;
+        old += known;
+        if (q.count == PART) fill_part(c, &turned, now, &q);
+    }
+    fill_part(c, &turned, now, &q);
+}
+
+gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error) {
+    gn_dem *d = &c->world->dem;
+    gn_contacts now = {0};
+    grow(c, &d->bonds);
+    grow(c, &d->pairs);
+    GN_TRY(gn_soa_create(&gn_contact_record, &now, c->acting, d->prepared.soa.effects, error));
+    fill(c, &now);
+    gn_soa_destroy(&gn_contact_record, &d->bonds);
+    d->bonds = now;
+    gn_contacts_pad(&d->bonds, &d->particles);
+    return gn_partials_build(&d->bonds, d->particles.soa.count, c->world->threads,
+                             &d->bond_partials, error);
+}

@@ -1,0 +1,327 @@
+/* Where conversion ends a run, and whether particles can have the mass of what goes. */
+#include "base/memory.h"
+#include "base/point.h"
+#include "conversion/conversion_private.h"
+#include "couple/front.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char outside[] = "is not in couple.convert.box";
+static const char driven[] = "has nodes of a motion or a load";
+static const char watched[] = "which is only watched";
+static const char too_light[] = "too much to be made up for by the";
+static const char bare[] = "conversion would leave ";
+
+bool gn_conversion_left_box(const gn_world *w) {
+    return strstr(w->halt, outside);
+}
+
+bool gn_conversion_met_watched(const gn_world *w) {
+    return strstr(w->halt, watched);
+}
+
+bool gn_conversion_was_thin(const gn_world *w) {
+    return strstr(w->halt, too_light);
+}
+
+bool gn_conversion_left_bare(const gn_world *w) {
+    return strstr(w->halt, bare);
+}
+
+/* Which side of the box an element is beyond, the first of them. */
+static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_convert_def *def = &c->world->scene.couple.convert;
+    for (int k = 0; k < b->dimension; k++)
+        for (int a = 0; a <= b->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            const double seen = gn_point_out(b->origin[k], b->nodes.start[4 * n + (size_t)k]);
+            if (seen >= def->box_min[k] && seen <= def->box_max[k]) continue;
+            snprintf(text, size, "%s %c", seen < def->box_min[k] ? "lower" : "upper", "xyz"[k]);
+            return text;
+        }
+    return "";
+}
+
+/* At the start. */
+void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
+    memset(centre, 0, 3 * sizeof *centre);
+    for (int a = 0; a <= b->dimension; a++)
+        for (size_t k = 0; k < 3; k++)
+            centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
+                         (b->dimension + 1);
+}
+
+/* Of a motion that only watches: whether it does a node of an element. */
+static bool watches(const gn_element_model *q, size_t motion, size_t e) {
+    const gn_fem_set *set = &q->motion_set[motion];
+    bool any = false;
+    for (int a = 0; a <= q->solid.dimension && q->motion[motion] < 0; a++)
+        for (size_t n = 0; n < set->count && !any; n++)
+            any = set->node[n] == gn_elements_node(&q->solid.elements, a)[e];
+    return any;
+}
+
+/* The most of the nodes of an element. */
+static gn_node_use use_of(const gn_fem_solid *b, const uint8_t *use, size_t e) {
+    uint8_t most = GN_NODE_FREE;
+    for (int a = 0; a <= b->dimension; a++) {
+        const uint8_t here = use[gn_elements_node(&b->elements, a)[e]];
+        if (here > most) most = here;
+    }
+    return (gn_node_use)most;
+}
+
+/* What holds an element: a motion that does more than watch, or a load, where there is one. */
+static const char *held_by(const gn_world *w, size_t e, char *text, size_t size) {
+    const gn_element_model *q = w->elements[0];
+    uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
+    const char *said = driven;
+    if (!use) return said;
+    gn_elements_driven(q, use);
+    for (size_t k = 0; use_of(&q->solid, use, e) == GN_NODE_WATCHED && k < q->def->motion_count;
+         k++) {
+        if (!watches(q, k, e)) continue;
+        snprintf(text, size, "has nodes of motion '%.30s', %s", q->def->motions[k].name, watched);
+        said = text;
+        break;
+    }
+    gn_free(use);
+    return said;
+}
+
+/* The model stays as it was: it has all of its elements, and the run ends. */
+void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
+    gn_world *w = c->world;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double centre[3];
+    char at[GN_POINT_SIZE], side[16], by[128];
+    gn_conversion_centre(b, (size_t)e, centre);
+    const int told = snprintf(w->halt, sizeof w->halt,
+                              "conversion would have to go on to element %d at %.80s m, which ",
+                              b->elements.id[e], gn_point_text(b->origin, centre, at));
+    const size_t left = sizeof w->halt - (size_t)told;
+    if (c->kind[e] != GN_FRONT_FIXED)
+        snprintf(w->halt + told, left, "%s", held_by(w, (size_t)e, by, sizeof by));
+    else
+        snprintf(w->halt + told, left,
+                 "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
+                 side_beyond(c, e, side, sizeof side));
+}
+
+/* --- masses --- */
+
+/* kg: of an element as a whole, and by how much its part changes. */
+static double element_change(const gn_conversion *c, size_t e, double *whole) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
+    double before = 0.0, now = 0.0;
+    for (int a = 0; a <= b->dimension; a++) {
+        const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
+        before += c->node_part[n];
+        now += b->nodes.blend[n];
+    }
+    *whole += mass;
+    if (!c->touched[e] || !(before > 0.0)) return 0.0;
+    return c->kind[e] == GN_FRONT_LEAVING ? -mass : mass * (now / before - 1.0);
+}
+
+/* kg, of a particle that has a part now. */
+static double particle_mass(const gn_conversion *c, size_t p) {
+    const double before = c->part[2 * p + 1];
+    return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
+                        : 1.0 / gn_sleeper_of(c->world, p)->mass;
+}
+
+/* The same of a particle, and what of it can make up for more: kg of who has another weight, and of
+ * who is in a zone (conversion_masses.c). */
+static double particle_change(const gn_conversion *c, size_t p, double takes[2]) {
+    const gn_particles *q = &c->world->dem.particles;
+    const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
+    const int32_t e = gn_home_of(c, p);
+    if (!(part > 0.0)) return 0.0;
+    const double whole = particle_mass(c, p);
+    if (part != before) takes[0] += part * whole;
+    if (e >= 0 && c->kind[e] != GN_FRONT_LEAVING) takes[1] += part * whole;
+    return (part - before) * whole;
+}
+
+bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
+    const gn_world *w = c->world;
+    double whole = 0.0, change = 0.0, takes[2] = {0.0};
+    for (size_t e = 0; e < gn_conversion_elements(w); e++) change += element_change(c, e, &whole);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
+    missing[0] = -change;
+    missing[1] = fmax(takes[0], takes[1]);
+    return fabs(change) <= fmax(GN_MASS_SCALED_MOST * missing[1], 1e-12 * whole);
+}
+
+bool gn_conversion_take_along(const gn_conversion *c) {
+    const gn_elements *q = &gn_coupled_solid(c->world)->elements;
+    const int corners = gn_coupled_solid(c->world)->dimension + 1;
+    uint8_t *at = c->reached;
+    bool any = false;
+    memset(at, 0, gn_coupled_solid(c->world)->nodes.soa.count);
+    for (size_t e = 0; e < q->soa.count; e++)
+        for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
+            at[gn_elements_node(q, a)[e]] = 1;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        bool beside = false;
+        for (int a = 0; a < corners; a++) beside = beside || at[gn_elements_node(q, a)[e]];
+        if (!beside || c->kind[e] != GN_FRONT_READY) continue;
+        c->kind[e] = GN_FRONT_LEAVING;
+        any = true;
+    }
+    return any;
+}
+
+void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    size_t e = 0;
+    double centre[3];
+    char at[GN_POINT_SIZE];
+    while (e + 1 < b->elements.soa.count && c->kind[e] != GN_FRONT_LEAVING) e++;
+    gn_conversion_centre(b, e, centre);
+    snprintf(c->world->halt, sizeof c->world->halt,
+             "conversion at element %d at %.80s m would change the mass of the body by %.2g kg, "
+             "%s %.2g kg of particles there",
+             b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
+             missing[1]);
+}
+
+/* --- what may not go --- */
+
+/* [nodes][2] kg: what elements that stay have at their nodes as whole ones; what is there of it
+ * with the parts found, of them and of the particles in them. */
+static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
+    const gn_particles *q = &c->world->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const int corners = b->dimension + 1;
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double before = 0.0, now = 0.0;
+        for (int a = 0; a < corners; a++) {
+            const size_t n = 2 * (size_t)gn_elements_node(&b->elements, a)[e];
+            before += c->node_part[n] / corners;
+            now += b->nodes.blend[n] / corners;
+        }
+        const double whole =
+            b->density[b->elements.material[e]] * b->elements.volume[e] / before / corners;
+        for (int a = 0; a < corners && c->kind[e] != GN_FRONT_LEAVING; a++) {
+            double *at = mass[gn_elements_node(&b->elements, a)[e]];
+            at[0] += whole;
+            at[1] += now * whole;
+        }
+    }
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const int32_t e = gn_home_of(c, p);
+        if (!(q->blend[2 * p + 1] > 0.0) || e < 0 || c->kind[e] == GN_FRONT_LEAVING) continue;
+        const gn_tie tie = gn_tie_at(b, e, q->start + 4 * p);
+        for (int a = 0; a < corners; a++)
+            mass[tie.node[a]][1] += tie.shape[a] * q->blend[2 * p + 1] * particle_mass(c, p);
+    }
+}
+
+/* r/width of the mean radius: what masses in zones have at least (find_parts). */
+static double least_part(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return fmin(1.0, sum / (double)q->soa.count / w->scene.couple.convert.width);
+}
+
+/* Mostly the front is far from what may not go. */
+static bool holds_shared(const gn_conversion *c) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++)
+            if (b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]] < 1.0) return true;
+    return false;
+}
+
+static void halt_bare(const gn_conversion *c, size_t e, double share) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    double centre[3];
+    char at[GN_POINT_SIZE], by[128];
+    gn_conversion_centre(b, e, centre);
+    snprintf(c->world->halt, sizeof c->world->halt,
+             "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
+             b->elements.id[e], gn_point_text(b->origin, centre, at),
+             held_by(c->world, e, by, sizeof by));
+}
+
+gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
+                                          gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    *found = false;
+    if (!holds_shared(c)) return GNEISS_OK;
+    const double least = least_part(c->world);
+    double(*mass)[2] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *mass), share = least;
+    size_t at = 0;
+    if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+    weigh_nodes(c, mass);
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++) {
+            const double *of = mass[gn_elements_node(&b->elements, a)[e]];
+            if (!(of[1] < share * of[0])) continue;
+            share = of[1] / of[0];
+            at = e;
+        }
+    gn_free(mass);
+    *found = share < least;
+    if (*found) halt_bare(c, at, share);
+    return GNEISS_OK;
+}
+
+/* --- what is only watched --- */
+
+/* Marks nodes [nodes] of elements that nothing else keeps from going, then motions [motions]. */
+static void find_watching(const gn_element_model *q, const uint8_t *kind, const uint8_t *use,
+                          uint8_t *node, uint8_t *found) {
+    const gn_elements *elements = &q->solid.elements;
+    for (size_t e = 0; e < elements->soa.count; e++)
+        if (kind[e] == GN_FRONT_HELD && use_of(&q->solid, use, e) == GN_NODE_WATCHED)
+            for (int a = 0; a <= q->solid.dimension; a++)
+                node[gn_elements_node(elements, a)[e]] = 1;
+    for (size_t k = 0; k < q->def->motion_count; k++)
+        for (size_t n = 0; n < q->motion_set[k].count && q->motion[k] < 0; n++)
+            found[k] = found[k] || node[q->motion_set[k].node[n]];
+}
+
+static void say_who_watches(const gn_element_model *q, const uint8_t *found, char *text,
+                            size_t size) {
+    enum { NAMED = 3 };
+    char names[3 * 80] = "";
+    size_t count = 0, used = 0;
+    for (size_t k = 0; k < q->def->motion_count; k++) {
+        if (!found[k] || count++ >= NAMED) continue;
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s'%.60s'", used ? ", " : "",
+                                 q->def->motions[k].name);
+    }
+    if (!count) return;
+    snprintf(text, size,
+             "%s%s, which only watch%s (elements.motions), ha%s nodes in couple.convert.box: "
+             "elements there stay, and conversion that comes to them ends the run; sets of "
+             "particles, which may sleep, can watch instead (sets: select without motion)",
+             names, count > NAMED ? " and others" : "", count == 1 ? "es" : "",
+             count == 1 ? "s" : "ve");
+}
+
+const char *gn_conversion_watches(const gn_world *w, char *text, size_t size) {
+    const size_t elements = gn_converts(w) ? gn_conversion_elements(w) : 0;
+    *text = '\0';
+    if (!elements) return text;
+    const gn_element_model *q = w->elements[0];
+    const size_t nodes = q->solid.nodes.soa.count;
+    uint8_t *kind = gn_alloc(elements + 1), *use = gn_alloc(2 * nodes + 1),
+            *found = gn_alloc(q->def->motion_count + 1);
+    if (kind && use && found && gn_conversion_kinds(w, kind, NULL) == GNEISS_OK) {
+        gn_elements_driven(q, use);
+        find_watching(q, kind, use, use + nodes, found);
+        say_who_watches(q, found, text, size);
+    }
+    gn_free(kind);
+    gn_free(use);
+    gn_free(found);
+    return text;
+}

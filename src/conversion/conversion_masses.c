@@ -1,0 +1,285 @@
+/* What a conversion keeps. The particles of an element do not weigh quite what it does, nor have
+ * they its centre of mass and its inertia, which lumped masses at the nodes have more of: masses of
+ * who has another weight than before are scaled by a polynomial of the place, so that these are
+ * kept; a rigid motion then keeps its momenta and its energy by itself. What is left of any other
+ * is made up by velocities (conversion_momentum.c). */
+#include "conversion/conversion_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- sums --- */
+
+/* Second moments that a rotation needs, of a place: in the plane that about the axis alone. */
+enum { SECOND_MOST = 6, BASIS_MOST = GN_BASIS_MOST };
+static size_t second_count(size_t dimension) {
+    return dimension == 3 ? 6 : 1;
+}
+
+/* m2. What a point has by its own inertia over its mass, m2, goes along: 1/2 of it along each axis
+ * in space, as the inertia about one is the sum of the other two. */
+static void second_of(size_t dimension, const double r[3], double own, double out[SECOND_MOST]) {
+    if (dimension == 2) {
+        out[0] = r[0] * r[0] + r[1] * r[1] + own;
+        return;
+    }
+    for (int a = 0; a < 3; a++) {
+        out[a] = r[a] * r[a] + 0.5 * own;
+        out[3 + a] = r[a] * r[(a + 1) % 3];
+    }
+}
+
+static void add(gn_tally *t, size_t dimension, double mass, const double *x, const double *v) {
+    double second[SECOND_MOST], turning[3];
+    t->mass += mass;
+    gn_cross3(x, v, turning);
+    second_of(dimension, x, 0.0, second);
+    for (int a = 0; a < 3; a++) {
+        t->moment[a] += mass * x[a];
+        t->momentum[a] += mass * v[a];
+        t->turning[a] += mass * turning[a];
+    }
+    for (size_t k = 0; k < second_count(dimension); k++) t->second[k] += mass * second[k];
+    t->energy += 0.5 * mass * gn_dot3(v, v);
+}
+
+static void add_spin(gn_tally *t, size_t dimension, double inertia, const double *spin) {
+    double second[SECOND_MOST];
+    second_of(dimension, (const double[3]){0.0}, inertia, second);
+    for (size_t k = 0; k < second_count(dimension); k++) t->second[k] += second[k];
+    for (int a = 0; a < 3; a++) t->turning[a] += inertia * spin[a];
+    t->energy += 0.5 * inertia * gn_dot3(spin, spin);
+}
+
+static const gn_coupled *coupled_of(const gn_conversion *c) {
+    return c->world->exchange[0].context;
+}
+
+/* Who does not move by itself. */
+static void mark_tied(const gn_conversion *c) {
+    const gn_dem *d = &c->world->dem;
+    const gn_ties *ties = &coupled_of(c)->ties;
+    memset(c->tied, 0, d->particles.soa.count);
+    for (size_t k = 0; k < ties->count; k++)
+        if (d->index_of_id[ties->tie[k].id] >= 0) c->tied[d->index_of_id[ties->tie[k].id]] = 1;
+}
+
+/* kg m2, of a particle that turns by itself; slaved spins have none. */
+static double inertia_of(const gn_conversion *c, size_t p) {
+    const gn_particles *q = &c->world->dem.particles;
+    return q->spin && (!c->tied[p] || !coupled_of(c)->turn) ? 1.0 / q->spin[4 * p + 3] : 0.0;
+}
+
+gn_tally gn_conversion_tally(const gn_conversion *c) {
+    const gn_world *w = c->world;
+    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
+    const size_t d = (size_t)w->scene.dimension;
+    gn_tally t = {0};
+    mark_tied(c);
+    for (size_t n = 0; n < nodes->soa.count; n++)
+        if (nodes->vel[4 * n + 3] > 0.0)
+            add(&t, d, 1.0 / nodes->vel[4 * n + 3], nodes->pos + 4 * n, nodes->vel + 4 * n);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!c->tied[p]) add(&t, d, 1.0 / q->vel[4 * p + 3], q->pos + 4 * p, q->vel + 4 * p);
+        if (q->spin) add_spin(&t, d, inertia_of(c, p), q->spin + 4 * p);
+    }
+    return t;
+}
+
+gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b) {
+    gn_tally t = {.mass = a->mass - b->mass, .energy = a->energy - b->energy};
+    for (int k = 0; k < 3; k++) {
+        t.moment[k] = a->moment[k] - b->moment[k];
+        t.momentum[k] = a->momentum[k] - b->momentum[k];
+        t.turning[k] = a->turning[k] - b->turning[k];
+    }
+    for (int k = 0; k < SECOND_MOST; k++) t.second[k] = a->second[k] - b->second[k];
+    return t;
+}
+
+gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]) {
+    const double *m = of->moment, mass = of->mass;
+    double lever[3];
+    gn_tally t = *of;
+    gn_cross3(x, of->momentum, lever);
+    for (int a = 0; a < 3; a++) {
+        t.moment[a] -= mass * x[a];
+        t.turning[a] -= lever[a];
+    }
+    if (dimension == 2)
+        t.second[0] += mass * (x[0] * x[0] + x[1] * x[1]) - 2.0 * (x[0] * m[0] + x[1] * m[1]);
+    for (size_t k = 0; dimension == 3 && k < SECOND_MOST; k++) {
+        const size_t a = k % 3, e = k < 3 ? a : (a + 1) % 3;
+        t.second[k] += mass * x[a] * x[e] - x[a] * m[e] - x[e] * m[a];
+    }
+    return t;
+}
+
+bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f) {
+    double largest = 0.0;
+    for (size_t a = 0; a < n; a++) largest = fmax(largest, m[a][a]);
+    for (size_t k = 0; k < n; k++) {
+        if (!(m[k][k] > 1e-6 * largest)) return false;
+        for (size_t r = k + 1; r < n; r++) {
+            const double factor = m[r][k] / m[k][k];
+            for (size_t a = k; a < n; a++) m[r][a] -= factor * m[k][a];
+            f[r] -= factor * f[k];
+        }
+    }
+    for (size_t k = n; k-- > 0;) {
+        for (size_t a = k + 1; a < n; a++) f[k] -= m[k][a] * f[a];
+        f[k] /= m[k][k];
+    }
+    return true;
+}
+
+/* --- masses --- */
+
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t p) {
+    const gn_particles *q = &c->world->dem.particles;
+    if (!(q->vel[4 * p + 3] > 0.0)) return false;
+    return who == GN_SCALED_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
+}
+
+/* Of those who take. */
+typedef struct spread {
+    double mass, centre[3], size; /* kg, m; m, of the mean square from the centre */
+} spread;
+
+static spread spread_of(const gn_conversion *c, gn_scaled who) {
+    const gn_particles *q = &c->world->dem.particles;
+    double square = 0.0;
+    spread s = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_conversion_scales(c, who, p)) continue;
+        s.mass += 1.0 / q->vel[4 * p + 3];
+        for (size_t a = 0; a < 3; a++) s.centre[a] += q->pos[4 * p + a] / q->vel[4 * p + 3];
+    }
+    for (int a = 0; s.mass > 0.0 && a < 3; a++) s.centre[a] /= s.mass;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (size_t a = 0; gn_conversion_scales(c, who, p) && a < 3; a++)
+            square += pow(q->pos[4 * p + a] - s.centre[a], 2.0) / q->vel[4 * p + 3];
+    s.size = s.mass > 0.0 ? sqrt(square / s.mass) : 0.0;
+    return s;
+}
+
+static void second_about(const gn_conversion *c, const double centre[3], const double *x,
+                         double own, double out[SECOND_MOST]) {
+    double r[3];
+    for (int a = 0; a < 3; a++) r[a] = x[a] - centre[a];
+    second_of((size_t)c->world->scene.dimension, r, own, out);
+}
+
+/* 1, the place and the second moments about the centre, over the size, that a unit of the mass of a
+ * particle has: at the nodes, where it is in a zone. */
+static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b[BASIS_MOST]) {
+    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
+    const size_t d = (size_t)c->world->scene.dimension, seconds = second_count(d);
+    const double *x = q->pos + 4 * p, own = inertia_of(c, p) * q->vel[4 * p + 3];
+    double second[SECOND_MOST];
+    b[0] = 1.0;
+    for (size_t a = 0; a < d; a++) b[1 + a] = (x[a] - s->centre[a]) / s->size;
+    if (!c->tied[p]) {
+        second_about(c, s->centre, x, own, second);
+        for (size_t k = 0; k < seconds; k++) b[1 + d + k] = second[k] / (s->size * s->size);
+        return;
+    }
+    const gn_tie *tie = gn_coupled_tie(coupled_of(c), q->id[p]);
+    for (size_t k = 0; k < seconds; k++) b[1 + d + k] = 0.0;
+    for (size_t a = 0; a <= d; a++) {
+        second_about(c, s->centre, nodes->pos + 4 * (size_t)tie->node[a], own, second);
+        for (size_t k = 0; k < seconds; k++)
+            b[1 + d + k] += tie->shape[a] * second[k] / (s->size * s->size);
+    }
+}
+
+/* The same of what is missing. */
+static void missing_about(const gn_conversion *c, const spread *s, const gn_tally *missing,
+                          double b[BASIS_MOST]) {
+    const size_t d = (size_t)c->world->scene.dimension;
+    const gn_tally about = gn_tally_about(missing, d, s->centre);
+    b[0] = about.mass;
+    for (size_t a = 0; a < d; a++) b[1 + a] = about.moment[a] / s->size;
+    for (size_t k = 0; k < second_count(d); k++)
+        b[1 + d + k] = about.second[k] / (s->size * s->size);
+}
+
+static double factor_at(const double *f, const double *b, size_t n) {
+    double sum = 0.0;
+    for (size_t k = 0; k < n; k++) sum += f[k] * b[k];
+    return sum;
+}
+
+/* The first `n` of the basis, with factors f that make up for as much of what is missing; false:
+ * that says too much. */
+static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
+                       const gn_tally *missing, size_t n, double f[BASIS_MOST]) {
+    const gn_particles *q = &c->world->dem.particles;
+    double m[BASIS_MOST][BASIS_MOST] = {{0.0}}, b[BASIS_MOST], largest = 0.0;
+    missing_about(c, s, missing, f);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_conversion_scales(c, who, p)) continue;
+        basis_at(c, s, p, b);
+        for (size_t k = 0; k < n; k++)
+            for (size_t l = 0; l < n; l++) m[k][l] += b[k] * b[l] / q->vel[4 * p + 3];
+    }
+    if (!gn_solve_positive(n, m, f)) return false;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_conversion_scales(c, who, p)) continue;
+        basis_at(c, s, p, b);
+        largest = fmax(largest, fabs(factor_at(f, b, n)));
+    }
+    return largest <= GN_MASS_SCALED_MOST;
+}
+
+/* Whether those could take it: mass, its centre and inertia; or without the last, or the last two.
+ */
+static bool scale_masses(const gn_conversion *c, gn_scaled who, const gn_tally *missing) {
+    gn_particles *q = &c->world->dem.particles;
+    const size_t d = (size_t)c->world->scene.dimension;
+    const size_t counts[] = {1 + d + second_count(d), 1 + d, 1};
+    const spread s = spread_of(c, who);
+    double f[BASIS_MOST], b[BASIS_MOST];
+    size_t k = 0;
+    if (!(fabs(missing->mass) <= GN_MASS_SCALED_MOST * s.mass) || !(s.mass > 0.0)) return false;
+    while (k < 2 && !polynomial(c, who, &s, missing, counts[k], f)) k++;
+    if (k == 2) f[0] = missing->mass / s.mass;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_conversion_scales(c, who, p)) continue;
+        basis_at(c, &s, p, b);
+        const double factor = 1.0 + factor_at(f, b, counts[k]);
+        q->vel[4 * p + 3] /= factor;
+        if (q->spin) q->spin[4 * p + 3] /= factor;
+    }
+    return true;
+}
+
+/* --- all of it --- */
+
+/* Where few have another weight they cannot make up for what elements weighed. */
+static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
+                                gneiss_error *error) {
+    const double now = gn_conversion_tally(c).mass;
+    if (fabs(now - before->mass) <= 1e-12 * before->mass) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "%s: expected a zone that is wide enough for its mass to be kept (three elements "
+        "and six particles across), found one with which a conversion would change that "
+        "of %.6g kg by %.2g kg",
+        gn_scene_at(&c->world->scene, c->world->scene.couple.convert.where, "couple.convert.width")
+            .text,
+        before->mass, now - before->mass);
+}
+
+gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
+                                 gneiss_error *error) {
+    const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
+    gn_scaled who = GN_SCALED_CHANGED;
+    bool taken = scale_masses(c, who, &missing);
+    if (!taken) taken = scale_masses(c, who = GN_SCALED_TIED, &missing);
+    GN_TRY(gn_coupled_weigh(c->world, error));
+    if (!taken) GN_TRY(check_mass(c, before, error));
+    gn_conversion_keep_momentum(c, before, who);
+    return GNEISS_OK;
+}

@@ -1,0 +1,359 @@
+/* What is left of momentum and angular momentum once masses are scaled (conversion_masses.c) is
+ * made up by a rigid motion, v + w x r: of all that could be added to those who take it that is
+ * what has the least kinetic energy. It goes to who moves by itself from now on and to the nodes
+ * that have another part than before (an element smaller than a particle frees none), as long as
+ * that is small beside how the body moves; a few nodes in a line can take hardly any angular
+ * momentum. Else all nodes of the zones take it, and else all that is free to move.
+ *
+ * A rigid motion is to go on as one, in whichever frame. Where masses could not keep the centre of
+ * mass and the inertia, the angular momentum of those whose masses changed is
+ * another one by d x v + J w, with the mean velocity v and spin w of these, and d and J what is
+ * missing of moment and inertia about their centre: that jumps, and is not made up for. So does
+ * what none can take with small changes. */
+#include "conversion/conversion_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of how the body moves, its rigid motion apart: most that a velocity changes by. */
+static const double most_changed = 0.1;
+/* Of all velocities: below is rounding. */
+static const double least_changed = 1e-10;
+
+typedef enum takers { TAKERS_CHANGED, TAKERS_ZONE, TAKERS_ALL, TAKERS } takers;
+
+/* A rigid motion of those who take: velocity of the centre and spin times the size, as many as the
+ * dimension has. */
+typedef struct rigid {
+    const gn_conversion *c;
+    takers who;
+    size_t dimension, count;
+    double centre[3], size; /* m */
+    double motion[6];       /* m/s */
+} rigid;
+
+/* --- who takes it --- */
+
+/* Whether a component of a node is free to have another velocity. All elements at a node with
+ * another part than before are touched, so that the ledger sees what this does to them. */
+static bool node_takes(const rigid *r, size_t n, size_t a) {
+    const gn_conversion *c = r->c;
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
+    const double part = b->nodes.blend[2 * n];
+    if (!(b->nodes.vel[4 * n + 3] > 0.0) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
+        return false;
+    return r->who == TAKERS_ALL || part != c->node_part[2 * n] ||
+           (r->who == TAKERS_ZONE && part < 1.0);
+}
+
+static bool particle_takes(const rigid *r, size_t p) {
+    const gn_dem *d = &r->c->world->dem;
+    if (r->c->freed[p]) return true;
+    return r->who == TAKERS_ALL && d->particles.vel[4 * p + 3] > 0.0 && !r->c->tied[p] &&
+           !(d->prescribed.count && d->particles.slot[p] >= 0);
+}
+
+/* About where most of those are who take, whatever holds them. */
+static rigid rigid_of(const gn_conversion *c, takers who) {
+    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
+    const size_t d = (size_t)c->world->scene.dimension;
+    rigid r = {.c = c, .who = who, .dimension = d, .count = d == 3 ? 6 : 3};
+    const gn_particles *all[2] = {q, nodes};
+    double mass = 0.0, sum[3] = {0.0}, square = 0.0;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int k = 0; k < 2; k++)
+            for (size_t p = 0; p < all[k]->soa.count; p++) {
+                const double *x = all[k]->pos + 4 * p, inverse = all[k]->vel[4 * p + 3];
+                if (k ? !node_takes(&r, p, 0) && !node_takes(&r, p, 1) : !particle_takes(&r, p))
+                    continue;
+                for (int a = 0; a < 3; a++)
+                    pass ? (square += pow(x[a] - r.centre[a], 2.0) / inverse)
+                         : (sum[a] += x[a] / inverse);
+                mass += pass ? 0.0 : 1.0 / inverse;
+            }
+        for (int a = 0; !pass && mass > 0.0 && a < 3; a++) r.centre[a] = sum[a] / mass;
+    }
+    r.size = mass > 0.0 ? sqrt(square / mass) : 0.0;
+    return r;
+}
+
+/* --- what it does --- */
+
+/* What each part of the motion is at a place, of a component. */
+static void share_of(const rigid *r, const double *x, size_t a, double b[6]) {
+    const size_t d = r->dimension, next = (a + 1) % 3, last = (a + 2) % 3;
+    double from[3];
+    for (size_t k = 0; k < 6; k++) b[k] = k == a ? 1.0 : 0.0;
+    if (r->count == d) return;
+    for (size_t k = 0; k < 3; k++) from[k] = (x[k] - r->centre[k]) / r->size;
+    if (d == 2) {
+        b[2] = a == 0 ? -from[1] : from[0];
+        return;
+    }
+    b[3 + next] = from[last];
+    b[3 + last] = -from[next];
+}
+
+static double change_at(const rigid *r, const double *x, size_t a) {
+    double b[6], sum = 0.0;
+    share_of(r, x, a, b);
+    for (size_t k = 0; k < r->count; k++) sum += r->motion[k] * b[k];
+    return sum;
+}
+
+static void add_mass(const rigid *r, const double *x, size_t a, double mass,
+                     double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
+    double b[6];
+    share_of(r, x, a, b);
+    for (size_t k = 0; k < r->count; k++)
+        for (size_t l = 0; l < r->count; l++) m[k][l] += mass * b[k] * b[l];
+}
+
+/* What those who take have of mass and inertia, by the motion. */
+static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
+    const gn_particles *q = &r->c->world->dem.particles,
+                       *nodes = &gn_coupled_solid(r->c->world)->nodes;
+    for (size_t a = 0; a < r->dimension; a++) {
+        for (size_t p = 0; p < q->soa.count; p++)
+            if (particle_takes(r, p)) add_mass(r, q->pos + 4 * p, a, 1.0 / q->vel[4 * p + 3], m);
+        for (size_t n = 0; n < nodes->soa.count; n++)
+            if (node_takes(r, n, a))
+                add_mass(r, nodes->pos + 4 * n, a, 1.0 / nodes->vel[4 * n + 3], m);
+    }
+    for (size_t p = 0; q->spin && p < q->soa.count; p++)
+        for (size_t k = r->dimension; k < r->count && particle_takes(r, p); k++)
+            m[k][k] += 1.0 / (q->spin[4 * p + 3] * r->size * r->size);
+}
+
+/* m/s: the most that a component changes by. */
+static double most_change(const rigid *r) {
+    const gn_particles *q = &r->c->world->dem.particles,
+                       *nodes = &gn_coupled_solid(r->c->world)->nodes;
+    double most = 0.0;
+    for (size_t a = 0; a < r->dimension; a++) {
+        for (size_t p = 0; p < q->soa.count; p++)
+            if (particle_takes(r, p)) most = fmax(most, fabs(change_at(r, q->pos + 4 * p, a)));
+        for (size_t n = 0; n < nodes->soa.count; n++)
+            if (node_takes(r, n, a)) most = fmax(most, fabs(change_at(r, nodes->pos + 4 * n, a)));
+    }
+    return most;
+}
+
+static void change(const rigid *r) {
+    gn_particles *q = &r->c->world->dem.particles, *nodes = &gn_coupled_solid(r->c->world)->nodes;
+    for (size_t a = 0; a < r->dimension; a++) {
+        for (size_t p = 0; p < q->soa.count; p++)
+            if (particle_takes(r, p)) q->vel[4 * p + a] += change_at(r, q->pos + 4 * p, a);
+        for (size_t n = 0; n < nodes->soa.count; n++)
+            if (node_takes(r, n, a)) nodes->vel[4 * n + a] += change_at(r, nodes->pos + 4 * n, a);
+    }
+    for (size_t p = 0; q->spin && p < q->soa.count; p++)
+        for (size_t k = r->dimension; k < r->count && particle_takes(r, p); k++)
+            q->spin[4 * p + (r->dimension == 3 ? k - 3 : 2)] += r->motion[k] / r->size;
+}
+
+/* --- what is missing --- */
+
+/* What is to be made up. Of angular momentum, about the origin, only what is beside the rigid
+ * motion of those whose masses were scaled; so that it goes with this part of the momentum alone.
+ */
+typedef struct lack {
+    double momentum[3], beside[3], turning[3]; /* kg m/s, kg m2/s */
+    double most;                               /* m/s: that a velocity may change by */
+} lack;
+
+/* J w of second moments. */
+static void turning_of(size_t dimension, const double s[6], const double spin[3], double out[3]) {
+    const double trace = s[0] + s[1] + s[2];
+    out[0] = out[1] = 0.0;
+    out[2] = s[0] * spin[2];
+    for (size_t a = 0; dimension == 3 && a < 3; a++) /* xy, yz and zx follow the squares */
+        out[a] = (trace - s[a]) * spin[a] - s[3 + a] * spin[(a + 1) % 3] -
+                 s[3 + (a + 2) % 3] * spin[(a + 2) % 3];
+}
+
+/* Means over those whose masses were scaled: of a rigid motion its own. */
+typedef struct means {
+    double centre[3], velocity[3], spin[3]; /* m, m/s, rad/s */
+} means;
+
+static means means_of(const gn_conversion *c, gn_scaled who) {
+    const gn_particles *q = &c->world->dem.particles;
+    double mass = 0.0;
+    means m = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_conversion_scales(c, who, p)) continue;
+        const double own = 1.0 / q->vel[4 * p + 3];
+        mass += own;
+        for (size_t a = 0; a < 3; a++) {
+            m.centre[a] += own * q->pos[4 * p + a];
+            m.velocity[a] += own * q->vel[4 * p + a];
+            m.spin[a] += q->spin ? own * q->spin[4 * p + a] : 0.0;
+        }
+    }
+    for (int a = 0; mass > 0.0 && a < 3; a++) {
+        m.centre[a] /= mass;
+        m.velocity[a] /= mass;
+        m.spin[a] /= mass;
+    }
+    return m;
+}
+
+/* m/s: root of the mean square of velocities, less the motion of the body as a whole. */
+static double speed_of(size_t dimension, const gn_tally *t) {
+    double centre[3], v[3], m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, spin[3], energy = t->energy;
+    for (int a = 0; a < 3; a++) {
+        centre[a] = t->moment[a] / t->mass;
+        v[a] = t->momentum[a] / t->mass;
+        energy -= 0.5 * t->mass * v[a] * v[a];
+    }
+    const gn_tally own = gn_tally_about(t, dimension, centre);
+    const size_t axes = dimension == 3 ? 3 : 1;
+    for (size_t k = 0; k < axes; k++) {
+        double unit[3] = {0.0}, column[3];
+        unit[axes == 3 ? k : 2] = 1.0;
+        turning_of(dimension, own.second, unit, column);
+        for (size_t l = 0; l < axes; l++) m[l][k] = column[axes == 3 ? l : 2];
+        spin[k] = own.turning[axes == 3 ? k : 2];
+    }
+    if (gn_solve_positive(axes, m, spin))
+        for (size_t k = 0; k < axes; k++) energy -= 0.5 * spin[k] * own.turning[axes == 3 ? k : 2];
+    return sqrt(fmax(2.0 * energy / t->mass, 0.0));
+}
+
+/* Nothing, where sums over the whole model have no more digits: size is the most that it could be.
+ */
+static double beyond_rounding(double missing, double size) {
+    return fabs(missing) > 1e-14 * size ? missing : 0.0;
+}
+
+static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
+    const size_t d = (size_t)c->world->scene.dimension;
+    const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
+    const means m = means_of(c, who);
+    const gn_tally about = gn_tally_about(&missing, d, m.centre);
+    const double trace = now.second[0] + (d == 3 ? now.second[1] + now.second[2] : 0.0);
+    const double size = sqrt(2.0 * now.mass * now.energy), turns = sqrt(2.0 * trace * now.energy);
+    double of_centre[3], of_inertia[3], turns_on[3], lever[3];
+    lack l = {.most = most_changed * speed_of(d, &now) + least_changed * size / now.mass};
+    gn_cross3(about.moment, m.velocity, of_centre);
+    turning_of(d, about.second, m.spin, of_inertia);
+    gn_cross3(m.spin, about.moment, turns_on);
+    gn_cross3(m.centre, turns_on, lever);
+    for (int a = 0; a < 3; a++) {
+        const double stays = of_centre[a] + of_inertia[a] + lever[a];
+        l.momentum[a] = beyond_rounding(missing.momentum[a], size);
+        l.beside[a] = beyond_rounding(missing.momentum[a] - turns_on[a], size);
+        l.turning[a] = beyond_rounding(missing.turning[a] - stays, turns);
+    }
+    return l;
+}
+
+/* --- making up for it --- */
+
+/* The motion that has the momentum and this part of the angular momentum; false: who takes it is
+ * too few, or in a line, or held. */
+static bool find_motion(rigid *r, const lack *l, double part) {
+    double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}}, lever[3];
+    if (r->count > r->dimension && (!(r->size > 0.0) || !r->c->world->dem.particles.spin))
+        return false;
+    gn_cross3(r->centre, l->beside, lever);
+    for (size_t k = 0; k < r->count; k++) {
+        const size_t a = r->dimension == 3 ? k - 3 : 2;
+        r->motion[k] =
+            k < r->dimension ? l->momentum[k] : part * (l->turning[a] - lever[a]) / r->size;
+    }
+    find_masses(r, m);
+    return gn_solve_positive(r->count, m, r->motion);
+}
+
+/* The first who can take it, with small changes. */
+static bool find_takers(const gn_conversion *c, const lack *l, bool turn, rigid *r) {
+    for (int k = 0; k < TAKERS; k++) {
+        *r = rigid_of(c, (takers)k);
+        if (!turn) r->count = r->dimension;
+        if (find_motion(r, l, 1.0) && most_change(r) <= l->most) return true;
+    }
+    return false;
+}
+
+/* A component at which all are held takes none. */
+static void find_velocity(rigid *r, const lack *l) {
+    double m[GN_BASIS_MOST][GN_BASIS_MOST] = {{0.0}};
+    r->count = r->dimension;
+    find_masses(r, m);
+    for (size_t a = 0; a < r->dimension; a++)
+        r->motion[a] = m[a][a] > 0.0 ? l->momentum[a] / m[a][a] : 0.0;
+}
+
+/* As much of the angular momentum as all can take, and else the momentum alone; returns which part.
+ */
+static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
+    double part = 0.0;
+    if (find_motion(r, l, 1.0)) part = fmin(l->most / most_change(r), 1.0);
+    if (part > 0.0 && find_motion(r, l, part)) return part;
+    if (!find_takers(c, l, false, r)) find_velocity(r, l);
+    return 0.0;
+}
+
+void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
+    gn_world *w = c->world;
+    gn_corrections *all = &w->couple.corrected;
+    const lack l = lack_of(c, before, who);
+    rigid r;
+    const bool taken = find_takers(c, &l, true, &r);
+    const double part = taken ? 1.0 : find_rest(c, &l, &r);
+    const bool wider = r.who != TAKERS_CHANGED;
+    const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
+    change(&r);
+    gn_fem_to_single(gn_coupled_solid(w));
+    gn_coupled_follow(w); /* particles of zones go where nodes take them */
+    if (wider) {
+        const double more = beside - gn_conversion_held_beside(c);
+        w->energy.conversion += more;
+        w->couple.parts.step += more;
+    }
+    if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
+    all->count += 1.0;
+    all->wider += wider;
+    all->missed += !taken;
+}
+
+/* --- what jumped --- */
+
+/* kg m2 of the polar moment. */
+static double polar_of(size_t dimension, const gn_tally *own) {
+    return own->second[0] + (dimension == 3 ? own->second[1] + own->second[2] : 0.0);
+}
+
+/* About its own centre of mass. */
+static gn_tally about_own(const gn_tally *t, size_t dimension, double centre[3]) {
+    for (int a = 0; a < 3; a++) centre[a] = t->moment[a] / t->mass;
+    return gn_tally_about(t, dimension, centre);
+}
+
+double gn_tally_turns(const gn_tally *t, size_t dimension) {
+    double centre[3];
+    const gn_tally own = about_own(t, dimension, centre);
+    const double r = sqrt(polar_of(dimension, &own) / t->mass);
+    const double least = least_changed * sqrt(2.0 * t->mass * t->energy);
+    return fmax(sqrt(gn_dot3(own.turning, own.turning)),
+                r * (t->mass * speed_of(dimension, t) + least));
+}
+
+/* Whatever moves the body on between two conversions keeps what these did to its angular momentum
+ * and to the place of its centre, if it flies: vectors add up. */
+void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
+    const size_t d = (size_t)c->world->scene.dimension;
+    gn_corrections *all = &c->world->couple.corrected;
+    double from[3], to[3];
+    const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
+    for (int a = 0; a < 3; a++) {
+        all->turned[a] += is.turning[a] - was.turning[a];
+        all->centre[a] += to[a] - from[a];
+    }
+    all->inertia += polar_of(d, &is) / polar_of(d, &was) - 1.0;
+    all->most = fmax(all->most, sqrt(gn_dot3(all->turned, all->turned)));
+    all->scale = fmax(all->scale, gn_tally_turns(before, d));
+}

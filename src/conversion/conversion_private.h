@@ -1,0 +1,153 @@
+/* What the files of the conversion share. */
+#ifndef GN_CONVERSION_CONVERSION_PRIVATE_H
+#define GN_CONVERSION_CONVERSION_PRIVATE_H
+
+#include "conversion/conversion.h"
+#include "zones/zones_private.h"
+
+/* What is kept of the state while elements convert. */
+typedef struct gn_conversion {
+    gn_world *world;
+    uint8_t *kind;     /* [elements before] gn_front_kind */
+    int32_t *place;    /* [elements of the mesh] before; -1: gone already */
+    double *part;      /* [particles][2] weights before, 0 of who slept */
+    double *node_part; /* [nodes][2] parts and distances before (couple/front.h) */
+    uint8_t *freed;    /* [particles] moves by itself from now on */
+    uint8_t *touched;  /* [elements before] leaves, or has another part of the body */
+    int32_t *some;     /* [elements before] scratch */
+    uint8_t *active;   /* [prepared bonds] acts from now on */
+    size_t acting;     /* how many do */
+    uint8_t *tied;     /* [particles] who followed nodes at the last tally */
+    uint8_t *reached;  /* [nodes] scratch */
+    bool rehearsed;    /* only whether it could be: all is put back */
+    int rings;         /* of elements that those that go take along */
+    double *rate;      /* [particles][3] m/s2, of `freed`: with which their elements took them */
+    double woken[2];   /* J: of contacts that are other, before and after who is free is balanced */
+} gn_conversion;
+
+/* The element, by place before, that a particle is in; -1: gone already. */
+static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
+    return c->place[gn_home_id(c->world, p)];
+}
+
+/* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
+ * both are the caller's whatever happens. */
+gneiss_status gn_conversion_look_around(const gn_world *world, uint8_t **kind, double **excess,
+                                        gneiss_error *error);
+
+/* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
+ * the bonds that all have. */
+gneiss_status gn_conversion_check_neighbours(const gn_world *world, gneiss_error *error);
+
+/* Contacts (conversion_contacts.c): those that there are get their new part; bonds of who has woken
+ * are added, with the forces that the strain of the elements makes. Before elements go. */
+gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error);
+
+/* m/s: at which the ends of a contact part where they meet, along and across n. */
+void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length, const double n[3],
+                     double rate[3]);
+
+/* N, of the springs of a contact on its first particle at the instant, in the sense of leap-frog;
+ * what of it is along n, from the first to the second; m, between both (conversion_energy.c). */
+double gn_contact_held(const gn_world *world, const gn_contacts *list, size_t c, double n[3],
+                       double *length, double force[3]);
+
+/* The accelerations of those that will be freed, before anything changes
+ * (conversion_accelerations.c). */
+gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error);
+/* Brings them into balance, with lists made anew (conversion_relaxation.c). */
+gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
+
+/* J: what elements and springs hold at the instant, walls with the latter; and what has to be added
+ * for what leap-frog conserves, half a step of their powers. */
+typedef struct gn_held {
+    double elements, contacts, step;
+} gn_held;
+static inline double gn_held_sum(const gn_held *h) {
+    return h->elements + h->contacts + h->step;
+}
+/* J (conversion_energy.c): of what is other after the conversion than before. With parts and
+ * `freed` found. */
+gn_held gn_conversion_held(const gn_conversion *c);
+double gn_conversion_held_in_contacts(const gn_conversion *c);
+/* J: the same of all else. */
+double gn_conversion_held_beside(const gn_conversion *c);
+
+/* J: what elements, and springs instead of them, would hold of the part that particles take if
+ * these went with the strains of their elements (conversion_energy_parts.c). With parts found,
+ * before elements go. */
+void gn_conversion_find_alike(const gn_conversion *c, double alike[2]);
+/* Books a conversion, by what made it. */
+typedef struct gn_held_stages {
+    double alike[2], woken[2];
+    gn_held before, after;
+} gn_held_stages;
+void gn_conversion_book(gn_world *world, const gn_held_stages *held, double kinetic);
+
+/* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
+ * have to go, or be of a zone, and may not; where particles cannot have the mass. */
+void gn_conversion_halt_at(const gn_conversion *c, int64_t element);
+void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]);
+/* With parts found: whether a node of elements that may not go would weigh less than r/width of
+ * what these do as whole ones, as where they are smaller than particles and hold none: hardly
+ * anything would hold it any more. Halts at the one that would weigh least. */
+gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found, gneiss_error *error);
+/* m, of an element at the start. */
+void gn_conversion_centre(const gn_fem_solid *b, size_t e, double centre[3]);
+
+/* Largest change of a mass that is taken for a packing's scatter. */
+#define GN_MASS_SCALED_MOST 0.5
+/* With parts found: whether particles can make up for what the body's mass would change by.
+ * `missing`, kg: that, and what they weigh. */
+bool gn_conversion_fits(const gn_conversion *c, double missing[2]);
+/* Marks the elements beside those that go, which may, as well; false: there are none. */
+bool gn_conversion_take_along(const gn_conversion *c);
+
+/* Masses (conversion_masses.c). What the model has, nodes and free particles. */
+typedef struct gn_tally {
+    double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
+    double turning[3];                   /* kg m2/s, angular momentum, spins included */
+    double second[6]; /* kg m2, xx yy zz xy yz zx, as rotations have it, spins included; in the
+                       * plane about the axis, alone */
+    double energy;    /* J, kinetic */
+} gn_tally;
+gn_tally gn_conversion_tally(const gn_conversion *c);
+gn_tally gn_tally_less(const gn_tally *a, const gn_tally *b);
+/* With moments, second moments and angular momentum about another place; m. */
+gn_tally gn_tally_about(const gn_tally *of, size_t dimension, const double x[3]);
+
+/* Scales the masses of who has another weight than before, by a function of the place, so that
+ * mass, centre of mass and inertia are those of `before`; then changes velocities so that momentum
+ * and angular momentum are. */
+gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
+                                 gneiss_error *error);
+
+/* Whose masses are scaled: who has another weight than before; who is in a zone where these are
+ * too few, as of an element at the edge that holds no particle. */
+typedef enum gn_scaled { GN_SCALED_CHANGED, GN_SCALED_TIED } gn_scaled;
+bool gn_conversion_scales(const gn_conversion *c, gn_scaled who, size_t particle);
+
+/* x of m x = f, in its place, for a symmetric positive m [n][n]; false: it is as good as singular.
+ */
+enum { GN_BASIS_MOST = 10 };
+bool gn_solve_positive(size_t n, double m[GN_BASIS_MOST][GN_BASIS_MOST], double *f);
+
+/* Velocities (conversion_momentum.c), with these masses scaled. */
+void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who);
+
+/* kg m2/s: against what a change of angular momentum about the centre of mass is held. What the
+ * body has of it, or m v r of its vibration, whichever is larger: v of the mean square of
+ * velocities, its rigid motion apart, r of the polar moment. The same in any frame. */
+double gn_tally_turns(const gn_tally *t, size_t dimension);
+/* Sums up what none of it could keep: angular momentum, centre of mass, inertia; once all of a
+ * conversion is done. */
+void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now);
+
+/* The elements that the place of a tie is in: one, or those that share the face, edge or node that
+ * it is on, GN_AROUND_MOST at most. Gradients jump there; a mean over them gives mirror images of a
+ * body mirrored values, whichever element comes first. */
+enum { GN_AROUND_MOST = 64 };
+size_t gn_conversion_around(const gn_fem_solid *b, const gn_tie *tie,
+                            int32_t element[GN_AROUND_MOST]);
+
+#endif

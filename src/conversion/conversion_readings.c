@@ -1,0 +1,67 @@
+/* What is read of particles that sleep: they are where the elements have the body. */
+#include "base/memory.h"
+#include "conversion/conversion.h"
+#include "zones/zones_private.h"
+
+#include <math.h>
+#include <string.h>
+
+int32_t *gn_conversion_places(const gn_world *w) {
+    size_t count;
+    return gn_converts(w) ? gn_fem_places(gn_coupled_solid(w), &count) : NULL;
+}
+
+size_t gn_conversion_asleep(const gn_world *w) {
+    size_t count = 0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) count += gn_is_asleep(w, p);
+    return count;
+}
+
+bool gn_conversion_begun(const gn_world *w) {
+    size_t count = 0;
+    gn_free(gn_fem_places(gn_coupled_solid(w), &count));
+    return gn_conversion_elements(w) < count;
+}
+
+/* Where one that sleeps is in the elements; false: not without their places. */
+static bool find_sleeper(const gn_world *w, const int32_t *places, size_t p, gn_tie *tie,
+                         gn_ties *one) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    if (!places) return false;
+    *tie = gn_tie_at(b, places[gn_home_id(w, p)], w->dem.particles.start + 4 * p);
+    *one = (gn_ties){.corners = b->dimension + 1, .count = 1, .tie = tie};
+    return true;
+}
+
+void gn_conversion_travel(const gn_world *w, const int32_t *places, size_t p, double u[3]) {
+    const gn_particles *q = &w->dem.particles;
+    gn_tie tie;
+    gn_ties one;
+    for (size_t a = 0; a < 3; a++) u[a] = q->pos[4 * p + a] - q->start[4 * p + a];
+    if (!gn_is_asleep(w, p)) return;
+    u[0] = u[1] = u[2] = NAN; /* no memory */
+    if (find_sleeper(w, places, p, &tie, &one))
+        gn_tie_travel(&one, 0, &gn_coupled_solid(w)->nodes, u);
+}
+
+void gn_conversion_velocity(const gn_world *w, const int32_t *places, size_t p, double v[3]) {
+    gn_tie tie;
+    gn_ties one;
+    memcpy(v, w->dem.particles.vel + 4 * p, 3 * sizeof *v);
+    if (gn_is_asleep(w, p) && find_sleeper(w, places, p, &tie, &one))
+        gn_tie_mean(&one, 0, gn_coupled_solid(w)->nodes.vel, v);
+}
+
+void gn_conversion_gradient(const gn_world *w, double gradient[9]) {
+    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, gradient);
+    int32_t *places = gn_conversion_places(w);
+    for (size_t k = 0; gn_converts(w) && k < w->gauge.count; k++) {
+        const int32_t p = w->dem.index_of_id[w->gauge.id[k]];
+        double u[3];
+        if (p < 0 || !gn_is_asleep(w, (size_t)p)) continue;
+        gn_conversion_travel(w, places, (size_t)p, u);
+        for (int a = 0; a < 3; a++)
+            for (int c = 0; c < 3; c++) gradient[3 * a + c] += u[a] * w->gauge.weight[3 * k + c];
+    }
+    gn_free(places);
+}

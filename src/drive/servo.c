@@ -1,0 +1,53 @@
+#include "drive/servo.h"
+
+#include "world/internal.h"
+
+#include <math.h>
+
+static void add_list(const gn_world *w, const gn_contacts *list, bool all, size_t count,
+                     const double (*n)[3], double *spring, double *dashpot) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_law *law = gn_law_of(list->soa.effects);
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const double *x = q->pos + 4 * (size_t)list->i[c], *y = q->pos + 4 * (size_t)list->j[c];
+        double l[3], length = sqrt(gn_branch(w, x, y, l));
+        double rest = list->length0 ? list->length0[c] : x[3] + y[3];
+        if (!all && length >= rest && !gn_contact_bonded(list, c)) continue;
+        double overlap = fmax(rest - length, 0.0) + (all ? w->dem.verlet.skin : 0.0);
+        gn_law_spring k = law->spring(list, c, overlap);
+        for (size_t a = 0; a < count; a++) {
+            double along = gn_dot3(l, n[a]);
+            spring[a] += (k.kn + k.kt) * along * along;
+            dashpot[a] += k.cn * along * along;
+        }
+    }
+}
+
+void gn_servo_answers(const gn_world *w, bool all, size_t count, const double (*n)[3],
+                      double *spring, double *dashpot) {
+    for (size_t a = 0; a < count; a++) spring[a] = dashpot[a] = 0.0;
+    add_list(w, &w->dem.bonds, all, count, n, spring, dashpot);
+    add_list(w, &w->dem.pairs, all, count, n, spring, dashpot);
+}
+
+double gn_servo_answer(double share, double uniform) {
+    const double of_uniform = 0.25;
+    return of_uniform * share * fmin(1.0, uniform);
+}
+
+/* The smaller of two of one sign, 0 of two signs. */
+static double common(double x, double y) {
+    return x > 0.0 ? fmax(0.0, fmin(x, y)) : fmin(0.0, fmax(x, y));
+}
+
+double gn_servo_speed(gn_servo_state *s, const gn_servo_look *look) {
+    double speed = s->base + look->pace * (look->wanted - look->found);
+    if (fabs(speed) > look->most) {
+        s->expected = look->found;
+        return copysign(look->most, speed);
+    }
+    const double droop = common(s->expected - look->found, look->wanted - look->found);
+    s->base += 0.5 * look->answer * look->pace * droop;
+    s->expected += look->answer * (look->wanted - s->expected);
+    return speed;
+}

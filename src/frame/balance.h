@@ -1,0 +1,18 @@
+/* How far forces are from balance, over all parts of a world. */
+#ifndef GN_FRAME_BALANCE_H
+#define GN_FRAME_BALANCE_H
+
+#include <stdbool.h>
+
+/* What is reported of a larger ratio, as of what falls and hardly touches. */
+#define GN_UNBALANCED_MOST 1000.0
+
+/* Parts add theirs: particles first, whose mean contact force the others use. */
+typedef struct gn_balance {
+    double ratio; /* mean resultant over mean contact force; of parts the largest */
+    double force; /* N, mean over contacts that carry; 0: none does */
+    bool carries; /* a contact carries, or elements are stressed */
+    bool falls;   /* something moves under forces without any contact that could hold it */
+} gn_balance;
+
+#endif

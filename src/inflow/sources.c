@@ -1,0 +1,265 @@
+/* Particles that come in: which are due, where there is room. */
+#include "base/ball.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "inflow/free_space.h"
+#include "pack/sizes.h"
+#include "world/internal.h"
+
+#include <string.h>
+
+/* Making lists costs as much as some fifteen steps, and what flows has them made every hundred or
+ * so anyway. */
+enum { STEPS_BETWEEN = 50 };
+/* Places that are tried for a particle before it waits. */
+enum { TRIES = 100, SAMPLES = 10000 };
+
+/* --- when --- */
+
+/* How long the rate has run at a time. */
+static double running(const gn_source_def *d, double time) {
+    double until = d->end > 0.0 ? fmin(time, d->end) : time;
+    return until - d->start;
+}
+
+/* In the unit of the rate: what came in, and how much of it comes in a second. */
+static double amount(const gn_source_def *d, const gn_source_state *s) {
+    return d->mass_rate > 0.0 ? s->mass : s->number;
+}
+static double rate(const gn_source_def *d) {
+    return d->mass_rate > 0.0 ? d->mass_rate : d->rate;
+}
+
+/* What was due by the end of a source comes after it as well, when there is room. Its first
+ * particle is due at the start, so that the one after the last would be due at the end. */
+static bool is_done(const gn_source_def *d, const gn_source_state *s) {
+    if (d->total > 0 && s->number >= (double)d->total) return true;
+    return d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12);
+}
+
+static bool due(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const gn_source_state *s = &w->dem.flow.sources[k];
+    if (w->time < d->start || is_done(d, s)) return false;
+    return amount(d, s) <= rate(d) * running(d, w->time);
+}
+
+bool gn_flow_due(const gn_world *w) {
+    if (!gn_scene_flows(&w->scene) || w->step - w->dem.verlet.last_step < STEPS_BETWEEN)
+        return false;
+    for (size_t k = 0; k < w->scene.source_count; k++)
+        if (due(w, k)) return true;
+    return false;
+}
+
+double gn_flow_behind(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const gn_source_state *s = &w->dem.flow.sources[k];
+    if (d->total > 0 && s->number >= (double)d->total) return 0.0;
+    return fmax(0.0, running(d, w->time) - amount(d, s) / rate(d));
+}
+
+bool gn_flow_brings(const gn_world *w) {
+    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++) {
+        const gn_source_def *d = &w->scene.sources[k];
+        const gn_source_state *s = &w->dem.flow.sources[k];
+        const bool waits = gn_flow_behind(w, k) > 2.0 * STEPS_BETWEEN * w->dt;
+        if (!is_done(d, s) && !waits && d->start + amount(d, s) / rate(d) <= w->scene.end)
+            return true;
+    }
+    return false;
+}
+
+/* In the unit of the rate: one particle. */
+static double one(const gn_world *w, size_t k) {
+    const gn_source_state *s = &w->dem.flow.sources[k];
+    if (!(w->scene.sources[k].mass_rate > 0.0)) return 1.0;
+    return s->number > 0.0 ? s->mass / s->number : 0.0;
+}
+
+bool gn_flow_is_behind(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const double behind = gn_flow_behind(w, k);
+    return behind > 0.01 * fmax(0.0, running(d, w->time)) && behind * rate(d) > one(w, k);
+}
+
+double gn_flow_late(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const double most = running(d, w->scene.end) * rate(d), late = STEPS_BETWEEN * w->dt * rate(d);
+    const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * w->dt < w->scene.end;
+    const bool full = d->total > 0 && most - late > (double)d->total * one(w, k);
+    if (over || full || !(most > 0.0) || !(one(w, k) > 0.0)) return 0.0;
+    return late > one(w, k) && late > 0.01 * most ? fmin(late / one(w, k), gn_flow_expected(w, k))
+                                                  : 0.0;
+}
+
+double gn_flow_expected(const gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    if (!(one(w, k) > 0.0)) return 0.0;
+    const double fed = fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k);
+    return d->total > 0 ? fmin(fed, (double)d->total) : fed;
+}
+
+/* --- who and where --- */
+
+/* Numbers of a source's own, apart from those for places and for velocities. */
+enum { FOR_SIZES, FOR_PLACES, FOR_VELOCITIES, PURPOSES };
+static uint64_t seed_of(const gn_world *w, size_t k, int purpose) {
+    return gn_random_bits(w->scene.seed ^ UINT64_C(0x736f75726365),
+                          PURPOSES * (uint64_t)k + (uint64_t)purpose);
+}
+
+static double draw_radius(gn_world *w, size_t k) {
+    const gn_source_def *d = &w->scene.sources[k];
+    gn_source_state *s = &w->dem.flow.sources[k];
+    const gn_sizes sizes = {d->sizes,       d->size_ratio, d->size_variation,
+                            d->sieve_count, d->sieve,      (int)w->scene.dimension};
+    gn_drawn drawn = {seed_of(w, k, FOR_SIZES), (uint64_t)s->sizes};
+    double radius = w->dem.flow.unit[k] * gn_sizes_draw(&sizes, &drawn);
+    s->sizes = (double)drawn.count;
+    return radius;
+}
+
+/* Uniform in the region; false: none was found in it, which takes a region that hardly fills its
+ * box. */
+static bool draw_place(gn_world *w, size_t k, double x[3]) {
+    double lower[3], upper[3];
+    gn_source_state *s = &w->dem.flow.sources[k];
+    const uint64_t seed = seed_of(w, k, FOR_PLACES);
+    gn_domain_bounds(w->dem.flow.region[k], lower, upper);
+    for (int n = 0; n < SAMPLES; n++) {
+        for (int a = 0; a < 3; a++)
+            x[a] = lower[a] + (upper[a] - lower[a]) * 0.5 *
+                                  (1.0 + gn_random_symmetric(seed, (uint64_t)s->places++));
+        if (gn_domain_depth(w->dem.flow.region[k], x) >= 0.0) return true;
+    }
+    return false;
+}
+
+static void draw_velocity(const gn_world *w, size_t k, double v[3]) {
+    const gn_source_def *d = &w->scene.sources[k];
+    const uint64_t from = 3 * (uint64_t)w->dem.flow.sources[k].number;
+    for (int a = 0; a < 3; a++) {
+        v[a] = d->velocity[a];
+        if (a < (int)w->scene.dimension && d->random_velocity > 0.0)
+            v[a] += d->random_velocity *
+                    gn_random_symmetric(seed_of(w, k, FOR_VELOCITIES), from + (uint64_t)a);
+    }
+}
+
+/* --- coming in --- */
+
+typedef struct arrivals {
+    gn_arrival *item;
+    size_t count, space;
+} arrivals;
+
+static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *error) {
+    if (list->count == list->space) {
+        size_t space = 2 * list->space + 64;
+        gn_arrival *item = gn_alloc_array(space, sizeof *item);
+        if (!item)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu new particles", space);
+        if (list->count) memcpy(item, list->item, list->count * sizeof *item);
+        gn_free(list->item);
+        list->item = item;
+        list->space = space;
+    }
+    list->item[list->count++] = *a;
+    return GNEISS_OK;
+}
+
+/* What the energy ledger begins with is stored at the start; later it comes in. */
+static void book(gn_world *w, const gn_arrival *a) {
+    gn_source_state *s = &w->dem.flow.sources[a->source];
+    const gn_source_def *d = &w->scene.sources[a->source];
+    int material = gn_scene_find_material(&w->scene, d->material);
+    double mass = w->scene.materials[material].density *
+                  gn_ball_volume((int)w->scene.dimension, a->sphere[3]);
+    double energy = 0.5 * mass * gn_dot3(a->velocity, a->velocity);
+    s->number += 1.0;
+    s->mass += mass;
+    s->energy += energy;
+    for (int c = 0; c < 3; c++) s->momentum[c] += mass * a->velocity[c];
+    if (w->step > 0) w->energy.inserted += energy;
+}
+
+/* A particle that finds no room keeps its radius, so that crowding does not favour small ones. */
+static bool find_place(gn_world *w, size_t k, const gn_room *room, double sphere[4]) {
+    gn_source_state *s = &w->dem.flow.sources[k];
+    if (!(s->radius > 0.0)) s->radius = draw_radius(w, k);
+    sphere[3] = s->radius;
+    for (int n = 0; n < TRIES; n++) {
+        if (!draw_place(w, k, sphere)) break;
+        if (gn_room_free(room, sphere)) return true;
+    }
+    s->full += 1.0;
+    return false;
+}
+
+static gneiss_status let_in(gn_world *w, size_t k, gn_room *room, arrivals *list,
+                            gneiss_error *error) {
+    while (due(w, k)) {
+        gn_arrival a = {.source = k};
+        if (!find_place(w, k, room, a.sphere)) return GNEISS_OK;
+        draw_velocity(w, k, a.velocity);
+        GN_TRY(gn_room_take(room, a.sphere, error));
+        GN_TRY(keep(list, &a, error));
+        w->dem.flow.sources[k].radius = 0.0;
+        book(w, &a);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status find_arrivals(gn_world *w, arrivals *list, gneiss_error *error) {
+    double lower[3], upper[3];
+    gn_room room;
+    gn_flow_bounds(w, lower, upper);
+    GN_TRY(gn_room_open(w, lower, upper, gn_flow_largest_radius(w), &room, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < w->scene.source_count; k++)
+        status = let_in(w, k, &room, list, error);
+    gn_room_close(&room);
+    return status;
+}
+
+const char *gn_flow_wall_before(const gn_world *w, size_t k) {
+    double bound[2][3];
+    gn_domain_bounds(w->dem.flow.region[k], bound[0], bound[1]);
+    for (size_t i = 0; i < w->scene.wall_count; i++) {
+        double farthest = -INFINITY;
+        for (int c = 0; c < 8; c++) {
+            const double x[3] = {bound[c & 1][0], bound[c >> 1 & 1][1], bound[c >> 2][2]};
+            farthest = fmax(farthest, gn_wall_distance(&w->boundary.walls[i], x));
+        }
+        if (farthest < gn_flow_least_radius(w)) return w->scene.walls[i].name;
+    }
+    return NULL;
+}
+
+static gneiss_status nothing_came(const gn_world *w, gneiss_error *error) {
+    size_t k = 0;
+    while (w->scene.sources[k].start > 0.0) k++;
+    const gn_source_def *d = &w->scene.sources[k];
+    const char *wall = gn_flow_wall_before(w, k);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected room for a first particle, radius %g m, in source '%s', found "
+                   "%s%s%s",
+                   gn_scene_at(&w->scene, d->where, "sources").text, w->dem.flow.sources[k].radius,
+                   d->name, wall ? "all of it behind wall '" : "", wall ? wall : "",
+                   wall ? "', whose normal points to where particles may be"
+                        : "walls or bodies wherever it was tried");
+}
+
+gneiss_status gn_flow_arrive(gn_world *w, bool first, gneiss_error *error) {
+    arrivals list = {0};
+    bool any = false;
+    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++)
+        any = any || due(w, k);
+    if (!any) return GNEISS_OK;
+    gneiss_status status = find_arrivals(w, &list, error);
+    if (status == GNEISS_OK && list.count) status = gn_dem_grow(w, list.item, list.count, error);
+    gn_free(list.item);
+    GN_TRY(status);
+    return first && !w->dem.particles.soa.count ? nothing_came(w, error) : GNEISS_OK;
+}

@@ -1,0 +1,220 @@
+#include "laboratory/bending.h"
+
+#include "base/point.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Stress goes with span and thickness, and with the square of the height. */
+static const double tolerance = 0.01;
+
+/* Places along the beam of what an end holds, in all and on either side of their middle. */
+typedef struct places {
+    bool known; /* a wall has none along itself */
+    double low, high, left_high, right_low;
+} places;
+
+typedef struct visit {
+    places *into;
+    bool sides; /* the middle is known */
+    double middle;
+} visit;
+
+static void add(const visit *v, double centre, double reach) {
+    places *p = v->into;
+    double low = centre - reach, high = centre + reach;
+    if (!v->sides) {
+        p->low = fmin(p->low, low);
+        p->high = fmax(p->high, high);
+        p->known = true;
+    } else if (centre < v->middle) {
+        p->left_high = fmax(p->left_high, high);
+    } else {
+        p->right_low = fmin(p->right_low, low);
+    }
+}
+
+static void visit_set(const gn_world *w, size_t set, size_t axis, const visit *v) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (gn_set_selected(w, set, p)) add(v, q->start[4 * p + axis], q->pos[4 * p + 3]);
+}
+
+static void visit_motion(const gn_world *w, size_t motion, size_t axis, const visit *v) {
+    const gn_particles *nodes;
+    const gn_fem_set *set = gn_elements_motion_set(w, motion, &nodes);
+    for (size_t k = 0; k < set->count; k++)
+        add(v, nodes->start[4 * (size_t)set->node[k] + axis], 0);
+}
+
+/* As far as it reaches from its reference point, however it is turned. */
+static void visit_body(const gn_world *w, size_t body, size_t axis, const visit *v) {
+    size_t first = 0;
+    double reach = 0.0;
+    for (size_t k = 0; k < body; k++) first += (size_t)w->boundary.body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)w->boundary.body_shape[body][0]; n++) {
+        const double *x = w->boundary.body_vertex + 4 * n;
+        reach = fmax(reach, sqrt(gn_dot3(x, x)));
+    }
+    add(v, w->boundary.bodies[body].start[axis], reach);
+}
+
+/* False: a wall is among its parts. */
+static bool visit_end(const gn_world *w, const gn_test_end *end, size_t axis, const visit *v) {
+    const gn_scene *s = &w->scene;
+    for (size_t k = 0; k < end->count; k++) {
+        int set = gn_scene_find_set(s, end->name[k]), body = gn_scene_find_body(s, end->name[k]),
+            motion = gn_scene_find_element_motion(s, end->name[k]);
+        if (set >= 0)
+            visit_set(w, (size_t)set, axis, v);
+        else if (motion >= 0)
+            visit_motion(w, (size_t)motion, axis, v);
+        else if (body >= 0)
+            visit_body(w, (size_t)body, axis, v);
+        else
+            return false;
+    }
+    return true;
+}
+
+static places places_of(const gn_world *w, const gn_test_end *end, size_t axis) {
+    places p = {.low = INFINITY, .high = -INFINITY, .left_high = -INFINITY, .right_low = INFINITY};
+    visit v = {.into = &p};
+    if (!visit_end(w, end, axis, &v)) p.known = false;
+    if (!p.known) return p;
+    v.sides = true;
+    v.middle = 0.5 * (p.low + p.high);
+    visit_end(w, end, axis, &v);
+    return p;
+}
+
+typedef struct report {
+    char *text;
+    size_t size, used, before; /* the place comes before what there is to say */
+} report;
+
+/* A number of the test and the range in which the scene has it. */
+static void hold(report *r, const char *key, double given, double low, double high,
+                 const char *what) {
+    const double slack = tolerance * fmax(fabs(given), fabs(high));
+    if ((given >= low - slack && given <= high + slack) || r->used >= r->size) return;
+    const char *between = r->used > r->before ? "; " : "";
+    int more =
+        high - low > slack
+            ? snprintf(r->text + r->used, r->size - r->used, "%s%s is %.4g m, %s %.4g to %.4g m",
+                       between, key, given, what, low, high)
+            : snprintf(r->text + r->used, r->size - r->used, "%s%s is %.4g m, %s %.4g m", between,
+                       key, given, what, high);
+    r->used += more > 0 ? (size_t)more : 0;
+}
+
+/* Across z in 2D; in 3D along the longer of the sides that the load is not along. */
+static size_t along_beam(const gn_world *w) {
+    size_t axis = (size_t)w->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
+    if (w->scene.dimension == 2) return 1 - axis;
+    return gn_world_side(w, (int)a) >= gn_world_side(w, (int)b) ? a : b;
+}
+
+static void hold_spans(const gn_world *w, size_t along, const places *supports, report *r) {
+    const gn_test *t = &w->scene.test;
+    const places loads = places_of(w, &t->upper, along);
+    if (supports->known)
+        hold(r, "span", t->span, supports->right_low - supports->left_high,
+             supports->high - supports->low, "the supports are apart by");
+    if (!loads.known) return;
+    const double apart = loads.right_low - loads.left_high;
+    if (t->load_span > 0.0 || (t->upper.count > 1 && apart > tolerance * t->span))
+        hold(r, "load_span", t->load_span, fmax(0.0, apart), loads.high - loads.low,
+             "the loads are apart by");
+    if (!supports->known || r->used >= r->size) return;
+    /* A single particle, node or body has all of itself on one side. */
+    const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
+    const double slack = tolerance * t->span,
+                 low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
+                 high = two ? 0.5 * (supports->left_high + supports->high) : supports->high;
+    if (loads.low <= high + slack && loads.high >= low - slack) return;
+    int more =
+        snprintf(r->text + r->used, r->size - r->used,
+                 "%sthe load is at %.4g to %.4g m along %c, mid-span at %.4g m",
+                 r->used > r->before ? "; " : "", gn_point_out(w->scene.origin[along], loads.low),
+                 gn_point_out(w->scene.origin[along], loads.high), "xyz"[along],
+                 gn_point_out(w->scene.origin[along], 0.5 * (low + high)));
+    r->used += more > 0 ? (size_t)more : 0;
+}
+
+/* Of particles that are not packed into a shape the surface is known to a radius. */
+static void hold_extent(const gn_world *w, const char *key, double given, size_t axis, report *r) {
+    const gn_pack_def *pack = &w->scene.specimen.pack;
+    double low = gn_world_side(w, (int)axis), high = low;
+    if (!(given > 0.0)) return;
+    /* Of one body: of elements, or with the particles, which stick out a little where they fill it.
+     */
+    if (w->scene.has_couple) {
+        double side[3];
+        gn_elements_sides(w, side);
+        hold(r, key, given, side[axis], high, "the specimen has");
+        return;
+    }
+    if (pack->shape == GN_SHAPE_NONE && w->dem.particles.soa.count) {
+        low -= 2.0 * gn_world_mean_radius(w);
+    } else if (pack->shape == GN_SHAPE_RECTANGLE || pack->shape == GN_SHAPE_BOX) {
+        low = high = fmax(high, pack->size[axis]);
+    } else if (pack->shape == GN_SHAPE_POLYGON) {
+        double least = w->lower[axis], most = w->upper[axis];
+        for (size_t k = 0; k < pack->corner_count; k++) {
+            least = fmin(least, pack->corners[2 * k + axis]);
+            most = fmax(most, pack->corners[2 * k + axis]);
+        }
+        low = high = most - least;
+    }
+    hold(r, key, given, low, high, "the specimen has");
+}
+
+/* The deepest corner of an outline between the supports that is neither below nor above; below 0:
+ * nothing is known of a notch. */
+static double notch_of(const gn_world *w, size_t along, const places *supports) {
+    const gn_scene *s = &w->scene;
+    const gn_pack_def *pack = &s->specimen.pack;
+    const size_t axis = (size_t)s->test.axis;
+    double deepest = 0.0, least = INFINITY, most = -INFINITY;
+    if (s->has_elements && s->elements.has_beam) return s->elements.beam.notch_depth;
+    if (pack->shape != GN_SHAPE_POLYGON || !supports->known) return -1.0;
+    for (size_t k = 0; k < pack->corner_count; k++) {
+        least = fmin(least, pack->corners[2 * k + axis]);
+        most = fmax(most, pack->corners[2 * k + axis]);
+    }
+    for (size_t k = 0; k < pack->corner_count; k++) {
+        const double *x = pack->corners + 2 * k;
+        bool between = x[along] > supports->left_high && x[along] < supports->right_low;
+        if (between && x[axis] < most) deepest = fmax(deepest, x[axis] - least);
+    }
+    return deepest;
+}
+
+bool gn_bending_outside(const gn_world *w) {
+    const size_t along = along_beam(w);
+    const places supports = places_of(w, &w->scene.test.lower, along),
+                 loads = places_of(w, &w->scene.test.upper, along);
+    if (!supports.known || !loads.known) return false;
+    return loads.high < supports.low || loads.low > supports.high;
+}
+
+bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {
+    const gn_test *t = &w->scene.test;
+    if (t->kind != GN_TEST_BENDING) return false;
+    const int place = snprintf(text, size, "%s: ", gn_scene_at(&w->scene, t->where, "test").text);
+    const size_t before = place > 0 ? (size_t)place : 0;
+    report r = {text, size, before, before};
+    const size_t along = along_beam(w), axis = (size_t)t->axis;
+    const places supports = places_of(w, &t->lower, along);
+    hold_spans(w, along, &supports, &r);
+    hold_extent(w, "height", t->height, axis, &r);
+    if (w->scene.dimension == 3) hold_extent(w, "thickness", t->thickness, 3 - axis - along, &r);
+    const double notch = notch_of(w, along, &supports);
+    /* A shape without one may have it cut otherwise, as by groups that do not bond. */
+    const bool whole = notch == 0.0 && w->scene.has_elements && w->scene.elements.has_beam &&
+                       !w->scene.has_specimen;
+    if (notch > 0.0 || whole) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
+    return r.used > before;
+}

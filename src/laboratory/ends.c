@@ -1,0 +1,186 @@
+/* The two ends of a test: what loads the specimen there and how far it went. An end may have
+ * several parts (two supports under a beam); their forces add up, their travel is the mean over the
+ * parts.
+ */
+#include "laboratory/ends.h"
+
+#include <math.h>
+
+/* From where it stood at the start, along the axis. */
+static double part_travel(const gn_world *w, const char *name, int axis) {
+    const gn_scene *s = &w->scene;
+    int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
+        motion = gn_scene_find_element_motion(s, name);
+    if (wall >= 0) return w->boundary.walls[wall].point[axis] - w->boundary.walls[wall].start[axis];
+    if (body >= 0)
+        return w->boundary.bodies[body].position[axis] - w->boundary.bodies[body].start[axis];
+    if (motion < 0) return gn_set_travel(w, (size_t)gn_scene_find_set(s, name), axis);
+    double travel[3];
+    gn_elements_travel(w, (size_t)motion, travel);
+    return travel[axis];
+}
+
+static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
+    double sum = 0.0;
+    for (size_t k = 0; k < end->count; k++) sum += part_travel(w, end->name[k], axis);
+    return sum / (double)end->count;
+}
+
+/* A wall along the sheared plane that is not moved along it lies on what is sheared, as a lid with
+ * a servo does: it presses there and has no part in how far that went. */
+static bool only_presses(const gn_world *w, const char *name, int axis) {
+    const int wall = gn_scene_find_wall(&w->scene, name);
+    if (wall < 0 || !gn_test_in(w->scene.test.kind, GN_TESTS_SHEARED)) return false;
+    const gn_wall_def *def = &w->scene.walls[wall];
+    return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
+}
+
+/* Of an end of the test along its axis; of nothing but such walls all count. */
+static double loaded_travel(const gn_world *w, const gn_test_end *end) {
+    const int axis = (int)w->scene.test.axis;
+    double sum = 0.0, count = 0.0;
+    for (size_t k = 0; k < end->count; k++) {
+        if (only_presses(w, end->name[k], axis)) continue;
+        sum += part_travel(w, end->name[k], axis);
+        count += 1.0;
+    }
+    return count > 0.0 ? sum / count : end_travel(w, end, axis);
+}
+
+/* Force with which a part loads the specimen along the axis. */
+static double part_force(const gn_world *w, const char *name, int axis) {
+    const gn_scene *s = &w->scene;
+    int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
+        motion = gn_scene_find_element_motion(s, name);
+    if (wall >= 0) return -w->boundary.walls[wall].force[axis];
+    if (body >= 0) return -w->boundary.bodies[body].force[axis];
+    if (motion >= 0) {
+        double force[3];
+        gn_elements_reaction(w, (size_t)motion, force);
+        return force[axis];
+    }
+    int set = gn_scene_find_set(s, name);
+    if (s->sets[set].motion.velocity[axis].count) return w->dem.set_reaction[6 * set + axis];
+    return s->sets[set].has_force ? s->sets[set].force[axis] : 0.0;
+}
+
+static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
+    double sum = 0.0;
+    for (size_t k = 0; k < end->count; k++) sum += part_force(w, end->name[k], axis);
+    return sum;
+}
+
+static double test_sign(const gn_world *w) {
+    return gn_test_sign(w->scene.test.kind);
+}
+
+double gn_ends_deflection(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    return test_sign(w) * (loaded_travel(w, &t->upper) - loaded_travel(w, &t->lower));
+}
+
+double gn_ends_opening(const gn_world *w) {
+    const gn_opening *o = &w->scene.test.opening;
+    int axis = (int)o->axis;
+    return end_travel(w, &o->upper, axis) - end_travel(w, &o->lower, axis);
+}
+
+void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
+    double sign = test_sign(w);
+    const gn_test *t = &w->scene.test;
+    *lower = -sign * end_force(w, &t->lower, (int)t->axis);
+    *upper = sign * end_force(w, &t->upper, (int)t->axis);
+    if (!gn_scene_end_drives(&w->scene, &w->scene.test.lower)) *lower = *upper;
+    if (!gn_scene_end_drives(&w->scene, &w->scene.test.upper)) *upper = *lower;
+}
+
+/* Whether a part can bear or load along an axis. */
+static bool acts_along(const gn_scene *s, const char *name, int axis) {
+    int set = gn_scene_find_set(s, name);
+    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_body(s, name) >= 0 || set < 0)
+        return true;
+    return s->sets[set].motion.velocity[axis].count || s->sets[set].has_force;
+}
+
+static bool end_acts_along(const gn_world *w, const gn_test_end *end, int axis) {
+    bool acts = false;
+    for (size_t k = 0; k < end->count; k++) acts |= acts_along(&w->scene, end->name[k], axis);
+    return acts;
+}
+
+void gn_ends_normals(const gn_world *w, double *lower, double *upper) {
+    const gn_test *t = &w->scene.test;
+    const int normal = (int)t->normal;
+    *lower = end_force(w, &t->lower, normal);
+    *upper = -end_force(w, &t->upper, normal);
+    if (!end_acts_along(w, &t->lower, normal)) *lower = *upper;
+    if (!end_acts_along(w, &t->upper, normal)) *upper = *lower;
+}
+
+double gn_ends_dilation(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    int normal = (int)t->normal;
+    return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
+}
+
+/* The place farthest along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
+ * (yet). */
+static double body_reach(const gn_world *w, size_t body, double sense) {
+    const int normal = (int)w->scene.test.normal;
+    double reach = -INFINITY;
+    size_t first = 0;
+    if (!w->boundary.body_vertex) return reach;
+    for (size_t k = 0; k < body; k++) first += (size_t)w->boundary.body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)w->boundary.body_shape[body][0]; n++)
+        reach = fmax(reach, sense * (w->boundary.bodies[body].start[normal] +
+                                     w->boundary.body_vertex[4 * n + (size_t)normal]));
+    return reach;
+}
+
+static double set_reach(const gn_world *w, size_t set, double sense) {
+    const gn_particles *q = &w->dem.particles;
+    double reach = -INFINITY;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (gn_set_selected(w, set, p))
+            reach = fmax(reach, sense * q->start[4 * p + (size_t)w->scene.test.normal]);
+    return reach;
+}
+
+static double motion_reach(const gn_world *w, size_t motion, double sense) {
+    double reach = -INFINITY;
+    const gn_particles *nodes;
+    if (w->scene.has_specimen) return reach; /* particles are what is sheared */
+    const gn_fem_set *set = gn_elements_motion_set(w, motion, &nodes);
+    for (size_t k = 0; k < set->count; k++)
+        reach = fmax(reach,
+                     sense * nodes->start[4 * (size_t)set->node[k] + (size_t)w->scene.test.normal]);
+    return reach;
+}
+
+static double end_reach(const gn_world *w, const gn_test_end *end, double sense) {
+    const gn_scene *s = &w->scene;
+    double reach = -INFINITY;
+    for (size_t k = 0; k < end->count; k++) {
+        const int wall = gn_scene_find_wall(s, end->name[k]),
+                  set = gn_scene_find_set(s, end->name[k]),
+                  body = gn_scene_find_body(s, end->name[k]),
+                  motion = gn_scene_find_element_motion(s, end->name[k]);
+        if (wall >= 0) reach = fmax(reach, sense * s->walls[wall].point[s->test.normal]);
+        if (set >= 0) reach = fmax(reach, set_reach(w, (size_t)set, sense));
+        if (body >= 0) reach = fmax(reach, body_reach(w, (size_t)body, sense));
+        if (motion >= 0) reach = fmax(reach, motion_reach(w, (size_t)motion, sense));
+    }
+    return reach;
+}
+
+double gn_ends_gap(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    return -end_reach(w, &t->upper, -1.0) - end_reach(w, &t->lower, 1.0);
+}
+
+double gn_ends_free(const gn_world *w) {
+    const int normal = (int)w->scene.test.normal;
+    const double height = gn_world_side(w, normal), gap = gn_ends_gap(w),
+                 least = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w) : 0.0;
+    return gap > least && gap < height ? gap : height;
+}

@@ -1,0 +1,30 @@
+/* The specimen as a test sees it: lengths, areas, and the stress in its middle. */
+#ifndef GN_LABORATORY_LABORATORY_H
+#define GN_LABORATORY_LABORATORY_H
+
+#include "world/world.h"
+
+typedef struct gn_tested_shape {
+    double length;   /* m: closing of the ends over the strain of the test */
+    double area;     /* m2: force over the stress of the test */
+    double section;  /* m2: of what breaks: across the axis, of a disc along it, of a beam above its
+                        notch */
+    double volume;   /* m3, from what the scene says of a body from a file; 0: it does not */
+    double diameter; /* m, of a disc */
+    double thickness; /* m, of a disc or a beam */
+    double height;    /* m, of a beam */
+} gn_tested_shape;
+
+/* From the scene, and where it does not say from the extent and the volume of the specimen, which
+ * the world has. */
+gn_tested_shape gn_test_shape(const gn_world *world);
+
+/* Where its area comes from, in words; "": the scene gives it, or there is none. */
+const char *gn_test_area_source(const gn_world *world);
+
+/* Mean stress, Pa, of a disc's region about its centre (test.centre): sum over contacts of f_a l_b
+ * over the volume of the region, l the part of the branch that lies in it. At the present places,
+ * with the tangential forces of the last step. */
+void gn_test_centre_stress(const gn_world *world, double sigma[9]);
+
+#endif

@@ -1,0 +1,15 @@
+/* How the section of a specimen varies along the axis of its test. */
+#ifndef GN_LABORATORY_SECTION_H
+#define GN_LABORATORY_SECTION_H
+
+#include "world/world.h"
+
+/* Of prisms, which are all that moduli are read of. At the start, after all parts are made. */
+gn_bar_section gn_section_of(const gn_world *world);
+
+/* Young's modulus over the slope of the stress of the test over its strain, and over the mean
+ * strain of the specimen. 1: the section does not vary; NaN: no modulus follows from that slope. */
+double gn_section_by_ends(const gn_world *world);
+double gn_section_by_mean(const gn_world *world);
+
+#endif

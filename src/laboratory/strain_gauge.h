@@ -1,0 +1,23 @@
+/* Whose displacements tell the average strain of the specimen, while a run goes on. */
+#ifndef GN_LABORATORY_STRAIN_GAUGE_H
+#define GN_LABORATORY_STRAIN_GAUGE_H
+
+#include "world/world.h"
+
+/* The gauge of the start (gn_strain_gauge_create). Writes the gauge and world.belongs alone. */
+gneiss_status gn_gauge_create(gn_world *world, gneiss_error *error);
+
+/* Once it is there, with contacts known: pieces that lie apart from the start were never of the
+ * specimen's, so do not come off it. */
+void gn_gauge_note_apart(gn_world *world);
+
+/* Every 100 steps: what has come off a bonded specimen counts no longer, for good; of what is left
+ * there is a new gauge, with the places of the start. None once less than half of the volume is
+ * left. Before anything has broken, been dissolved or removed nothing has come off. Beside finite
+ * elements, which may hold what looks apart, only what was removed has left. */
+gneiss_status gn_gauge_look(gn_world *world, gneiss_error *error);
+
+/* The same at once after particles were removed, of these alone. */
+gneiss_status gn_gauge_leave(gn_world *world, gneiss_error *error);
+
+#endif

@@ -1,0 +1,164 @@
+#include "membrane/cells.h"
+
+#include "base/memory.h"
+#include "base/random.h"
+#include "base/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Voxels along a side at most. */
+enum { MOST = 48 };
+
+typedef struct view {
+    gn_cell *cell;
+    size_t particle;
+    bool full;
+} view;
+
+void gn_cell_free(gn_cell *cell) {
+    gn_free(cell->face);
+    gn_free(cell->owner);
+    *cell = (gn_cell){0};
+}
+
+/* --- neighbours --- */
+
+static double way_to(const gn_particles *q, size_t p, const double x[3]) {
+    const double *y = q->start + 4 * p;
+    const double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+    return sqrt(gn_dot3(d, d));
+}
+
+/* Whether a place in the cell may be nearer to the other one. */
+static bool is_near(const gn_cell *cell, size_t particle, size_t other) {
+    const gn_particles *q = cell->all->particles;
+    const double reach = q->pos[4 * particle + 3] + 2.0 * cell->around;
+    return way_to(q, other, q->start + 4 * particle) - q->pos[4 * other + 3] < reach;
+}
+
+static void see(void *context, int32_t other) {
+    view *v = context;
+    gn_cell *cell = v->cell;
+    if ((size_t)other == v->particle || v->full) return;
+    if (!is_near(cell, v->particle, (size_t)other)) return;
+    if (cell->count == cell->capacity) {
+        const size_t wanted = 2 * cell->capacity + 64;
+        gn_cell_face *more = gn_alloc_array(wanted, sizeof *more);
+        v->full = !more;
+        if (!more) return;
+        if (cell->count) memcpy(more, cell->face, cell->count * sizeof *more);
+        gn_free(cell->face);
+        cell->face = more;
+        cell->capacity = wanted;
+    }
+    cell->face[cell->count++] = (gn_cell_face){.particle = other};
+}
+
+/* --- voxels --- */
+
+typedef struct cube {
+    double width;    /* m, of a voxel */
+    double first[3]; /* m, middle of the first */
+    size_t n[3];
+} cube;
+
+/* Where voxels begin is drawn, so that those of a lattice are not all wrong alike. */
+static cube cube_about(const gn_cell *cell, int dimension, size_t particle) {
+    const gn_particles *q = cell->all->particles;
+    const double radius = q->pos[4 * particle + 3], side = 2.0 * (radius + cell->around);
+    double along = ceil(side / fmin(cell->width, 0.25 * radius) - 1e-6) + 1.0;
+    const size_t n = along < MOST ? (size_t)along : MOST;
+    cube c = {.width = side / (double)(n - 1), .n = {n, n, dimension == 3 ? n : 1}};
+    for (int a = 0; a < 3; a++) {
+        double shift = gn_random_symmetric(1, 3 * (uint64_t)q->id[particle] + (uint64_t)a);
+        c.first[a] = q->start[4 * particle + a];
+        if (a < dimension) c.first[a] -= 0.5 * c.width * ((double)(n - 1) + shift);
+    }
+    return c;
+}
+
+static void middle(const cube *c, size_t i, size_t j, size_t k, double x[3]) {
+    const size_t at[3] = {i, j, k};
+    for (int a = 0; a < 3; a++) x[a] = c->first[a] + c->width * (double)at[a];
+}
+
+/* Of two alike that of the smaller id. */
+static int32_t owner_of(const gn_cell *cell, size_t particle, const double x[3], size_t planes,
+                        const double (*plane)[4]) {
+    const gn_particles *q = cell->all->particles;
+    double least = way_to(q, particle, x) - q->pos[4 * particle + 3];
+    int32_t found = GN_CELL_OWN, id = q->id[particle];
+    if (least > cell->around) return GN_CELL_OUTSIDE;
+    for (size_t k = 0; k < planes; k++)
+        if (gn_dot3(plane[k], x) > plane[k][3]) return GN_CELL_OUTSIDE;
+    for (size_t k = 0; k < cell->count; k++) {
+        const size_t p = (size_t)cell->face[k].particle;
+        const double distance = way_to(q, p, x) - q->pos[4 * p + 3];
+        if (distance > least || (distance == least && q->id[p] > id)) continue;
+        least = distance;
+        found = (int32_t)k;
+        id = q->id[p];
+    }
+    return found;
+}
+
+/* Between a voxel and the next along an axis, one of which may be of the cell. */
+static void add_between(gn_cell *cell, int32_t one, int32_t next, int axis, double area,
+                        const double x[3]) {
+    const bool out = one == GN_CELL_OWN;
+    const int32_t other = out ? next : one;
+    if ((one == GN_CELL_OWN) == (next == GN_CELL_OWN) || other == GN_CELL_OUTSIDE) return;
+    gn_cell_face *face = &cell->face[other];
+    face->area[axis] += out ? area : -area;
+    face->sum += area;
+    for (int a = 0; a < 3; a++) face->point[a] += area * x[a];
+}
+
+static void add_faces(gn_cell *cell, const cube *c, int dimension) {
+    const double area = dimension == 3 ? c->width * c->width : c->width;
+    const size_t stride[3] = {1, c->n[0], c->n[0] * c->n[1]};
+    for (size_t k = 0; k < c->n[2]; k++)
+        for (size_t j = 0; j < c->n[1]; j++)
+            for (size_t i = 0; i < c->n[0]; i++) {
+                const size_t at[3] = {i, j, k}, v = i + stride[1] * j + stride[2] * k;
+                for (int a = 0; a < dimension; a++) {
+                    double x[3];
+                    if (at[a] + 1 == c->n[a]) continue;
+                    middle(c, i, j, k, x);
+                    x[a] += 0.5 * c->width;
+                    add_between(cell, cell->owner[v], cell->owner[v + stride[a]], a, area, x);
+                }
+            }
+    for (size_t f = 0; f < cell->count; f++)
+        for (int a = 0; a < 3 && cell->face[f].sum > 0.0; a++)
+            cell->face[f].point[a] /= cell->face[f].sum;
+}
+
+gneiss_status gn_cell_find(gn_cell *cell, int dimension, size_t particle, size_t plane_count,
+                           const double (*plane)[4], gneiss_error *error) {
+    const double *start = cell->all->particles->start + 4 * particle;
+    const double radius = cell->all->particles->pos[4 * particle + 3];
+    const cube c = cube_about(cell, dimension, particle);
+    const size_t voxels = c.n[0] * c.n[1] * c.n[2];
+    view v = {cell, particle, false};
+    cell->count = 0;
+    gn_start_grid_visit(cell->all, start, radius + 2.0 * cell->around + cell->all->radius_max, see,
+                        &v);
+    if (voxels > cell->voxels) {
+        gn_free(cell->owner);
+        cell->owner = gn_alloc_array(voxels, sizeof *cell->owner);
+        cell->voxels = cell->owner ? voxels : 0;
+    }
+    if (!cell->owner || v.full)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the cell of a particle");
+    for (size_t k = 0, at = 0; k < c.n[2]; k++)
+        for (size_t j = 0; j < c.n[1]; j++)
+            for (size_t i = 0; i < c.n[0]; i++, at++) {
+                double x[3];
+                middle(&c, i, j, k, x);
+                cell->owner[at] = owner_of(cell, particle, x, plane_count, plane);
+            }
+    add_faces(cell, &c, dimension);
+    return GNEISS_OK;
+}

@@ -1,0 +1,34 @@
+/* The share of space that a particle had at the start: what was nearer to its surface than to that
+ * of any other, found by voxels. Their faces lie along the axes, but what matters is their sum as
+ * vectors, which over a part of any surface is a function of its edge alone. */
+#ifndef GN_MEMBRANE_CELLS_H
+#define GN_MEMBRANE_CELLS_H
+
+#include "membrane/grid.h"
+
+/* What a cell has in common with that of a neighbour. */
+typedef struct gn_cell_face {
+    int32_t particle; /* the neighbour */
+    double area[3];   /* m2, out of the cell; 2D: 1 m thick */
+    double point[3];  /* m, its middle */
+    double sum;       /* m2, of the faces of its voxels; 0: they have nothing in common */
+} gn_cell_face;
+
+typedef struct gn_cell {
+    const gn_start_grid *all; /* with every particle */
+    double around;            /* m: how far beyond its particle a cell goes at most */
+    double width;             /* m, of the voxels of fine particles */
+    size_t count, capacity;   /* faces */
+    gn_cell_face *face;
+    size_t voxels;
+    int32_t *owner; /* [voxels]: place in `face`, or one of the below */
+} gn_cell;
+enum { GN_CELL_OWN = -1, GN_CELL_OUTSIDE = -2 };
+
+/* The faces of the cell of a particle, of which nothing is beyond the planes: rows of an outward
+ * normal and of how far along it they are. The room of *cell is used again. */
+gneiss_status gn_cell_find(gn_cell *cell, int dimension, size_t particle, size_t plane_count,
+                           const double (*plane)[4], gneiss_error *error);
+void gn_cell_free(gn_cell *cell);
+
+#endif

@@ -1,0 +1,261 @@
+/* What came off gives its part of the surface to what it lay on. Of a particle that has gone the
+ * faces of its cell to those that are left are surface now: as vectors they add up to what it bore,
+ * so that the surface stays closed, encloses what is left, and follows it. All of it where things
+ * were at the start. */
+#include "membrane/membrane.h"
+
+#include "base/memory.h"
+#include "membrane/cells.h"
+#include "particles/fragments.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* In mean radii: cells of grids, how far a cell goes beyond its particle, and its voxels. */
+static const double cell_size = 2.5, around = 1.0, voxel = 0.25;
+
+/* Sizes in q->skin of what came off. A grain that was loose inside while others lay upon it stays
+ * where it is for the membrane, which does not reach into what is closed: what it would bear goes
+ * to what lies beneath. */
+static const double inside = -1.0, bare = -2.0, going = -3.0;
+
+enum { NONE = -1, PLANES = 8 };
+
+/* Patches while they change hands: as lists of those of each particle. */
+typedef struct hands {
+    gn_world *w;
+    gn_start_grid left, all;
+    bool *of; /* [particles] that are left */
+    gn_cell cell;
+    gn_patch *patch;
+    int32_t *next, *head; /* [capacity], [particles] */
+    size_t count, capacity;
+} hands;
+
+/* Whether a particle is farther than its radius from where it lay on the skin as a whole: what was
+ * never held has come off then, and not where the packing left a gap. */
+static bool has_gone(const gn_world *w, const double mean[3], size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    double way[3];
+    for (int a = 0; a < 3; a++) way[a] = q->pos[4 * p + a] - q->start[4 * p + a] - mean[a];
+    return gn_dot3(way, way) > q->pos[4 * p + 3] * q->pos[4 * p + 3];
+}
+
+/* How the skin has moved, by the mean of its particles. */
+static void mean_way(const gn_particles *q, double mean[3]) {
+    double count = 0.0;
+    for (int a = 0; a < 3; a++) mean[a] = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) mean[a] += q->pos[4 * p + a] - q->start[4 * p + a];
+        count += 1.0;
+    }
+    for (int a = 0; a < 3 && count > 0.0; a++) mean[a] /= count;
+}
+
+/* For good: what comes back is not pressed again. Whether there is any that was not known. */
+static bool mark_off(gn_world *w) {
+    gn_particles *q = &w->dem.particles;
+    const int32_t *members = gn_world_bodies(w);
+    const bool loosened = gn_world_has_loosened(w);
+    int32_t largest = 0;
+    bool found = false;
+    double mean[3];
+    mean_way(q, mean);
+    for (size_t p = 0; members && p < q->soa.count; p++)
+        largest = members[p] > largest ? members[p] : largest;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        bool off = q->vel[4 * p + 3] == 0.0 || (members && GN_CHIP * members[p] < largest &&
+                                                (loosened || has_gone(w, mean, p)));
+        if (!off || gn_came_off(q, p)) continue;
+        memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
+        q->skin[4 * p + 3] = going;
+        memcpy(q->applied + 4 * p, q->load + 4 * p, 4 * sizeof *q->load);
+        found = true;
+    }
+    return found;
+}
+
+/* --- hands --- */
+
+static void free_hands(hands *h) {
+    gn_start_grid_free(&h->left);
+    gn_start_grid_free(&h->all);
+    gn_cell_free(&h->cell);
+    gn_free(h->patch);
+    gn_free(h->next);
+    gn_free(h->head);
+    gn_free(h->of);
+}
+
+static gneiss_status make_room(hands *h, size_t capacity, gneiss_error *error) {
+    gn_patch *patch = gn_alloc_array(capacity, sizeof *patch);
+    int32_t *next = gn_alloc_array(capacity, sizeof *next);
+    if (patch && next && h->count) {
+        memcpy(patch, h->patch, h->count * sizeof *patch);
+        memcpy(next, h->next, h->count * sizeof *next);
+    }
+    gn_free(h->patch);
+    gn_free(h->next);
+    h->patch = patch;
+    h->next = next;
+    h->capacity = capacity;
+    if (patch && next) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane of %zu patches", capacity);
+}
+
+static double length(const double a[3]) {
+    return sqrt(gn_dot3(a, a));
+}
+
+static void put_in(hands *h, int32_t p, size_t k) {
+    h->next[k] = h->head[p];
+    h->head[p] = (int32_t)k;
+}
+
+/* Who bears something is of the skin from now on. */
+static gneiss_status add_patch(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
+    double *size = &h->w->dem.particles.skin[4 * (size_t)p + 3];
+    if (*size == 0.0) *size = length(patch->area);
+    if (h->count == h->capacity) GN_TRY(make_room(h, 2 * h->capacity + 64, error));
+    h->patch[h->count] = *patch;
+    put_in(h, p, h->count++);
+    return GNEISS_OK;
+}
+
+static gneiss_status take_up(gn_world *w, hands *h, gneiss_error *error) {
+    const gn_dem *d = &w->dem;
+    const size_t n = d->particles.soa.count;
+    const double radius = gn_world_mean_radius(w);
+    h->of = gn_alloc_array(n + 1, sizeof *h->of);
+    if (!h->of)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    for (size_t p = 0; p < n; p++) h->of[p] = !gn_came_off(&d->particles, p);
+    GN_TRY(gn_start_grid_make(w, cell_size * radius, h->of, &h->left, error));
+    GN_TRY(gn_start_grid_make(w, cell_size * radius, NULL, &h->all, error));
+    h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
+    h->head = gn_alloc_array(n + 1, sizeof *h->head);
+    if (!h->head)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
+    GN_TRY(make_room(h, d->patch_count + 64, error));
+    for (size_t p = 0; p < n; p++) h->head[p] = NONE;
+    for (size_t k = d->patch_count; k-- > 0;) {
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        if (at >= 0) GN_TRY(add_patch(h, at, &d->patches[k], error));
+    }
+    return GNEISS_OK;
+}
+
+/* Back into the world, those of one particle one after the other. */
+static gneiss_status put_down(const hands *h, gneiss_error *error) {
+    gn_dem *d = &h->w->dem;
+    gn_patch *patches = gn_alloc_array(h->count + 1, sizeof *patches);
+    if (!patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    d->patch_count = 0;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) {
+            patches[d->patch_count] = h->patch[k];
+            patches[d->patch_count++].owner = d->particles.id[p];
+        }
+    gn_free(d->patches);
+    d->patches = patches;
+    return GNEISS_OK;
+}
+
+/* --- who bears what now --- */
+
+static gneiss_status give(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
+    if (h->w->dem.particles.skin[4 * (size_t)p + 3] == inside)
+        p = gn_start_grid_nearest(&h->left, patch->point, patch->area);
+    return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
+}
+
+/* Planes of the surface at a particle: of its patches of the start. */
+static size_t planes_at(const hands *h, size_t p, double (*plane)[4]) {
+    size_t count = 0;
+    for (int32_t k = h->head[p]; k != NONE && count < PLANES; k = h->next[k]) {
+        const gn_patch *patch = &h->patch[k];
+        const double size = length(patch->area);
+        if (!(patch->size > 0.0 && size > 0.0)) continue;
+        for (int a = 0; a < 3; a++) plane[count][a] = patch->area[a] / size;
+        plane[count][3] = gn_dot3(plane[count], patch->point);
+        count++;
+    }
+    return count;
+}
+
+/* Adds area and area times place. */
+static void add_sums(const gn_patch *patch, double sign, double area[3], double arms[9]) {
+    for (int a = 0; a < 3; a++) area[a] += sign * patch->area[a];
+    for (int k = 0; k < 9; k++)
+        arms[k] += sign * (patch->area[k / 3] * patch->point[k % 3] + patch->rest[k]);
+}
+
+/* Faces but those to who has bared its own, which are none any more; `area` and `arms` lose theirs.
+ */
+static gneiss_status give_faces(hands *h, double area[3], double arms[9], gneiss_error *error) {
+    const double *skin = h->w->dem.particles.skin;
+    for (size_t f = 0; f < h->cell.count; f++) {
+        const gn_cell_face *face = &h->cell.face[f];
+        gn_patch patch = {.size = 0.0};
+        if (!(face->sum > 0.0) || skin[4 * (size_t)face->particle + 3] == bare) continue;
+        if (!gn_membrane_covers(h->w, face->area)) continue;
+        for (int a = 0; a < 3; a++) {
+            patch.area[a] = -face->area[a];
+            patch.point[a] = face->point[a];
+        }
+        add_sums(&patch, -1.0, area, arms);
+        GN_TRY(give(h, face->particle, &patch, error));
+    }
+    return GNEISS_OK;
+}
+
+/* A cell is closed, so that what it bore has the sum and the moment of the faces that it bares.
+ * What these miss, by the size of voxels and where the surface was no plane, all of the skin bears.
+ */
+static void keep_sums(gn_membrane *m, const double area[3], const double arms[9]) {
+    for (int a = 0; a < 3; a++) m->missing[a] += area[a];
+    for (int k = 0; k < 9; k++) m->rest[k] += 0.5 * (arms[k] - arms[k % 3 * 3 + k / 3]);
+}
+
+static gneiss_status bare_faces(hands *h, size_t p, gneiss_error *error) {
+    double plane[PLANES][4], area[3] = {0}, arms[9] = {0};
+    const size_t planes = planes_at(h, p, plane);
+    for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) add_sums(&h->patch[k], 1.0, area, arms);
+    GN_TRY(gn_cell_find(&h->cell, (int)h->w->scene.dimension, p, planes, plane, error));
+    h->head[p] = NONE;
+    h->w->dem.particles.skin[4 * p + 3] = bare;
+    GN_TRY(give_faces(h, area, arms, error));
+    keep_sums(h->w->dem.membrane, area, arms);
+    return GNEISS_OK;
+}
+
+/* By their numbers, again and again while one that goes was given something. */
+static gneiss_status change_hands(hands *h, gneiss_error *error) {
+    gn_dem *d = &h->w->dem;
+    double *skin = d->particles.skin;
+    for (bool more = true; more;) {
+        more = false;
+        for (int64_t id = 0; id < d->ids; id++) {
+            const int32_t p = d->index_of_id[id];
+            if (p < 0 || skin[4 * (size_t)p + 3] != going || h->head[p] == NONE) continue;
+            GN_TRY(bare_faces(h, (size_t)p, error));
+            more = true;
+        }
+    }
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (skin[4 * p + 3] == going) skin[4 * p + 3] = inside;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_membrane_drop(gn_world *w, bool *dropped, gneiss_error *error) {
+    hands h = {.w = w};
+    *dropped = mark_off(w);
+    if (!*dropped) return GNEISS_OK;
+    gneiss_status status = take_up(w, &h, error);
+    if (status == GNEISS_OK) status = change_hands(&h, error);
+    if (status == GNEISS_OK) status = put_down(&h, error);
+    free_hands(&h);
+    return status;
+}

@@ -1,0 +1,285 @@
+/* The skin of particles that came without a shape: the surface over which a ball of the mean radius
+ * rolls (rolling_ball.h), and of those parallel to it the one of a body all of which bears the
+ * pressure. What it encloses is the volume to which the mean stress of the specimen refers then.
+ * Bodies between which the ball passes have surfaces of their own; a particle by itself is pressed
+ * from all sides alike, which is not at all, and so are particles in a row or (in space) in one
+ * layer, whose shape tells nothing of how it turns and stretches. */
+#include "membrane/membrane.h"
+
+#include "base/ball.h"
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "laboratory/laboratory.h"
+#include "membrane/rolling_ball.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct view {
+    int32_t *body;    /* [particles] one that stands for what the ball does not pass between */
+    int32_t *members; /* [particles] of the body that one stands for */
+    size_t bodies;
+    gn_rolled rolled;
+    double *borne; /* [particles] m3: sections of contacts that bear times their half lengths */
+} view;
+
+static int32_t standing_for(int32_t *body, int32_t p) {
+    while (body[p] != p) p = body[p] = body[body[p]];
+    return p;
+}
+
+static void join(view *v, int32_t i, int32_t j) {
+    const int32_t a = standing_for(v->body, i), b = standing_for(v->body, j);
+    v->body[a > b ? a : b] = a > b ? b : a;
+}
+
+static void count_bodies(view *v, size_t n) {
+    for (size_t p = 0; p < n; p++) v->members[v->body[p] = standing_for(v->body, (int32_t)p)]++;
+    for (size_t p = 0; p < n; p++) v->bodies += v->members[p] > 0;
+}
+
+/* Contacts that are or may be bonded, or touch. */
+static void add_borne(const gn_world *w, view *v, size_t i, size_t j) {
+    const double *x = w->dem.particles.pos + 4 * i, *y = w->dem.particles.pos + 4 * j;
+    const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+    const double length = sqrt(gn_dot3(way, way)), radius = fmin(x[3], y[3]);
+    const double range =
+        fmax(w->scene.bonds == GN_SWITCH_ON ? w->scene.interaction_range : 0.0, 0.01);
+    if (length > (1.0 + range) * (x[3] + y[3])) return;
+    const double half = 0.5 * length * (w->scene.dimension == 3 ? radius * radius : radius);
+    v->borne[i] += half;
+    v->borne[j] += half;
+}
+
+static gneiss_status make_view(view *v, size_t n, gneiss_error *error) {
+    bool all = true;
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        v->rolled.area[k] = gn_alloc_array(n + 1, sizeof *v->rolled.area[k]);
+        v->rolled.arms[k] = gn_alloc_array(n + 1, sizeof *v->rolled.arms[k]);
+        all = all && v->rolled.area[k] && v->rolled.arms[k];
+    }
+    v->rolled.cell = gn_alloc_array(n + 1, sizeof *v->rolled.cell);
+    v->borne = gn_alloc_array(n + 1, sizeof *v->borne);
+    v->body = gn_alloc_array(n + 1, sizeof *v->body);
+    v->members = gn_alloc_array(n + 1, sizeof *v->members);
+    if (all && v->rolled.cell && v->borne && v->body && v->members) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a skin");
+}
+
+static void free_view(view *v) {
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        gn_free(v->rolled.area[k]);
+        gn_free(v->rolled.arms[k]);
+    }
+    gn_free(v->rolled.cell);
+    gn_free(v->borne);
+    gn_free(v->body);
+    gn_free(v->members);
+}
+
+static gneiss_status look(const gn_world *w, view *v, double ball, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const int dimension = (int)w->scene.dimension;
+    gn_pair_query query = {
+        .particles = q, .dimension = dimension, .margin = 2.0 * ball, .threads = w->threads};
+    gn_pair_list pairs = {0};
+    GN_TRY(make_view(v, q->soa.count, error));
+    GN_TRY(gn_pairs_find(&query, &pairs, error));
+    for (size_t p = 0; p < q->soa.count; p++) v->body[p] = (int32_t)p;
+    for (size_t c = 0; c < pairs.count; c++) {
+        join(v, pairs.pair[c][0], pairs.pair[c][1]);
+        add_borne(w, v, (size_t)pairs.pair[c][0], (size_t)pairs.pair[c][1]);
+    }
+    count_bodies(v, q->soa.count);
+    v->rolled.particles = q;
+    v->rolled.dimension = dimension;
+    v->rolled.ball = ball;
+    v->rolled.pairs = &pairs;
+    gneiss_status status = gn_rolled_find(&v->rolled, error);
+    v->rolled.pairs = NULL;
+    gn_pair_list_free(&pairs);
+    return status;
+}
+
+/* What rounding leaves where the ball is held by more than three. */
+static void close_surface(gn_particles *q, gn_skin_body body) {
+    double left[3] = {0}, size = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        size += q->skin[4 * p + 3];
+        for (int a = 0; a < 3; a++) left[a] += q->skin[4 * p + a];
+    }
+    for (size_t p = 0; p < q->soa.count && size > 0.0; p++)
+        for (int a = 0; a < 3 && gn_is_of(body, p); a++)
+            q->skin[4 * p + a] -= q->skin[4 * p + 3] / size * left[a];
+}
+
+/* What layers weigh in the surface at a distance of so many of the ball's radii from its centre. */
+static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        weight[k] = 1.0;
+        for (int l = 0; l < GN_ROLLED_LAYERS; l++)
+            if (l != k)
+                weight[k] *= (at - gn_rolled_layer[l]) / (gn_rolled_layer[k] - gn_rolled_layer[l]);
+    }
+}
+
+/* m3, of each layer of a body: areas times places of their particles, and what it encloses. */
+typedef struct volumes {
+    double at_centres[GN_ROLLED_LAYERS], enclosed[GN_ROLLED_LAYERS];
+} volumes;
+
+static volumes volumes_of(const gn_world *w, const view *v, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    const double d = (double)w->scene.dimension, *base = NULL;
+    volumes sums = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double way[3];
+        if (!gn_is_of(body, p)) continue;
+        if (!base) base = q->start + 4 * p;
+        for (int a = 0; a < 3; a++) way[a] = q->start[4 * p + a] - base[a];
+        for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+            const double work = gn_dot3(v->rolled.area[k][p], way) / d;
+            sums.at_centres[k] += work;
+            sums.enclosed[k] += work + v->rolled.arms[k][p] / d;
+        }
+    }
+    return sums;
+}
+
+static double sum_at(const double sums[GN_ROLLED_LAYERS], double at) {
+    double weight[GN_ROLLED_LAYERS], sum = 0.0;
+    weigh_layers(at, weight);
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) sum += weight[k] * sums[k];
+    return sum;
+}
+
+/* Where a sum, which falls towards larger distances, is `wanted`; at most half a radius of the ball
+ * from what it touches. */
+static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
+    double low = 0.5, high = 1.5;
+    for (int k = 0; k < 50; k++) {
+        const double middle = 0.5 * (low + high);
+        *(sum_at(sums, middle) > wanted ? &low : &high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* m3, of a body by what its particles inside have around them; 0: there are too few inside. */
+typedef struct body_space {
+    double bearing; /* through which its contacts bear a pressure that is everywhere the same */
+    double filled;  /* that its particles fill */
+} body_space;
+
+static body_space space_of(const gn_world *w, const view *v, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    const int few = 8;
+    double borne[2] = {0}, solid[2] = {0}, space = 0.0;
+    int count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        const double ball = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+        const bool inside = v->rolled.cell[p] > 0.0;
+        for (int k = 0; k <= (int)inside; k++) borne[k] += v->borne[p], solid[k] += ball;
+        space += v->rolled.cell[p];
+        count += inside;
+    }
+    if (count < few || !(borne[1] > 0.0)) return (body_space){0};
+    return (body_space){borne[0] / borne[1] * space, solid[0] / solid[1] * space};
+}
+
+/* Where the surface of a body lies, in radii of the ball from its centre. A ball sinks in between
+ * the particles of a lattice, and rides on those that stand out of what a cut has left, to which
+ * fewer contacts lead: what it touches is not where the body ends that bears. An area that is given
+ * says itself where that is. */
+static double surface_at(const gn_world *w, const view *v, gn_skin_body body, double given,
+                         double bearing) {
+    const volumes sums = volumes_of(w, v, body);
+    if (given > 0.0) return layer_at(sums.enclosed, given);
+    return bearing > 0.0 ? layer_at(sums.at_centres, bearing) : 1.0;
+}
+
+static void set_surface(gn_world *w, const view *v, gn_skin_body body, double at, double *arms) {
+    gn_particles *q = &w->dem.particles;
+    double weight[GN_ROLLED_LAYERS];
+    weigh_layers(at, weight);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *skin = q->skin + 4 * p;
+        if (!gn_is_of(body, p)) continue;
+        for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+            for (int a = 0; a < 3; a++) skin[a] += weight[k] * v->rolled.area[k][p][a];
+            arms[p] += weight[k] * v->rolled.arms[k][p];
+        }
+        skin[3] = sqrt(gn_dot3(skin, skin));
+    }
+}
+
+/* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
+ * what the body fills. */
+static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) {
+    gn_particles *q = &w->dem.particles;
+    const double none[3] = {0}, d = (double)w->scene.dimension;
+    const bool shaped = w->scene.specimen.pack.shape != GN_SHAPE_NONE;
+    const bool tested = !body.group && !shaped && w->scene.test.kind != GN_TEST_NONE;
+    const double given = tested ? gn_test_shape(w).volume : 0.0;
+    const body_space space = space_of(w, v, body);
+    double at_centres = 0.0, ways = 0.0;
+    set_surface(w, v, body, surface_at(w, v, body, given, space.bearing), arms);
+    close_surface(q, body);
+    gn_membrane_balance(w, body, q->start, none, q->skin);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;
+        ways += arms[p] / d;
+    }
+    const double volume =
+        given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (gn_is_of(body, p)) arms[p] *= (volume - at_centres) / ways;
+    w->dem.membrane->enclosed += volume;
+}
+
+/* Whether the places of a body lie in more than a row (2D) or a layer (3D). */
+static bool spans(const gn_world *w, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    const int d = (int)w->scene.dimension;
+    double count = 0.0, mean[3] = {0}, second[9] = {0}, values[3], vectors[9];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        for (int a = 0; a < d; a++) mean[a] += q->start[4 * p + a];
+        count += 1.0;
+    }
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int k = 0; k < d * d && gn_is_of(body, p); k++)
+            second[k] += (q->start[4 * p + k / d] - mean[k / d] / count) *
+                         (q->start[4 * p + k % d] - mean[k % d] / count);
+    gn_eigen_symmetric(d, second, values, vectors);
+    return values[d - 1] > 1e-6 * values[0];
+}
+
+static gneiss_status finish_all(gn_world *w, const view *v, double *arms, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    bool pressed = false;
+    for (size_t p = 0; p < n; p++) {
+        const gn_skin_body body = {v->bodies == 1 ? NULL : v->body, (int32_t)p};
+        if (!v->members[p]) continue;
+        if (!spans(w, body)) continue;
+        finish(w, v, body, arms);
+        pressed = true;
+    }
+    if (pressed || !n) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particles that enclose a volume, found %s",
+                   gn_scene_at(&w->scene, w->scene.membrane.where, "membrane").text,
+                   w->scene.dimension == 3 ? "none but such by themselves, in rows or in one layer"
+                                           : "none but such by themselves or in rows");
+}
+
+gneiss_status gn_membrane_free_skin(gn_world *w, double ball, double *arms, gneiss_error *error) {
+    view v = {0};
+    gneiss_status status = look(w, &v, ball, error);
+    if (status == GNEISS_OK) status = finish_all(w, &v, arms, error);
+    free_view(&v);
+    return status;
+}

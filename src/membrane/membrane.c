@@ -1,0 +1,213 @@
+/* The membrane in a step: how its skin has moved as a whole, and the forces. All of it follows from
+ * the state, so that a run that goes on has the same bits. */
+#include "membrane/membrane.h"
+
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "world/internal.h"
+#include "world/space.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Steps between looks for what came off, and for how the skin has moved from place to place. */
+enum { LOOK_INTERVAL = 100, ALL = -1 };
+
+double gn_membrane_due(const gn_world *w) {
+    const gn_membrane *m = w->dem.membrane;
+    const double ramp = w->scene.membrane.ramp;
+    if (!(w->effects & GN_FX_MEMBRANE)) return 0.0;
+    const double past = w->time - m->since, share = past < ramp ? past / ramp : 1.0;
+    return m->from + share * (gn_table_at(&w->scene.membrane.pressure, w->time) - m->from);
+}
+
+void gn_membrane_enter(gn_world *w, double pressure) {
+    if (!(w->effects & GN_FX_MEMBRANE) || w->scene.membrane_stage != w->stage + 1) return;
+    w->dem.membrane->from = pressure;
+    w->dem.membrane->since = w->time;
+}
+
+double gn_membrane_pressure(const gn_world *w) {
+    return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
+}
+
+int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
+    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+}
+
+double gn_membrane_area_of(const gn_world *w, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    double sum = 0.0;
+    for (size_t p = 0; q->skin && p < q->soa.count; p++)
+        if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
+    return sum;
+}
+
+double gn_membrane_area(const gn_world *w) {
+    return gn_membrane_area_of(w, (gn_skin_body){0});
+}
+
+double gn_membrane_volume(const gn_world *w) {
+    const double enclosed = w->dem.membrane ? w->dem.membrane->enclosed : 0.0;
+    return enclosed > 0.0 ? enclosed : w->volume;
+}
+
+void gn_membrane_stress(const gn_world *w, double stress[9]) {
+    double turn[9], half[9], arms[9];
+    if (!(w->effects & GN_FX_MEMBRANE)) return;
+    const gn_membrane *m = w->dem.membrane;
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->arms, half);
+    gn_product3_bt(half, m->gradient, arms);
+    const double volume = gn_space_volume(w);
+    for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / volume;
+}
+
+/* --- matrices --- */
+
+void gn_cofactor3(const double a[9], double c[9]) {
+    gn_cross3(a + 3, a + 6, c);
+    gn_cross3(a + 6, a, c + 3);
+    gn_cross3(a, a + 3, c + 6);
+}
+
+void gn_product3(const double a[9], const double b[9], double r[9]) {
+    for (int k = 0; k < 9; k++) {
+        const double *row = a + k / 3 * 3, *column = b + k % 3;
+        r[k] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+    }
+}
+
+void gn_product3_bt(const double a[9], const double b[9], double r[9]) {
+    for (int k = 0; k < 9; k++) r[k] = gn_dot3(a + k / 3 * 3, b + k % 3 * 3);
+}
+
+void gn_product3_at(const double a[9], const double b[9], double r[9]) {
+    const double turned[9] = {a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]};
+    gn_product3(turned, b, r);
+}
+
+/* --- the deformation --- */
+
+void gn_gradient_add(gn_gradient_fit *f, double weight, const double from[3], const double to[3]) {
+    f->sum += weight;
+    for (int a = 0; a < 3; a++) {
+        f->from[a] += weight * from[a];
+        f->to[a] += weight * to[a];
+        for (int b = 0; b < 3; b++) {
+            f->moved[3 * a + b] += weight * to[a] * from[b];
+            f->spread[3 * a + b] += weight * from[a] * from[b];
+        }
+    }
+}
+
+double gn_gradient_spread(const gn_gradient_fit *f) {
+    double spread[9], values[3], vectors[9];
+    const int d = f->dimension;
+    if (!(f->sum > 0.0)) return 0.0;
+    for (int k = 0; k < d * d; k++)
+        spread[k] = f->spread[k / d * 3 + k % d] - f->from[k / d] * f->from[k % d] / f->sum;
+    gn_eigen_symmetric(d, spread, values, vectors);
+    return values[d - 1];
+}
+
+/* F = sum(x X) sum(X X)^-1, from the means on. */
+bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
+    double moved[9], spread[9], cofactor[9], size = 0.0;
+    for (int k = 0; k < 9; k++) gradient[k] = k % 4 == 0;
+    if (!(f->sum > 0.0)) return false;
+    for (int k = 0; k < 9; k++) {
+        moved[k] = f->moved[k] - f->to[k / 3] * f->from[k % 3] / f->sum;
+        spread[k] = f->spread[k] - f->from[k / 3] * f->from[k % 3] / f->sum;
+    }
+    for (int a = 0; a < f->dimension; a++) size = fmax(size, spread[4 * a]);
+    if (f->dimension == 2) {
+        moved[8] = spread[8] = size;
+        moved[2] = moved[5] = moved[6] = moved[7] = 0.0;
+        spread[2] = spread[5] = spread[6] = spread[7] = 0.0;
+    }
+    gn_cofactor3(spread, cofactor);
+    double det = gn_dot3(spread, cofactor);
+    if (!(det > 1e-9 * size * size * size)) return false;
+    gn_product3(moved, cofactor, gradient); /* symmetric, as spread is */
+    for (int k = 0; k < 9; k++) gradient[k] /= det;
+    return true;
+}
+
+/* Of a body, or of all. From one of the skin on, so that nothing is lost to where the origin is. */
+static void fit_skin(const gn_world *w, int32_t body, double gradient[9]) {
+    const gn_particles *q = &w->dem.particles;
+    gn_gradient_fit fit = {.dimension = (int)w->scene.dimension};
+    const double *base = NULL, *start = NULL;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double from[3], to[3];
+        if (!gn_is_pressed(q, p) || (body != ALL && w->dem.skin_body[p] != body)) continue;
+        if (!base) base = q->pos + 4 * p, start = q->start + 4 * p;
+        for (int a = 0; a < 3; a++) {
+            from[a] = q->start[4 * p + a] - start[a];
+            to[a] = q->pos[4 * p + a] - base[a];
+        }
+        gn_gradient_add(&fit, 1.0, from, to);
+    }
+    gn_gradient_of(&fit, gradient);
+}
+
+/* Whose body is what: bodies are kept with the patches, as those have no order to lose. */
+static gneiss_status tell_bodies(gn_world *w, size_t bodies, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_free(d->skin_gradient);
+    gn_free(d->skin_body);
+    d->skin_gradient = gn_alloc_array(bodies, sizeof *d->skin_gradient);
+    d->skin_body = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->skin_body);
+    if (!d->skin_gradient || !d->skin_body)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+        if (p >= 0) d->skin_body[p] = (int32_t)d->patches[k].body;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_membrane_turn(gn_world *w, gneiss_error *error) {
+    const size_t bodies = (size_t)w->dem.membrane->bodies;
+    if (bodies < 2 || !w->scene.membrane.follow) return GNEISS_OK;
+    GN_TRY(tell_bodies(w, bodies, error));
+    for (size_t b = 0; b < bodies; b++) fit_skin(w, (int32_t)b, w->dem.skin_gradient[b]);
+    return GNEISS_OK;
+}
+
+const double *gn_membrane_gradient_at(const gn_world *w, size_t p) {
+    const gn_dem *d = &w->dem;
+    const bool several = d->membrane->bodies > 1.0 && w->scene.membrane.follow;
+    return several ? d->skin_gradient[d->skin_body[p]] : d->membrane->gradient;
+}
+
+/* --- forces --- */
+
+gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    const gn_membrane_def *m = &w->scene.membrane;
+    double turn[9];
+    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    const double pressure = gn_membrane_due(w);
+    w->dem.membrane->pressure = pressure;
+    const bool look = w->step % LOOK_INTERVAL == 0;
+    bool dropped = false;
+    if (look) GN_TRY(gn_membrane_drop(w, &dropped, error));
+    /* Of several bodies no deformation is that of all. */
+    if (m->follow && (look || w->dem.membrane->bodies == 1.0))
+        fit_skin(w, ALL, w->dem.membrane->gradient);
+    if (look) GN_TRY(gn_membrane_lay(w, dropped, error));
+    if (!look) GN_TRY(gn_membrane_turn(w, error));
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
+    }
+    /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
+    if (m->follow && w->dem.membrane->bodies == 1.0) gn_membrane_rebalance(w, q->applied);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];
+    return GNEISS_OK;
+}

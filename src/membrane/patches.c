@@ -1,0 +1,442 @@
+/* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne
+ * by what of the body lies beneath it, and as the faces that what came off left bare, so that
+ * together they are the surface of what is left. In a body that deforms every patch turns and
+ * stretches as the particles around its bearer have moved. */
+#include "membrane/membrane.h"
+
+#include "base/memory.h"
+#include "membrane/grid.h"
+#include "membrane/support.h"
+#include "particles/fragments.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* In mean radii: what is around a particle; cells of the grid. */
+static const double around = 5.0, cell_size = 2.5;
+
+/* Of the way to the areas of now, at a look: those that followed waves of some hundred steps would
+ * come too late for them, and drive them. */
+static const double pace = 1.0 / 8.0;
+
+/* Surroundings are widened so often, each time by so much, where they say too little. */
+enum { OPEN = -1, WIDENED = 3 };
+static const double wider = 1.5;
+
+/* How much more or less than as a whole a patch may be stretched. */
+static const double stretch_most = 3.0;
+
+/* --- how the surroundings have moved --- */
+
+typedef struct view {
+    const gn_particles *particles;
+    const int32_t *group; /* bodies; NULL: all are one */
+    size_t middle;
+    double reach;
+    gn_gradient_fit fit;
+} view;
+
+static void see(void *context, int32_t particle) {
+    view *v = context;
+    const gn_particles *q = v->particles;
+    const size_t p = (size_t)particle;
+    double from[3], to[3];
+    if (v->group && v->group[p] != v->group[v->middle]) return;
+    for (int a = 0; a < 3; a++) from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
+    const double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
+    if (!(weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
+    gn_gradient_add(&v->fit, weight, from, to);
+}
+
+/* Whether what is around says how it has moved, and does so along all axes: places that hardly
+ * spread along one leave a grain that has shifted by itself to turn and stretch what is beside it
+ * by much. */
+static bool says_how(const view *v, double radius, double gradient[9]) {
+    const double enough = 1.5;
+    double cofactor[9];
+    if (!(gn_gradient_spread(&v->fit) >= enough * radius * radius)) return false;
+    if (!gn_gradient_of(&v->fit, gradient)) return false;
+    gn_cofactor3(gradient, cofactor);
+    return gn_dot3(gradient, cofactor) > 0.0;
+}
+
+/* What a look knows before it: bodies, the grid of who says how they have moved, and how the skin
+ * of each has as a whole. */
+typedef struct look {
+    const int32_t *group;        /* NULL: all are one */
+    const gn_start_grid *around; /* NULL: as at the start */
+    double radius;
+    double (*whole)[9]; /* [particles] of who stands for a body, with several bodies */
+} look;
+
+static const double *whole_of(const gn_world *w, const look *l, size_t p) {
+    return l->whole ? l->whole[l->group[p]] : w->dem.membrane->gradient;
+}
+
+/* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
+ */
+static void gradient_around(const gn_world *w, const look *l, size_t p, double gradient[9]) {
+    for (int k = 0; k <= WIDENED; k++) {
+        view v = {.particles = &w->dem.particles,
+                  .group = l->group,
+                  .middle = p,
+                  .reach = around * l->radius * pow(wider, k),
+                  .fit = {.dimension = (int)w->scene.dimension}};
+        gn_start_grid_visit(l->around, w->dem.particles.start + 4 * p, v.reach, see, &v);
+        if (says_how(&v, l->radius, gradient)) return;
+    }
+    memcpy(gradient, whole_of(w, l, p), 9 * sizeof *gradient);
+}
+
+/* Of the skin of each of several bodies, from who stands for it on. */
+static gneiss_status fit_bodies(const gn_world *w, look *l, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const size_t n = q->soa.count;
+    gn_gradient_fit *fit = gn_alloc_array(n + 1, sizeof *fit);
+    l->whole = gn_alloc_array(n + 1, sizeof *l->whole);
+    for (size_t p = 0; fit && l->whole && p < n; p++) {
+        const size_t lead = (size_t)l->group[p];
+        double from[3], to[3];
+        if (!gn_is_pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) {
+            from[a] = q->start[4 * p + a] - q->start[4 * lead + a];
+            to[a] = q->pos[4 * p + a] - q->pos[4 * lead + a];
+        }
+        fit[lead].dimension = (int)w->scene.dimension;
+        gn_gradient_add(&fit[lead], 1.0, from, to);
+    }
+    for (size_t p = 0; fit && l->whole && p < n; p++) gn_gradient_of(&fit[p], l->whole[p]);
+    const bool made = fit && l->whole;
+    gn_free(fit);
+    return made ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+}
+
+/* --- areas --- */
+
+static double size_of(const gn_patch *patch) {
+    return patch->size > 0.0 ? patch->size : sqrt(gn_dot3(patch->area, patch->area));
+}
+
+/* Adds a patch to the area of its bearer, and its way from there to `arms`; what was bared to
+ * `bared`, as it counts by what it is together, and what was surface to the size. */
+static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double gradient[9],
+                      double bared[3], double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    double turn[9], area[3], start[3], way[3], half[9], rest[9];
+    gn_cofactor3(gradient, turn);
+    gn_product3(turn, patch->rest, half);
+    gn_product3_bt(half, gradient, rest);
+    for (int a = 0; a < 3; a++) {
+        area[a] = gn_dot3(turn + 3 * a, patch->area);
+        start[a] = patch->point[a] - q->start[4 * p + a];
+        q->skin[4 * p + a] += area[a];
+        if (patch->size == 0.0) bared[a] += area[a];
+    }
+    for (int a = 0; a < 3; a++) way[a] = gn_dot3(gradient + 3 * a, start);
+    for (int k = 0; k < 9; k++) arms[k] += area[k / 3] * way[k % 3] + rest[k];
+    const double size = gn_dot3(patch->area, patch->area);
+    q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
+}
+
+/* Over the size of a patch as the skin has moved as a whole: that as what is around has. */
+static double stretch_of(const gn_patch *patch, const double turn[9], const double whole[9]) {
+    double here = 0.0, all = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double x = gn_dot3(turn + 3 * a, patch->area),
+                     y = gn_dot3(whole + 3 * a, patch->area);
+        here += x * x;
+        all += y * y;
+    }
+    return all > 0.0 ? sqrt(here / all) : 1.0;
+}
+
+/* What is around the bearer of patches from the k-th on cannot have stretched one of them so much
+ * more or less than the skin of its body has been, for all that the shape of a body changes: then
+ * it is taken to have moved as that. Returns the size of these patches, otherwise 0. */
+static double hold_to(const double as_whole[9], const gn_dem *d, size_t k, double gradient[9]) {
+    const double owner = d->patches[k].owner;
+    double turn[9], whole[9], size = 0.0;
+    bool holds = true;
+    gn_cofactor3(gradient, turn);
+    gn_cofactor3(as_whole, whole);
+    for (; k < d->patch_count && d->patches[k].owner == owner; k++) {
+        const double stretch = stretch_of(&d->patches[k], turn, whole);
+        holds = holds && stretch < stretch_most && stretch * stretch_most > 1.0;
+        size += size_of(&d->patches[k]);
+    }
+    if (holds) return 0.0;
+    memcpy(gradient, as_whole, 9 * sizeof *gradient);
+    return size;
+}
+
+/* All patches, of which those of one particle follow one another; as what is around them has moved
+ * or as at the start. */
+static void add_patches(gn_world *w, const look *l, double arms[9]) {
+    gn_dem *d = &w->dem;
+    double gradient[9], unlike = 0.0;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (!gn_came_off(&d->particles, p))
+            memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
+    for (size_t k = 0; k < d->patch_count;) {
+        const double owner = d->patches[k].owner;
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        double bared[3] = {0};
+        memcpy(gradient, d->membrane->gradient, sizeof gradient);
+        if (l->around && at >= 0) {
+            gradient_around(w, l, (size_t)at, gradient);
+            unlike += hold_to(whole_of(w, l, (size_t)at), d, k, gradient);
+        }
+        for (; k < d->patch_count && d->patches[k].owner == owner; k++)
+            if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
+        if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
+    }
+    if (d->membrane->pressure > 0.0)
+        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
+}
+
+/* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
+ * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. */
+static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, double area[3],
+                         double tensor[9]) {
+    const gn_dem *d = &w->dem;
+    const gn_membrane *m = d->membrane;
+    const double *start = d->particles.start + 4 * base;
+    double turn[9], half[9], sum[3] = {0}, all[9] = {0};
+    const bool closed = body.group && body.is != OPEN;
+    if (!closed) memcpy(sum, m->missing, sizeof sum);
+    for (int c = 0; !closed && c < 9; c++) all[c] = m->rest[c] - m->missing[c / 3] * start[c % 3];
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const gn_patch *patch = &d->patches[k];
+        const int32_t at = gn_patch_bearer(d, patch);
+        if (at < 0) continue;
+        if (body.group && body.group[at] != body.is) continue;
+        for (int a = 0; a < 3; a++) sum[a] += patch->area[a];
+        for (int c = 0; c < 9; c++)
+            all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]) + patch->rest[c];
+    }
+    gn_cofactor3(m->gradient, turn);
+    for (int a = 0; a < 3; a++) area[a] = gn_dot3(turn + 3 * a, sum);
+    gn_product3(turn, all, half);
+    gn_product3_bt(half, m->gradient, tensor);
+}
+
+/* About 0, of sums from a place `base` on. */
+static void moment_of(const double base[3], const double area[3], const double tensor[9],
+                      double moment[3]) {
+    gn_cross3(base, area, moment);
+    for (int a = 0; a < 3; a++)
+        moment[a] +=
+            tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
+}
+
+void gn_membrane_rebalance(const gn_world *w, double *area) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_skin_body all = {0};
+    double sum[3], tensor[9], moment[3];
+    size_t base = 0;
+    while (base < q->soa.count && !gn_is_pressed(q, base)) base++;
+    if (base == q->soa.count) return;
+    surface_sums(w, all, base, sum, tensor);
+    moment_of(q->pos + 4 * base, sum, tensor, moment);
+    gn_membrane_balance(w, all, q->pos, moment, area);
+}
+
+/* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
+ * moment is restored. Of a closed surface both are nothing. */
+static void bring_into_balance(gn_world *w, gn_skin_body body, const double *place) {
+    gn_particles *q = &w->dem.particles;
+    double area[3], tensor[9], moment[3];
+    const double sum = gn_membrane_area_of(w, body);
+    size_t base = 0;
+    if (!(sum > 0.0)) return;
+    while (!gn_is_pressed_of(q, body, base)) base++;
+    surface_sums(w, body, base, area, tensor);
+    if (body.group && body.is != OPEN) {
+        memset(area, 0, sizeof area);
+        memset(tensor, 0, sizeof tensor);
+    }
+    moment_of(place + 4 * base, area, tensor, moment);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (gn_is_pressed_of(q, body, p)) area[a] -= q->skin[4 * p + a];
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (gn_is_pressed_of(q, body, p))
+                q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
+    gn_membrane_balance(w, body, place, moment, q->skin);
+}
+
+/* Bodies whose surface is not closed get OPEN in the place of who stands for them. */
+static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
+    const gn_dem *d = &w->dem;
+    const double nearly = 0.03;
+    const size_t n = d->particles.soa.count;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        if (at < 0) continue;
+        for (int a = 0; a < 3; a++) sums[group[at]][a] += d->patches[k].area[a];
+        sums[group[at]][3] += size_of(&d->patches[k]);
+    }
+    for (size_t p = 0; p < n; p++) {
+        const double *s = sums[group[p]];
+        if (gn_dot3(s, s) >= nearly * nearly * s[3] * s[3]) group[p] = OPEN;
+    }
+}
+
+/* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
+ * [particles] is room. */
+static size_t number_bodies(gn_world *w, const int32_t *group, int32_t *number) {
+    gn_dem *d = &w->dem;
+    int32_t count = 0;
+    bool open = false;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (group[p] == (int32_t)p) number[p] = count++;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+        if (p < 0) continue;
+        open = open || group[p] == OPEN;
+        d->patches[k].body = group[p] == OPEN ? count : number[group[p]];
+    }
+    return (size_t)count + open;
+}
+
+/* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
+ * crack has opened together with what it was parted from. */
+static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *place,
+                                    gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    if (!group) {
+        bring_into_balance(w, (gn_skin_body){0}, place);
+        w->dem.membrane->bodies = 1.0;
+        return GNEISS_OK;
+    }
+    double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
+    if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    find_open(w, group, sums);
+    for (size_t p = 0; p < n; p++)
+        if (group[p] == (int32_t)p) bring_into_balance(w, (gn_skin_body){group, (int32_t)p}, place);
+    bring_into_balance(w, (gn_skin_body){group, OPEN}, place);
+    w->dem.membrane->bodies = (double)number_bodies(w, group, (int32_t *)sums);
+    gn_free(sums);
+    return GNEISS_OK;
+}
+
+/* J^-1 F^T: what turns areas back. */
+static void back_of(const double gradient[9], double back[9]) {
+    double cofactor[9];
+    gn_cofactor3(gradient, cofactor);
+    const double det = gn_dot3(gradient, cofactor);
+    for (int k = 0; k < 9; k++) back[k] = gradient[k % 3 * 3 + k / 3] / det;
+}
+
+/* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
+ * and stretch them. */
+static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    gn_membrane *m = w->dem.membrane;
+    double cofactor[9], inverse[9], back[9], half[9];
+    gn_cofactor3(m->gradient, cofactor);
+    back_of(m->gradient, back);
+    const double det = gn_dot3(m->gradient, cofactor);
+    for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
+    gn_product3(back, arms, half);
+    gn_product3_bt(half, inverse, m->arms);
+    GN_TRY(gn_membrane_turn(w, error));
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *s = q->skin + 4 * p;
+        if (!gn_is_pressed(q, p)) continue;
+        const double now[3] = {s[0], s[1], s[2]};
+        back_of(gn_membrane_gradient_at(w, p), back);
+        for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
+    }
+    return GNEISS_OK;
+}
+
+/* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
+ */
+static void carry_on(const gn_world *w, double *area, double arms[9]) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_membrane *m = w->dem.membrane;
+    double turn[9], half[9];
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->arms, half);
+    gn_product3_bt(half, m->gradient, arms);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
+    }
+}
+
+/* A part of the way to the areas of now. */
+static void blend(gn_world *w, const double *was, const double had[9], double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->skin[4 * p + a] = was[4 * p + a] + pace * (q->skin[4 * p + a] - was[4 * p + a]);
+    for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
+}
+
+/* Grains that roll by themselves do not say how a body moves. */
+static gneiss_status grid_of_held(const gn_world *w, double cell, gn_start_grid *grid,
+                                  gneiss_error *error) {
+    bool *held = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *held);
+    if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
+    gneiss_status status = gn_membrane_held(w, held, error);
+    if (status == GNEISS_OK) status = gn_start_grid_make(w, cell, held, grid, error);
+    gn_free(held);
+    return status;
+}
+
+/* As what is around the bearers has moved. */
+static gneiss_status add_moved(gn_world *w, const int32_t *group, double arms[9],
+                               gneiss_error *error) {
+    gn_start_grid grid = {0};
+    look l = {.group = group, .radius = gn_world_mean_radius(w)};
+    gneiss_status status = grid_of_held(w, cell_size * l.radius, &grid, error);
+    if (status != GNEISS_OK) return status;
+    l.around = &grid;
+    if (group) status = fit_bodies(w, &l, error);
+    if (status == GNEISS_OK) add_patches(w, &l, arms);
+    gn_start_grid_free(&grid);
+    gn_free(l.whole);
+    return status;
+}
+
+/* From what was, which is room for it, or all of the way. */
+static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
+    const gn_membrane *m = w->dem.membrane;
+    const bool follow = w->scene.membrane.follow && w->step > 0;
+    double arms[9], had[9], turn[9], half[9];
+    if (was) carry_on(w, was, had);
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->rest, half);
+    gn_product3_bt(half, m->gradient, arms);
+    if (follow) GN_TRY(add_moved(w, group, arms, error));
+    if (!follow) add_patches(w, &(look){0}, arms);
+    if (was) blend(w, was, had, arms);
+    GN_TRY(balance_bodies(
+        w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
+    return turn_back(w, arms, error);
+}
+
+gneiss_status gn_membrane_lay(gn_world *w, bool anew, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    const bool carries = !anew && w->scene.membrane.follow && w->step > 0;
+    int32_t *group = gn_alloc_array(n + 1, sizeof *group);
+    double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
+    gneiss_status status =
+        group && (was || !carries)
+            ? gn_membrane_turn(w, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    if (status == GNEISS_OK) {
+        const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
+        status = lay(w, bodies > 1 ? group : NULL, was, error);
+    }
+    gn_free(group);
+    gn_free(was);
+    return status;
+}

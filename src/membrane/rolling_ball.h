@@ -1,0 +1,35 @@
+/* The surface over which a ball rolls, shared out among the particles that it rolls on. */
+#ifndef GN_MEMBRANE_ROLLING_BALL_H
+#define GN_MEMBRANE_ROLLING_BALL_H
+
+#include "neigh/pairs.h"
+
+/* Distances from the ball's centre, over its radius, at which surfaces are found: at 1 it touches.
+ */
+enum { GN_ROLLED_LAYERS = 4 };
+static const double gn_rolled_layer[GN_ROLLED_LAYERS] = {0.25, 0.75, 1.25, 1.75};
+
+/* What a ball that rolls about particles cannot get into is bounded by what it touches of them, by
+ * the rings that it turns out where it touches two, and by caps of its own where it is held by
+ * three (Connolly 1983, J. Appl. Cryst. 16, 548-558; in 2D by arcs): a closed surface. Each
+ * particle gets what is nearest to it. Of surfaces parallel to it areas and arms are polynomials in
+ * the distance, of the second and third degree. */
+typedef struct gn_rolled {
+    const gn_particles *particles;
+    int dimension;
+    double ball;               /* m, its radius */
+    const gn_pair_list *pairs; /* all whose gap is less than twice that */
+    /* [particles] of each layer: m2 outward, as a vector; 2D: 1 m thick */
+    double (*area[GN_ROLLED_LAYERS])[3];
+    /* [particles] m3, of areas times ways from the centre the trace; the volume within is
+     * (sum of area x + arms) / dimension */
+    double *arms[GN_ROLLED_LAYERS];
+    double *cell; /* [particles] m3 of space that is nearest to one of those deep inside, or where
+                   * these are too few that the ball does not touch; of others 0, and of some of
+                   * very many */
+} gn_rolled;
+
+/* Sets `area`, `arms` and `cell`, which are 0. */
+gneiss_status gn_rolled_find(const gn_rolled *rolled, gneiss_error *error);
+
+#endif

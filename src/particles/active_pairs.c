@@ -1,0 +1,517 @@
+#include "particles/active_pairs.h"
+
+#include "base/memory.h"
+#include "world/internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+/* --- columns --- */
+
+/* Those that kernels write of pairs. */
+#define GN_WRITTEN_COLUMNS(X) X(shear) X(fd) X(closeness) X(roll)
+
+static bool is_uniform(const gn_field *field, const gn_uniform *uniform) {
+#define X(column)                                                                                  \
+    if (strcmp(field->name, #column) == 0) return uniform->column != 0;
+    GN_UNIFORM_COLUMNS(X)
+#undef X
+    return false;
+}
+
+static bool is_written(const gn_field *field) {
+#define X(column)                                                                                  \
+    if (strcmp(field->name, #column) == 0) return true;
+    GN_WRITTEN_COLUMNS(X)
+#undef X
+    return false;
+}
+
+/* What all pairs share is read where it is. */
+static void find_columns(gn_near *n, const gn_contacts *list, const gn_uniform *uniform) {
+    size_t stream = 0;
+    n->uniform = *uniform;
+    n->columns = 0;
+    for (size_t f = 0; f < gn_contact_record.field_count; f++) {
+        const gn_field *field = &gn_contact_record.fields[f];
+        if (!gn_field_active(field, list->soa.effects) || field->layout != GN_COLUMNS) continue;
+        if (field->type != GN_F64 || is_uniform(field, uniform)) continue;
+        assert(n->columns < GN_NEAR_COLUMNS);
+        n->column[n->columns++] =
+            (gn_near_column){field->offset, field->components, is_written(field), stream};
+        stream += (size_t)field->components;
+    }
+}
+
+/* Doubles per pair. */
+static size_t streams_of(const gn_near *n) {
+    if (!n->columns) return 0;
+    const gn_near_column *last = &n->column[n->columns - 1];
+    return last->stream + (size_t)last->components;
+}
+
+static double *column_of(const gn_contacts *list, const gn_near_column *column) {
+    return *(double *const *)(const void *)((const char *)list + column->offset);
+}
+
+/* --- whether --- */
+
+static void nearest(const gn_world *w, double d[3]) {
+    for (int a = 0; a < 3; a++)
+        if (w->period[a] > 0.0) d[a] -= w->period[a] * rint(d[a] / w->period[a]);
+}
+
+/* Where three of five touch, finding them costs what it saves. */
+static bool sparse(const gn_world *w) {
+    const gn_contacts *list = &w->dem.pairs;
+    const double *ref = w->dem.particles.ref, *pos = w->dem.particles.pos;
+    size_t touching = 0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const size_t i = 4 * (size_t)list->i[c], j = 4 * (size_t)list->j[c];
+        double d[3] = {ref[j] - ref[i], ref[j + 1] - ref[i + 1], ref[j + 2] - ref[i + 2]};
+        if (w->effects & GN_FX_PERIODIC) nearest(w, d);
+        const double reach = pos[i + 3] + pos[j + 3];
+        touching += d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach;
+    }
+    return 5 * touching < 3 * list->soa.count;
+}
+
+/* Where bonds are, unbonded pairs are few. Where something else moves particles (a box, finite
+ * elements) the way of a step is more than its velocities. In mixed precision places would be read
+ * twice, in either precision. */
+static bool worth_while(const gn_world *w) {
+    const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
+    return !w->dem.near.barred && !(w->effects & against) && !w->scene.has_couple &&
+           !gn_box_moves(w) && w->dem.pairs.soa.count && sparse(w);
+}
+
+/* --- room --- */
+
+enum { STEPS_AT_FIRST = 4 };
+
+static void free_room(gn_near *n) {
+    gn_free(n->i);
+    gn_free(n->j);
+    gn_free(n->place);
+    gn_free(n->data);
+    gn_free(n->act);
+    gn_free(n->count);
+    n->i = n->j = n->count = NULL;
+    n->place = NULL;
+    n->data = NULL;
+    n->act = NULL;
+    n->room = 0;
+}
+
+void gn_near_free(gn_near *n) {
+    free_room(n);
+    gn_free(n->kept_act);
+    gn_free(n->kept_paths);
+    gn_free(n->paths);
+    *n = (gn_near){0};
+}
+
+/* Behind the pairs of a block there is room for what vectors read and write beyond them. */
+static gneiss_status make_room(gn_world *w, gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    const gn_partials *q = &w->dem.pair_partials;
+    n->stride = q->length + GN_LANES_MAX;
+    n->blocks = q->blocks;
+    const size_t needed = n->blocks * n->stride, streams = streams_of(n);
+    if (needed <= n->room && streams <= n->streams) return GNEISS_OK;
+    free_room(n);
+    n->room = needed + needed / 8; /* lists that are made anew differ little */
+    n->streams = streams;
+    n->i = gn_alloc_array_raw(n->room, sizeof *n->i);
+    n->j = gn_alloc_array_raw(n->room, sizeof *n->j);
+    n->place = gn_alloc_array_raw(n->room, 2 * sizeof *n->place);
+    n->data = gn_alloc_array_raw(n->room, (streams + 1) * sizeof *n->data);
+    n->act = gn_alloc_array_raw(n->room / GN_NEAR_GROUP + 1, sizeof *n->act);
+    n->count = gn_alloc_array_raw(n->room / GN_CONTACT_BLOCK_LEAST + 1, sizeof *n->count);
+    if (n->i && n->j && n->place && n->data && n->act && n->count) return GNEISS_OK;
+    free_room(n);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
+}
+
+static gneiss_status make_paths(gn_world *w, gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    if (n->paths && n->path_count == w->dem.motion_blocks) return GNEISS_OK;
+    gn_free(n->paths);
+    n->path_count = w->dem.motion_blocks;
+    n->paths = gn_alloc_array(n->path_count + 1, sizeof *n->paths);
+    if (n->paths) return GNEISS_OK;
+    n->path_count = 0;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
+}
+
+gneiss_status gn_near_lists(gn_world *w, gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    n->on = n->packed = false;
+    if (!worth_while(w)) return GNEISS_OK;
+    GN_TRY(make_paths(w, error));
+    find_columns(n, &w->dem.pairs, &(gn_uniform){0}); /* more are never asked for */
+    GN_TRY(make_room(w, error));
+    find_columns(n, &w->dem.pairs, &w->dem.pair_uniform);
+    n->listed = (double)w->dem.pairs.soa.count;
+    n->cost = INFINITY;
+    if (!n->steps) n->steps = STEPS_AT_FIRST;
+    if (!n->towards) n->towards = 1;
+    n->on = n->fresh = true;
+    return GNEISS_OK;
+}
+
+size_t gn_near_bytes(const gn_world *w) {
+    const gn_near *n = &w->dem.near;
+    const size_t each = sizeof *n->i + sizeof *n->j + 2 * sizeof *n->place;
+    return n->room * (each + n->streams * sizeof *n->data) + n->room / GN_NEAR_GROUP;
+}
+
+/* --- when --- */
+
+/* Room for rounding. */
+static const double more = 1.0 + 1e-6;
+
+/* What a span of so many steps takes up, if velocities go on to change by as much in a step. */
+static double drift(const gn_near_past *past, double change, int steps) {
+    return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
+}
+
+static double largest_change(const gn_near *n) {
+    double most = 0.0;
+    for (size_t b = 0; b < n->path_count; b++) most = fmax(most, n->paths[b].last);
+    return most;
+}
+
+/* What is found now is to hold for so many steps, if velocities go on to change as in the last
+ * step, and a half again. Where little happens a collision may begin, but seldom the fiercest. */
+static void begin_span(gn_near *n, int steps) {
+    static const double reserve = 1.5, of_largest = 0.2;
+    const double least = of_largest * largest_change(n);
+    const gn_near_past *past = &n->past;
+    for (size_t b = 0; b < n->path_count; b++) {
+        const double last = n->paths[b].last, before = past->dt[1] * last;
+        const double soon = reserve * drift(past, fmax(last, least), steps);
+        n->paths[b] = (gn_near_path){.margin = more * fmax(soon, before), .last = last};
+    }
+    n->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
+}
+
+/* Looking costs about half of what the kernel does with as many pairs; the longer it is to hold,
+ * the more pairs do not touch. So many steps that both together cost least are gone up to and down
+ * from again: pairs and not seconds decide. */
+static void tune_steps(gn_near *n) {
+    enum { MOST = 64 };
+    static const double look = 0.5; /* of what the kernel takes for a pair */
+    double act = 0.0;
+    for (size_t b = 0; b < n->blocks; b++) act += n->count[b];
+    const double cost = act + look * n->listed / fmax(n->span.steps, 1.0);
+    if (cost > n->cost) n->towards = -n->towards;
+    n->cost = cost;
+    n->steps += n->towards;
+    if (n->steps < 1) n->steps = 1;
+    if (n->steps > MOST) n->steps = MOST;
+}
+
+/* A sweep at other velocities than those that led to the places tells nothing of who touched a step
+ * ago. All pairs of new lists are worked on once: zeros that changed their sign with the places of
+ * their ends lose it, see put. */
+void gn_near_begin(gn_world *w, const gn_contact_args *pairs) {
+    gn_near *n = &w->dem.near;
+    if (pairs->speed_most <= 0.0) gn_near_forget(w);
+    if (!n->on) return;
+    if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
+        if (!n->again) gn_near_repack(w); /* else nothing is packed as yet */
+        find_columns(n, pairs->contacts, &pairs->uniform);
+    }
+    const gn_near_span *s = &n->span;
+    const bool over = s->elapsed > s->ahead || s->over;
+    n->whole = n->fresh || n->past.known < 2;
+    n->fresh = false;
+    n->look = n->whole || !n->packed || over;
+    n->move = n->unsettled && n->look;
+    if (n->packed && over) tune_steps(n);
+    if (n->look) begin_span(n, n->steps);
+    n->take = n->again && !n->look;
+    n->again = false;
+    n->packed = !n->whole;
+    n->unsettled = true;
+    n->span.steps++;
+}
+
+void gn_near_moved(gn_world *w) {
+    gn_near *n = &w->dem.near;
+    gn_near_span *s = &n->span;
+    if (!n->on) {
+        n->past.known = 0;
+        return;
+    }
+    s->elapsed += w->dt;
+    for (size_t b = 0; b < n->path_count; b++) {
+        gn_near_path *p = &n->paths[b];
+        p->last = sqrt(w->dem.motion_sums[b].change2) * more;
+        p->change += p->last;
+        p->way += w->dt * p->change * more;
+        s->over = s->over || p->way > p->margin;
+    }
+    n->past.dt[1] = n->past.dt[0];
+    n->past.dt[0] = w->dt;
+    if (n->past.known < 2) n->past.known++;
+}
+
+/* --- which --- */
+
+/* A block in the list, and where it is packed. */
+typedef struct block_of_pairs {
+    size_t number, begin, end, groups, at;
+    uint8_t *act;
+} block_of_pairs;
+
+static block_of_pairs block_at(const gn_near *n, const gn_contacts *list, size_t length,
+                               size_t block) {
+    const size_t count = list->soa.count;
+    block_of_pairs b = {.number = block, .begin = block * length, .at = block * n->stride};
+    b.end = b.begin + length < count ? b.begin + length : count;
+    b.groups = gn_blocks(b.end - b.begin, GN_NEAR_GROUP);
+    b.act = n->act + b.at / GN_NEAR_GROUP;
+    return b;
+}
+
+static size_t take_all(const block_of_pairs *b) {
+    const size_t count = b->end - b->begin;
+    memset(b->act, 0xff, b->groups);
+    if (count % GN_NEAR_GROUP)
+        b->act[b->groups - 1] = (uint8_t)((1u << count % GN_NEAR_GROUP) - 1u);
+    return count;
+}
+
+/* Which of the block act. */
+static void find(gn_world *w, const gn_contact_args *pairs, const block_of_pairs *b) {
+    const gn_partials *q = pairs->partials;
+    const gn_near_kernels *kernels = w->kernels->near;
+    gn_near *n = &w->dem.near;
+    gn_near_args args = {.pos = pairs->pos,
+                         .vel = pairs->vel,
+                         .soon = pairs->spin,
+                         .i = pairs->contacts->i + b->begin,
+                         .j = pairs->contacts->j + b->begin,
+                         .particle = q->particle + q->first[b->number],
+                         .count = b->end - b->begin,
+                         .particles = (size_t)(q->first[b->number + 1] - q->first[b->number]),
+                         .wider = 1.0 + 1e-9,
+                         .paths = n->paths,
+                         .ahead = n->span.ahead,
+                         .behind = more * (n->past.dt[0] + n->past.dt[1]),
+                         .periodic = w->effects & GN_FX_PERIODIC};
+    memcpy(args.period, pairs->period, sizeof args.period);
+    memcpy(args.inverse_period, pairs->inverse_period, sizeof args.inverse_period);
+    n->count[b->number] = (int32_t)(n->whole ? take_all(b) : kernels->find(&args, b->act));
+}
+
+/* Their ends and places. */
+static void pack_ends(const gn_world *w, const gn_contact_args *pairs, const block_of_pairs *b) {
+    const gn_near_kernels *kernels = w->kernels->near;
+    const gn_near *n = &w->dem.near;
+    int32_t *i = n->i + b->at, *j = n->j + b->at;
+    kernels->pack32(i, pairs->contacts->i + b->begin, b->act, b->groups);
+    kernels->pack32(j, pairs->contacts->j + b->begin, b->act, b->groups);
+    kernels->pack32(n->place + 2 * b->at, pairs->partials->place + 2 * b->begin, b->act, b->groups);
+    for (size_t k = (size_t)n->count[b->number]; k % GN_LANES_MAX; k++) {
+        i[k] = gn_null_first(&w->dem.particles);
+        j[k] = gn_null_second(&w->dem.particles);
+    }
+}
+
+/* Who was packed before who acts was found anew. */
+typedef struct packed_before {
+    size_t count;
+    uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
+} packed_before;
+
+/* Of pairs that were not packed it is zero; see put. */
+static void move_packed(const gn_world *w, double *data, const packed_before *was,
+                        const block_of_pairs *b) {
+    double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
+    memcpy(old, data, (was->count + GN_NEAR_GROUP) * sizeof *old);
+    w->kernels->near->repack(data, old, was->act, b->act, b->groups);
+}
+
+/* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
+ * packed, if that is given, else in the list. */
+static void fetch(const gn_world *w, const gn_contacts *list, const packed_before *was,
+                  const block_of_pairs *b) {
+    const gn_near *n = &w->dem.near;
+    for (int k = 0; k < n->columns; k++)
+        for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
+            double *to = n->data + (n->column[k].stream + a) * n->room + b->at;
+            const double *from = column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin;
+            if (was && n->column[k].written)
+                move_packed(w, to, was, b);
+            else
+                w->kernels->near->pack(to, from, b->act, b->groups);
+            memset(to + n->count[b->number], 0, GN_LANES_MAX * sizeof *to);
+        }
+}
+
+/* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
+ * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
+static void put(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
+    const gn_near *n = &w->dem.near;
+    for (int k = 0; k < n->columns; k++)
+        for (size_t a = 0; n->column[k].written && a < (size_t)n->column[k].components; a++)
+            w->kernels->near->unpack(
+                column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin,
+                n->data + (n->column[k].stream + a) * n->room + b->at, b->act, b->groups);
+}
+
+/* --- the kernel on them --- */
+
+/* What the kernel gets for the list. */
+static gn_contacts packed(const gn_near *n, const gn_contacts *list, const block_of_pairs *b) {
+    gn_contacts part = *list;
+    for (int k = 0; k < n->columns; k++)
+        *(double **)(void *)((char *)&part + n->column[k].offset) =
+            n->data + n->column[k].stream * n->room + b->at;
+    part.soa.count = (size_t)n->count[b->number];
+    part.soa.capacity = n->room;
+    part.i = n->i + b->at;
+    part.j = n->j + b->at;
+    return part;
+}
+
+void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_contact_sums *sums) {
+    const gn_near *n = &w->dem.near;
+    const gn_contacts *list = pairs->contacts;
+    const block_of_pairs b = block_at(n, list, pairs->partials->length, block);
+    packed_before was;
+    if (n->move) {
+        was.count = (size_t)n->count[block];
+        memcpy(was.act, b.act, b.groups);
+    }
+    if (n->look) find(w, pairs, &b);
+    if (n->look || n->take) {
+        pack_ends(w, pairs, &b);
+        fetch(w, list, n->move ? &was : NULL, &b);
+    }
+    const gn_contacts part = packed(n, list, &b);
+    gn_partials partials = *pairs->partials;
+    partials.first += block;
+    partials.place = n->place + 2 * b.at;
+    gn_contact_args args = *pairs;
+    args.contacts = &part;
+    args.partials = &partials;
+    w->dem.pair_kernel(&args, 0, part.soa.count, sums);
+}
+
+/* --- when others look --- */
+
+void gn_near_settle(const gn_world *w) {
+    const gn_near *n = &w->dem.near;
+    if (!n->unsettled) return;
+    for (size_t k = 0; k < n->blocks; k++) {
+        const block_of_pairs b = block_at(n, &w->dem.pairs, w->dem.pair_partials.length, k);
+        put(w, &w->dem.pairs, &b);
+    }
+    ((gn_world *)(uintptr_t)w)->dem.near.unsettled = false; /* see active_pairs.h */
+}
+
+void gn_near_repack(gn_world *w) {
+    gn_near_settle(w);
+    w->dem.near.packed = false;
+}
+
+void gn_near_forget(gn_world *w) {
+    gn_near_repack(w);
+    w->dem.near.past.known = 0;
+}
+
+/* --- checkpoints --- */
+
+/* Behind the last pair of a block nothing is marked. */
+static void clear_ends(gn_near *n, const gn_contacts *list, size_t length) {
+    for (size_t k = 0; k < n->blocks; k++) {
+        const block_of_pairs b = block_at(n, list, length, k);
+        memset(b.act + b.groups, 0, n->stride / GN_NEAR_GROUP - b.groups);
+    }
+}
+
+gn_near_kept gn_near_keep(gn_world *w, size_t *groups) {
+    gn_near *n = &w->dem.near;
+    gn_near_settle(w);
+    n->again = n->packed;
+    if (n->packed) clear_ends(n, &w->dem.pairs, w->dem.pair_partials.length);
+    *groups = n->packed ? n->blocks * n->stride / GN_NEAR_GROUP : 0;
+    return (gn_near_kept){.known = n->past.known,
+                          .dt = {n->past.dt[0], n->past.dt[1]},
+                          .ahead = n->span.ahead,
+                          .elapsed = n->span.elapsed,
+                          .over = n->span.over,
+                          .worked = n->span.steps,
+                          .steps = n->steps,
+                          .towards = n->towards,
+                          .cost = isfinite(n->cost) ? n->cost : -1.0,
+                          .fresh = n->fresh,
+                          .packed = n->packed};
+}
+
+/* How many of a block; false where there is a mark behind its pairs. */
+static bool count_block(gn_near *n, const block_of_pairs *b) {
+    int32_t count = 0;
+    bool good = true;
+    for (size_t k = 0; k < n->stride; k++) {
+        const int marked = b->act[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1;
+        count += marked;
+        good = good && (!marked || k < b->end - b->begin);
+    }
+    n->count[b->number] = count;
+    return good;
+}
+
+static bool take_marks(gn_world *w) {
+    gn_near *n = &w->dem.near;
+    if (n->kept_groups != n->blocks * n->stride / GN_NEAR_GROUP) return false;
+    memcpy(n->act, n->kept_act, n->kept_groups);
+    bool good = true;
+    for (size_t k = 0; k < n->blocks; k++) {
+        const block_of_pairs b = block_at(n, &w->dem.pairs, w->dem.pair_partials.length, k);
+        good = count_block(n, &b) && good;
+    }
+    return good;
+}
+
+static bool take_paths(gn_near *n) {
+    bool good = n->kept_path_count == n->path_count;
+    if (!good) return false;
+    memcpy(n->paths, n->kept_paths, n->path_count * sizeof *n->paths);
+    for (size_t b = 0; b < n->path_count; b++) {
+        const gn_near_path *p = &n->paths[b];
+        good = good && p->margin >= 0.0 && p->last >= 0.0 && p->change >= 0.0 && p->way >= 0.0;
+    }
+    return good;
+}
+
+gneiss_status gn_near_resume(gn_world *w, gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    const gn_near_kept *k = &n->kept;
+    if (!n->kept_act) return GNEISS_OK;
+    n->past = (gn_near_past){(int)k->known, {k->dt[0], k->dt[1]}};
+    n->span = (gn_near_span){k->ahead, k->elapsed, k->over > 0.0, (int)k->worked};
+    n->steps = (int)k->steps;
+    n->towards = (int)k->towards;
+    n->cost = k->cost < 0.0 ? INFINITY : k->cost;
+    bool good = true;
+    if (n->on) {
+        n->fresh = k->fresh > 0.0;
+        n->packed = n->again = k->packed > 0.0;
+        good = take_paths(n) && (!n->packed || take_marks(w));
+    }
+    gn_free(n->kept_act);
+    gn_free(n->kept_paths);
+    n->kept_act = NULL;
+    n->kept_paths = NULL;
+    return good ? GNEISS_OK
+                : gn_fail(
+                      error, GNEISS_ERROR_INPUT,
+                      "expected marks of the pairs and paths of the particles that the checkpoint "
+                      "has, found others");
+}

@@ -1,0 +1,113 @@
+/* Pairs that act. In grains that flow two of three listed pairs do not touch, and a kernel that
+ * works on vectors cannot leave them out one by one. So the pairs of a block that touch, did in the
+ * last two steps (which acted for a part of a step, or have to be forgotten), or may do within the
+ * next few are found, with the velocities that they have; their columns are packed together, and
+ * for these steps the kernel works on them, in the order of the list. What is left out would have
+ * added zeros: no bit of any sum is another. By how much velocities changed since is followed in
+ * every step: where that could bring together what was left out, all is found anew. */
+#ifndef GN_PARTICLES_ACTIVE_PAIRS_H
+#define GN_PARTICLES_ACTIVE_PAIRS_H
+
+#include "kernels/contact.h"
+#include "kernels/near.h"
+
+/* A column that is packed. */
+typedef struct gn_near_column {
+    size_t offset; /* of its pointer within gn_contacts */
+    int components;
+    bool written;  /* by the kernel; of pairs that never touched it is zero */
+    size_t stream; /* of its first component, in gn_near.data */
+} gn_near_column;
+
+enum { GN_NEAR_COLUMNS = 48 };
+
+/* What the last steps did. */
+typedef struct gn_near_past {
+    int known;    /* how many of the last steps, at most two, were steps from the one before */
+    double dt[2]; /* s, of the last one and the one before that */
+} gn_near_past;
+
+/* For how long what was found holds. */
+typedef struct gn_near_span {
+    double ahead;   /* s, see gn_near_args */
+    double elapsed; /* s since */
+    bool over;      /* some particle may have gone further besides than its margin */
+    int steps;      /* sweeps that worked on it */
+} gn_near_span;
+
+/* What a checkpoint has of it besides `act`: numbers only. Which pairs are packed beside each other
+ * decides in which order losses are summed, so a run that goes on packs those that it had. */
+typedef struct gn_near_kept {
+    double known, dt[2];                        /* gn_near_past */
+    double ahead, elapsed, over, worked;        /* gn_near_span */
+    double steps, towards, cost, fresh, packed; /* gn_near; cost -1: none as yet */
+} gn_near_kept;
+
+typedef struct gn_near {
+    bool on;        /* for the present lists */
+    bool barred;    /* never: for who compares */
+    bool fresh;     /* no sweep yet over these lists */
+    bool packed;    /* the columns of those found */
+    bool unsettled; /* columns of the list that the kernel writes are not up to date */
+    bool whole;     /* in this sweep: all pairs are worked on */
+    bool look;      /* in this sweep: who acts is found anew, */
+    bool move;      /* and what was packed stays so, in other places */
+    bool again;     /* in the next sweep: those of `act` are packed from the list, */
+    bool take;      /* in this one */
+    gn_near_past past;
+    gn_near_span span;
+    int steps, towards;  /* that what is found is to hold for; which way that goes, 1 or -1 */
+    double listed, cost; /* pairs; of the last span, in pairs worked on per step */
+    gn_near_kept kept;   /* of a checkpoint that was read, until lists are there; */
+    uint8_t *kept_act;   /* [kept_groups], NULL: of none */
+    size_t kept_groups;
+    gn_near_path *kept_paths; /* [kept_path_count] */
+    size_t kept_path_count;
+
+    gn_near_path *paths; /* [path_count + 1] of blocks of particles; null particles have zeros */
+    size_t path_count;
+
+    size_t blocks, stride; /* of blocks in what follows, in pairs */
+    size_t room;           /* pairs, with padding */
+    size_t streams;        /* columns of data that there is room for */
+    int32_t *i, *j;        /* [room] */
+    uint16_t *place;       /* [room][2] of their rows, see gn_partials */
+    double *data;          /* [streams][room] */
+    uint8_t *act;          /* [room/GN_NEAR_GROUP] bits: which of a block */
+    int32_t *count;        /* [blocks] */
+
+    gn_uniform uniform; /* that `column` was made for */
+    gn_near_column column[GN_NEAR_COLUMNS];
+    int columns;
+} gn_near;
+
+typedef struct gn_world gn_world;
+
+/* Whenever lists were made or read: whether it is worth while, by the places when they were made,
+ * so that a run that goes on decides as it did. */
+gneiss_status gn_near_lists(gn_world *world, gneiss_error *error);
+void gn_near_free(gn_near *near);
+size_t gn_near_bytes(const gn_world *world);
+
+/* Puts what was packed back into the list of pairs: for who reads shear, fd, closeness or roll of
+ * it. The list is then as if nothing had been packed, which is why a world that is only read may be
+ * settled. */
+void gn_near_settle(const gn_world *world);
+/* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
+ * others than a step. */
+void gn_near_repack(gn_world *world);
+void gn_near_forget(gn_world *world);
+/* For a checkpoint, besides `paths`: settles, says what there is, and goes on as a run does that
+ * reads it. `groups`: of `act`, 0 when nothing is packed. */
+gn_near_kept gn_near_keep(gn_world *world, size_t *groups);
+/* After lists were read: as it was when `kept` was. Marks of other pairs than there are are an
+ * error (GNEISS_ERROR_INPUT). */
+gneiss_status gn_near_resume(gn_world *world, gneiss_error *error);
+
+/* Before a sweep; a block of pairs, in place of the kernel on all of it; after the motion. */
+void gn_near_begin(gn_world *world, const gn_contact_args *pairs);
+void gn_near_work(gn_world *world, const gn_contact_args *pairs, size_t block,
+                  gn_contact_sums *sums);
+void gn_near_moved(gn_world *world);
+
+#endif

@@ -1,0 +1,23 @@
+/* Sections of bonds, for laws by area: found once, when the bonds are made. */
+#ifndef GN_PARTICLES_BOND_SECTIONS_H
+#define GN_PARTICLES_BOND_SECTIONS_H
+
+#include "world/world.h"
+
+/* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
+gneiss_status gn_areas_find(gn_world *world, gneiss_error *error);
+
+/* How the sections fill the body. */
+typedef struct gn_area_check {
+    double filled;        /* sum of sections times lengths over dimension times volume: 1 wanted */
+    double free;          /* the same of the faces that no bond has; with polyhedron */
+    size_t open;          /* particles with such faces */
+    double dempack_gamma; /* 40 e/n_c, what the source takes for gamma */
+} gn_area_check;
+gneiss_status gn_areas_check(const gn_world *world, gn_area_check *check, gneiss_error *error);
+
+/* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
+ * any law (law.c). */
+double gn_law_cut(const gn_world *world);
+
+#endif

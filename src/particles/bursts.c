@@ -1,0 +1,169 @@
+/* Breaks are taken in the order of time; those before one that are near enough hang in a grid of
+ * cells, the latest of a cell first, so that few are looked at however many there are. */
+#include "particles/bursts.h"
+
+#include "base/memory.h"
+#include "base/union_find.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- how far and how long --- */
+
+/* Means over the bonds: of the diameters, and of what a wave takes for a length in a chain of equal
+ * masses m and springs k of length L, sqrt(m/k)/L. */
+static void find_windows(const gn_world *w, gn_bursts *b) {
+    const gn_contacts *list = &w->dem.bonds;
+    const double *pos = w->dem.particles.pos, *vel = w->dem.particles.vel;
+    double across = 0.0, slow = 0.0;
+    size_t count = 0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
+        const double inverse = 0.5 * (vel[4 * i + 3] + vel[4 * j + 3]);
+        if (!(list->kn[c] > 0.0) || !(inverse > 0.0) || !(list->length0[c] > 0.0)) continue;
+        across += pos[4 * i + 3] + pos[4 * j + 3];
+        slow += 1.0 / (sqrt(list->kn[c] * inverse) * list->length0[c]);
+        count++;
+    }
+    if (!count) return;
+    b->reach = w->scene.burst_reach * across / (double)count;
+    b->window = b->reach * slow / (double)count;
+}
+
+/* --- who belongs together --- */
+
+typedef struct grid {
+    const gn_world *world;
+    const gn_event *events;
+    const gn_bursts *bursts;
+    int32_t *parent, *before; /* [events]: the first of its burst; the one before it in its cell */
+    int32_t *latest;          /* [mask + 1] */
+    size_t mask;
+    double size[3];  /* m, of a cell */
+    int64_t most[3]; /* cells round a periodic box; 0: any number */
+} grid;
+
+static void cell_of(const grid *g, const double place[3], int64_t cell[3]) {
+    for (int a = 0; a < 3; a++) cell[a] = (int64_t)floor(place[a] / g->size[a]);
+}
+
+static size_t bucket_of(const grid *g, const int64_t cell[3]) {
+    uint64_t h = 0;
+    for (int a = 0; a < 3; a++) {
+        int64_t k = cell[a];
+        if (g->most[a]) k = ((k % g->most[a]) + g->most[a]) % g->most[a];
+        h = (h ^ (uint64_t)k) * 0x9e3779b97f4a7c15U;
+        h ^= h >> 29;
+    }
+    return (size_t)h & g->mask;
+}
+
+static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
+    const gn_event *e = &g->events[k];
+    for (int32_t m = g->latest[bucket_of(g, cell)]; m >= 0; m = g->before[m]) {
+        const gn_event *of = &g->events[m];
+        double d[3];
+        if (e->time - of->time > g->bursts->window) return; /* and so are all before it */
+        if (gn_branch(g->world, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
+            gn_set_unite(g->parent, m, k);
+    }
+}
+
+static void join(grid *g, int32_t k) {
+    int64_t own[3], cell[3];
+    cell_of(g, g->events[k].place, own);
+    for (int near = 0; near < 27; near++) {
+        cell[0] = own[0] + near % 3 - 1;
+        cell[1] = own[1] + near / 3 % 3 - 1;
+        cell[2] = own[2] + near / 9 - 1;
+        look_into(g, cell, k);
+    }
+    size_t bucket = bucket_of(g, own);
+    g->before[k] = g->latest[bucket];
+    g->latest[bucket] = k;
+}
+
+static bool is_break(const gn_event *e) {
+    return gn_broken((uint8_t)e->cause);
+}
+
+static gneiss_status join_all(const gn_world *w, const gn_bursts *b, int32_t *parent,
+                              gneiss_error *error) {
+    const gn_events *list = &w->dem.events;
+    grid g = {.world = w, .events = list->rows, .bursts = b, .parent = parent, .mask = 1023};
+    while (g.mask < list->count) g.mask = 2 * g.mask + 1;
+    for (int a = 0; a < 3; a++) {
+        const double period = w->period[a];
+        if (period > 0.0) g.most[a] = (int64_t)fmax(1.0, floor(period / b->reach));
+        g.size[a] = period > 0.0 ? period / (double)g.most[a] : b->reach;
+    }
+    g.before = gn_alloc_array(list->count + 1, sizeof *g.before);
+    g.latest = gn_alloc_array(g.mask + 1, sizeof *g.latest);
+    const bool held = g.before && g.latest;
+    if (held) memset(g.latest, -1, (g.mask + 1) * sizeof *g.latest);
+    for (size_t k = 0; k < list->count; k++) parent[k] = (int32_t)k;
+    for (size_t k = 0; held && b->reach > 0.0 && k < list->count; k++)
+        if (is_break(&list->rows[k])) join(&g, (int32_t)k);
+    gn_free(g.before);
+    gn_free(g.latest);
+    if (held) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", list->count);
+}
+
+/* --- what they come to --- */
+
+static void add(const gn_world *w, gn_burst *b, const gn_event *e) {
+    const gn_event *first = &w->dem.events.rows[b->first];
+    double d[3];
+    gn_branch(w, first->place, e->place, d);
+    for (int a = 0; a < 3; a++) b->place[a] += d[a];
+    b->duration = e->time - first->time;
+    b->energy += w->effects & GN_FX_ENERGY ? e->energy : NAN;
+    b->tension += e->cause == GN_BROKEN_TENSION;
+    b->size++;
+}
+
+static void sum_up(const gn_world *w, int32_t *parent, gn_bursts *b) {
+    const gn_events *list = &w->dem.events;
+    for (size_t k = 0; k < list->count; k++) {
+        const gn_event *e = &list->rows[k];
+        b->of[k] = -1;
+        if (!is_break(e)) continue;
+        const int32_t root = gn_set_root(parent, (int32_t)k);
+        if (root == (int32_t)k)
+            b->row[b->count++] = (gn_burst){.time = e->time, .first = (int64_t)k};
+        b->of[k] = root == (int32_t)k ? (int32_t)b->count - 1 : b->of[root];
+        add(w, &b->row[b->of[k]], e);
+    }
+    for (size_t k = 0; k < b->count; k++)
+        for (int a = 0; a < 3; a++)
+            b->row[k].place[a] =
+                list->rows[b->row[k].first].place[a] + b->row[k].place[a] / b->row[k].size;
+}
+
+gneiss_status gn_bursts_find(const gn_world *w, gn_bursts *b, gneiss_error *error) {
+    const size_t events = w->dem.events.count;
+    *b = (gn_bursts){0};
+    if (!(w->effects & GN_FX_EVENTS)) return GNEISS_OK;
+    find_windows(w, b);
+    int32_t *parent = gn_alloc_array(events + 1, sizeof *parent);
+    b->row = gn_alloc_array(events + 1, sizeof *b->row);
+    b->of = gn_alloc_array(events + 1, sizeof *b->of);
+    gneiss_status status = parent && b->row && b->of ? join_all(w, b, parent, error)
+                                                     : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                                               "no memory for %zu events", events);
+    if (status == GNEISS_OK) sum_up(w, parent, b);
+    gn_free(parent);
+    return status;
+}
+
+void gn_bursts_free(gn_bursts *b) {
+    gn_free(b->row);
+    gn_free(b->of);
+    *b = (gn_bursts){0};
+}
+
+double gn_burst_magnitude(const gn_burst *b) {
+    return b->energy > 0.0 ? 2.0 / 3.0 * log10(b->energy) - 3.2 : NAN;
+}

@@ -1,0 +1,57 @@
+/* The pressure around bonds, for `law.confinement: mean` (Santasusana 2013 lets friction see the
+ * normal force of the bond alone, so that bonds across the direction of pressure gain nothing).
+ *
+ * The stress of a particle is 1/V sum f (x) l over its bonds, with l its share of the branch, of
+ * length r, and V = sum A r/d: its mean, tr/d, is sum f_n/sum A whatever the dimension d. A bond
+ * gets the mean of its two particles times its own section. Bonds that broke count as they press;
+ * what else touches a particle has no section and does not count. */
+#include "world/internal.h"
+
+static double pressure_of(const double around[2]) {
+    return around[1] > 0.0 ? -around[0] / around[1] : 0.0;
+}
+
+static double normal_of(const gn_world *w, const gn_law *law, const gn_contacts *b, size_t c) {
+    const double *pos = w->dem.particles.pos;
+    double d[3];
+    double length = sqrt(gn_branch(w, pos + 4 * (int64_t)b->i[c], pos + 4 * (int64_t)b->j[c], d));
+    return law->held(b, c, length, length - b->length0[c]).normal;
+}
+
+static void put(const gn_contacts *b, size_t c, double value) {
+    if (b->confined) b->confined[c] = value;
+    if (b->confined_f) b->confined_f[c] = (float)value;
+}
+
+static double get(const gn_contacts *b, size_t c) {
+    return b->confined ? b->confined[c] : (double)b->confined_f[c];
+}
+
+/* Sums go by the order of the list, on one thread, so that they are the same for any number. */
+static void add_up(const gn_world *w, const gn_contacts *b, double *around) {
+    for (size_t p = 0; p < 2 * w->dem.particles.soa.count; p++) around[p] = 0.0;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        double force = get(b, c), section = b->section[c];
+        double *i = around + 2 * (int64_t)b->i[c], *j = around + 2 * (int64_t)b->j[c];
+        i[0] += force;
+        i[1] += section;
+        j[0] += force;
+        j[1] += section;
+    }
+}
+
+void gn_dem_confine(const gn_world *w, gn_contacts *b) {
+    double *around = w->dem.around;
+    const size_t count = b->soa.count;
+    if (!(b->soa.effects & GN_FX_CONFINED) || !count) return;
+    const gn_law *law = gn_law_of(b->soa.effects);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t c = 0; c < count; c++) put(b, c, normal_of(w, law, b, c));
+    add_up(w, b, around);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t c = 0; c < count; c++) {
+        double pi = pressure_of(around + 2 * (int64_t)b->i[c]);
+        double pj = pressure_of(around + 2 * (int64_t)b->j[c]);
+        put(b, c, 0.5 * (pi + pj) * b->section[c]);
+    }
+}

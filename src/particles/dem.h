@@ -1,0 +1,249 @@
+/* The part of a world that is particles: their records, contacts and lists, what drives them, and
+ * the step that they allow. */
+#ifndef GN_PARTICLES_DEM_H
+#define GN_PARTICLES_DEM_H
+
+#include "frame/balance.h"
+#include "io/packing.h"
+#include "kernels/dispatch.h"
+#include "kernels/law.h"
+#include "limit/equilibrium.h"
+#include "measure/energy.h"
+#include "neigh/pairs.h"
+#include "particles/active_pairs.h"
+#include "particles/events.h"
+#include "particles/flow.h"
+#include "sched/deal.h"
+#include "sched/hold.h"
+#include "soa/bond_causes.h"
+#include "timestep/depth.h"
+
+/* State of the Verlet lists. */
+typedef struct gn_verlet {
+    double skin;       /* m, as it is now */
+    double skin_start; /* m, as it was at the start */
+    double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
+    double drift;      /* m, bound on any particle's path since `ref` was set */
+    double closed;     /* m, bound on how much closer two came since then that were not listed */
+    int64_t rebuilds;
+    int64_t last_step; /* step of the last rebuild */
+} gn_verlet;
+
+/* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
+ * second, behind the walls surfaces. */
+typedef struct gn_resolution {
+    double step;    /* s: what it allows; INFINITY: nothing can collide */
+    double contact; /* s: how long it lasts */
+    int64_t first, second;
+} gn_resolution;
+
+/* What a step summed up to, over all blocks. */
+typedef struct gn_dem_sums {
+    gn_contact_sums bonds, pairs, walls; /* the last: contacts with walls and facets */
+    gn_motion_sums motion;
+    double step_change[2]; /* J, halves */
+} gn_dem_sums;
+
+/* Masses raised for a longer step (mass_scaling.c). */
+typedef struct gn_mass_scaling {
+    double unscaled; /* s: the step without */
+    double step;     /* s: that masses were raised for; 0: none had to be */
+    double reached;  /* s: what came of it at the start */
+    double added;    /* kg, of those that were there when the lists were made */
+    double largest;  /* mass over own mass, the most */
+    int64_t raised;  /* particles */
+} gn_mass_scaling;
+
+/* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
+ * are sums of areas times places or ways, m3. */
+typedef struct gn_membrane {
+    double pressure;    /* Pa, in the last step */
+    double gradient[9]; /* of the skin in the last step: how it has moved as a whole; of several
+                           bodies at the last look */
+    double missing[3];  /* m2, that the patches do not have of the area of the surface */
+    double rest[9];     /* what they do not have of its moment */
+    double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
+    double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
+                        shape */
+    double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
+    double from;     /* Pa, that it comes from while its ramp lasts */
+    double since;    /* s, when that began */
+    double unlike;   /* share of it that followed it as a whole as what is around would have
+                        stretched it out of all measure; the most at any look */
+} gn_membrane;
+
+/* A part of the surface that one particle bears, where things were at the start, in doubles, as
+ * checkpoints have it: what it had of a side of the body, or a face of its cell that was bared. */
+typedef struct gn_patch {
+    double point[3]; /* m, its middle */
+    double area[3];  /* m2, outward */
+    double rest[9];  /* m3, sum of areas times ways from the middle */
+    double size;     /* m2; 0: a face, whose size is that of its area */
+    double owner;    /* id of the particle that bears it; -1: none is left */
+    double body;     /* of those of the skin the one that it was of at the last look */
+} gn_patch;
+
+/* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
+typedef struct gn_sleeper {
+    double mass, inertia; /* 1/kg, 1/(kg m2), that it will have; 0: it is awake */
+    double home;          /* element that it starts in, by its place in the mesh */
+} gn_sleeper;
+
+/* Room for counting fragments (fragments.c), with bonds. */
+typedef struct gn_pieces {
+    int32_t *parent, *members; /* [particles] */
+    double *volume;            /* [particles] m3, in 2D m2 */
+} gn_pieces;
+
+typedef struct gn_dem {
+    gn_particles particles;
+    gn_contacts bonds, pairs;
+    gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
+    gn_sleeper *sleeper;  /* [particles] by id, with couple.convert; else NULL */
+    uint8_t *still; /* [motion_blocks] no particle of it is awake, with couple.convert; else NULL */
+    gn_partials bond_partials, pair_partials;
+    gn_uniform bond_uniform, pair_uniform;
+    int32_t *index_of_id; /* [ids] -1: gone, its row as well */
+    int64_t ids, made;    /* given so far; of them those of the specimen come first */
+    gn_derived derived;
+    gn_prescription prescribed;
+    int32_t *channel_set;       /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction;       /* [scene.set_count][6] N, N m: what the prescription supplied */
+    gn_membrane *membrane;      /* NULL: none */
+    double (*skin_gradient)[9]; /* [bodies] with a membrane, of each in the last step */
+    int32_t *skin_body;         /* [particles] of those of the skin, of several bodies */
+    gn_patch *patches;          /* [patch_count] with a membrane */
+    size_t patch_count;
+    gn_verlet verlet;
+    void *ways; /* of src/particles/travel.c, kept from look to look */
+    size_t ways_room;
+    double radius_min; /* m */
+    double mass;       /* kg, own, of those that were there when the lists were made */
+    gn_mass_scaling scaling;
+    double
+        damping_fraction; /* of critical, of contacts that are pressed; by Hertz's law the most */
+    double damping_least; /* the same of the contacts that are damped least */
+    /* [materials][gn_scene_sides] with what particles touch; NULL without GN_FX_HERTZ */
+    gn_hertz_pair *hertz;
+    bool pressed; /* a contact was pressed further in the last step than expected (indentation.c) */
+    /* [walls, bodies, sets] m/s, the largest speed of each that contacts were looked at with; NULL
+     * without GN_FX_HERTZ */
+    double *driven;
+    double gain; /* m/s, by how much what is driven changes in the coming step; else 0 */
+    double push; /* m/s2, of applied forces at the last look, at most */
+
+    gn_contact_kernel *bond_kernel, *pair_kernel;
+    gn_motion_kernel *motion_kernel;
+    gn_deal deal;                           /* of steps among the threads */
+    gn_hold hold;                           /* particles that wait for an exchange */
+    gn_near near;                           /* pairs that can act before long */
+    gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
+    gn_motion_sums *motion_sums;
+    size_t motion_blocks;
+    gn_dem_sums done; /* in the last step */
+    /* [particles][4] velocities and spins before the step, where it has another length than the
+     * last one; else NULL */
+    double *vel_past, *spin_past;
+    gn_pieces pieces;
+    double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
+    double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
+
+    gn_step_limit limit; /* last full estimate */
+    double stable;       /* s: the limit of the particles alone, damping left out */
+    double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
+                          * within a hundredth of the step or below it; else INFINITY */
+    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
+    gn_resolution resolution;      /* the shortest so far */
+    bool debris_told;              /* while it is looked at because the ledger misses something */
+    int64_t broken_without_debris; /* bonds that had broken when there was none (debris.c) */
+    gn_depth depth;                /* the furthest so far */
+    uint8_t *loose;                /* [ids]: not bonded at the start, see collisions.c */
+
+    int64_t broken_tension, broken_shear, bonds_at_start;
+    gn_events events;
+    gn_flow flow;
+    int64_t lost;          /* particles that left the domain */
+    int64_t contact_steps; /* contacts worked on, summed over steps */
+} gn_dem;
+
+typedef struct gn_world gn_world;
+
+/* Kernels and threads, from the effects of the world: also of one that is resumed. */
+gneiss_status gn_dem_prepare(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_use_threads(gn_world *world, gneiss_error *error);
+/* The particles of a packing, in its order, without mass. */
+gneiss_status gn_dem_create(gn_world *world, const gn_packing *packing, gneiss_error *error);
+/* Masses, sets and skin, once the specimen is measured. */
+gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
+/* Takes what the scene of another stage says, before the lists are made anew. */
+gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
+/* Raises masses, if the scene says so, from the step that the world has found without. */
+gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
+/* What it comes to for a step (s, safety included) with time.estimate: bound: the step over that of
+ * the bound with own masses, and the added mass over the own one; INFINITY: others leave no room
+ * for such a step. */
+gneiss_status gn_dem_foretell_masses(const gn_world *world, double step, double *of_bound,
+                                     double *added, gneiss_error *error);
+/* What added mass has of the kinetic energy, with the velocities of the last half step. */
+double gn_dem_added_kinetic(const gn_world *world);
+/* Without particles: empty records, so that nothing else needs to know. */
+gneiss_status gn_dem_create_empty(gn_world *world, gneiss_error *error);
+void gn_dem_free(gn_dem *dem);
+
+/* Sorts the particles and forms their bonds, once all of the scene is there. */
+gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
+/* Makes the lists anew. */
+gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
+/* All that follows from records and lists, which were read. */
+gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
+/* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
+ * (travel.c). */
+void gn_dem_look_at_travel(gn_world *world);
+
+/* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
+void gn_dem_forces(gn_world *world, bool measure);
+/* then the motion of what waited, and what the step sums up to. */
+void gn_dem_move(gn_world *world, bool measure);
+/* Forces at the present places, for who looks for equilibrium: contacts see the velocities as those
+ * of a path of `span` s that led here, 0: none. Then velocities get what the loads, gravity and
+ * applied forces among them, do in half of `kick` s, without background damping; places are of no
+ * use after that. With `kick` 0 nothing moves. */
+void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
+/* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
+ * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
+gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double rate,
+                           const double *load, double tolerance, gn_preconditioner *made, double *u,
+                           gn_equilibrium *found, gneiss_error *error);
+/* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
+ * stress, Pa. */
+void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);
+void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
+/* Adds the mean resultant on a free particle over the mean contact force. */
+void gn_dem_balance(const gn_world *world, gn_balance *balance);
+/* That no particle went bad or too far in the step (paths.c). */
+gneiss_status gn_dem_check(const gn_world *world, bool measure, gneiss_error *error);
+
+/* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
+ * or, `full`, of all. *due: it has changed, or that of what they touch. */
+gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+/* The same of what has turned since. */
+gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
+/* Whether the step of the world holds with all that is listed in touch; else dem.listed says what
+ * would. `full`: looks at all of it. */
+gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
+/* Whether the step is so short that the sums of what is near settle it, without a look at
+ * what has changed. */
+gneiss_status gn_dem_limit_far(const gn_world *world, bool *far, gneiss_error *error);
+/* The shortest collision among what is listed; among all of the scene, when nothing is listed that
+ * collides. *shorter: than known before. */
+gneiss_status gn_dem_resolve_listed(gn_world *world, bool *shorter, gneiss_error *error);
+gneiss_status gn_dem_resolve_flight(gn_world *world, bool *shorter, gneiss_error *error);
+/* Forgets what was found of lists and collisions. */
+void gn_dem_limit_anew(gn_world *world);
+/* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
+void gn_dem_step_changed(gn_world *world);
+
+uint64_t gn_dem_hash(const gn_world *world, uint64_t h);
+size_t gn_dem_bytes(const gn_world *world);
+
+#endif

@@ -1,0 +1,92 @@
+/* Kernels mark what happens to a bond (columns happened, released); here the marks of a step become
+ * rows of the list. Only blocks whose sums say that something happened are looked at. */
+#include "particles/events.h"
+
+#include "base/memory.h"
+#include "world/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MARKS = 3 }; /* of a bond in one step, at most */
+
+static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
+    if (list->count + more <= list->capacity) return GNEISS_OK;
+    size_t capacity = list->capacity ? 2 * list->capacity : 64;
+    while (capacity < list->count + more) capacity *= 2;
+    gn_event *rows = gn_alloc_array(capacity, sizeof *rows);
+    if (!rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", capacity);
+    if (list->count) memcpy(rows, list->rows, list->count * sizeof *rows);
+    gn_free(list->rows);
+    list->rows = rows;
+    list->capacity = capacity;
+    return GNEISS_OK;
+}
+
+/* Where the contact was at the instant of the forces: the ends have moved on since. */
+static void place_of(const gn_world *w, size_t c, double place[3]) {
+    const gn_particles *q = &w->dem.particles;
+    const size_t i = (size_t)w->dem.bonds.i[c], j = (size_t)w->dem.bonds.j[c];
+    double d[3], at[3];
+    gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d);
+    for (size_t a = 0; a < 3; a++) {
+        at[a] = q->pos[4 * i + a] - w->dt * q->vel[4 * i + a];
+        d[a] -= w->dt * (q->vel[4 * j + a] - q->vel[4 * i + a]);
+    }
+    double length = sqrt(gn_dot3(d, d));
+    double arm = 0.5 * (length + q->pos[4 * i + 3] - q->pos[4 * j + 3]);
+    for (size_t a = 0; a < 3 && length > 0.0; a++) at[a] += arm / length * d[a];
+    gn_world_point_out(w, at, place);
+}
+
+static void add_event(gn_world *w, size_t c, int cause, double energy) {
+    const gn_dem *d = &w->dem;
+    int32_t a = d->particles.id[d->bonds.i[c]], b = d->particles.id[d->bonds.j[c]];
+    gn_event *e = &w->dem.events.rows[w->dem.events.count++];
+    *e = (gn_event){.step = w->step, .time = w->time, .energy = energy, .cause = cause};
+    e->i = a < b ? a : b;
+    e->j = a < b ? b : a;
+    place_of(w, c, e->place);
+}
+
+static void take_marks(gn_world *w, size_t c) {
+    const gn_contacts *b = &w->dem.bonds;
+    const int what = b->happened[c];
+    b->happened[c] = 0;
+    if (what & GN_HAPPENED_SOFTENING) add_event(w, c, GN_EVENT_SOFTENING, 0.0);
+    if (what & GN_HAPPENED_YIELD) add_event(w, c, GN_EVENT_YIELD, 0.0);
+    if (what & GN_HAPPENED_BREAK && gn_broken(b->cause[c]))
+        add_event(w, c, b->cause[c], b->released ? b->released[c] : 0.0);
+}
+
+/* Those of one step, in an order that does not depend on that of the lists. */
+static int by_ends(const void *a, const void *b) {
+    const gn_event *x = a, *y = b;
+    if (x->i != y->i) return x->i < y->i ? -1 : 1;
+    if (x->j != y->j) return x->j < y->j ? -1 : 1;
+    return (x->cause < y->cause) - (x->cause > y->cause);
+}
+
+gneiss_status gn_events_note(gn_world *w, gneiss_error *error) {
+    const gn_contacts *b = &w->dem.bonds;
+    const gn_contact_sums *all = &w->dem.done.bonds;
+    if (!b->happened || !(all->broken_tension + all->broken_shear + all->began)) return GNEISS_OK;
+    const size_t first = w->dem.events.count, length = w->dem.bond_partials.length;
+    for (size_t k = 0; k < w->dem.bond_partials.blocks; k++) {
+        const gn_contact_sums *s = &w->dem.bond_sums[k];
+        size_t end = (k + 1) * length < b->soa.count ? (k + 1) * length : b->soa.count;
+        if (!(s->broken_tension + s->broken_shear + s->began)) continue;
+        for (size_t c = k * length; c < end; c++) {
+            if (!b->happened[c]) continue;
+            GN_TRY(grow(&w->dem.events, MARKS, error));
+            take_marks(w, c);
+        }
+    }
+    qsort(w->dem.events.rows + first, w->dem.events.count - first, sizeof(gn_event), by_ends);
+    return GNEISS_OK;
+}
+
+void gn_events_free(gn_events *events) {
+    gn_free(events->rows);
+    *events = (gn_events){0};
+}

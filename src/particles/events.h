@@ -1,0 +1,35 @@
+/* What happened to bonds for the first time: breaks, softening, yield. At most three rows a bond.
+ */
+#ifndef GN_PARTICLES_EVENTS_H
+#define GN_PARTICLES_EVENTS_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* What it was, beside gn_cause, as the state of a bond in output. */
+enum { GN_EVENT_SOFTENING = 4, GN_EVENT_YIELD = 5 };
+
+typedef struct gn_event {
+    int64_t step;    /* whose forces did it */
+    double time;     /* s */
+    double place[3]; /* m, of the contact, as the user sees it */
+    double energy;   /* J, what the break released; 0 of other events */
+    int32_t i, j;    /* ids of the particles, i < j */
+    int32_t cause;   /* gn_cause, GN_EVENT_SOFTENING, GN_EVENT_YIELD */
+    int32_t unused;
+} gn_event;
+
+typedef struct gn_events {
+    gn_event *rows; /* by step, then by i and j */
+    size_t count, capacity;
+} gn_events;
+
+typedef struct gn_world gn_world;
+
+/* After the motion of a step, before its time is counted: adds what happened in it. */
+gneiss_status gn_events_note(gn_world *world, gneiss_error *error);
+void gn_events_free(gn_events *events);
+
+#endif

@@ -1,0 +1,24 @@
+/* The particles of another run at its end, from its results.h5, or those of a packing, as the
+ * specimen of this one. */
+#ifndef GN_PARTICLES_FROM_RUN_H
+#define GN_PARTICLES_FROM_RUN_H
+
+#include "io/packing.h"
+#include "scene/scene.h"
+
+typedef struct gn_from_run {
+    size_t count;        /* particles, without those that had been removed */
+    double *sphere;      /* [count][4] x y z r, m, as the user sees them */
+    double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for, and of a packing */
+    size_t bonds;        /* and overlaps that are free of stress; 0 unless asked for */
+    int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
+    double *rest_length; /* [bonds] m, at which there is no normal force */
+    uint8_t *holds;      /* [bonds] 0: it broke, was dissolved or never was a bond */
+    double volume;       /* m3 (2D: m2) of the body that was packed; of a run 0 */
+} gn_from_run;
+
+/* What specimen.from names, with what the scene asks for. */
+gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error);
+void gn_from_run_free(gn_from_run *from);
+
+#endif

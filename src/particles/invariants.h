@@ -1,0 +1,17 @@
+/* What must be true of a world between two steps: looked at in builds with assertions. */
+#ifndef GN_PARTICLES_INVARIANTS_H
+#define GN_PARTICLES_INVARIANTS_H
+
+#include "world/world.h"
+
+#ifdef NDEBUG
+static inline void gn_world_assert_lists(const gn_world *world) {
+    (void)world;
+}
+#else
+/* Just after lists were made (or read): numbers, order, padding, partial sums, and that no contact
+ * is missing. */
+void gn_world_assert_lists(const gn_world *world);
+#endif
+
+#endif

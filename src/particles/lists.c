@@ -1,0 +1,417 @@
+/* Neighbour lists of the particles, and how contacts keep their history. */
+#include "base/memory.h"
+#include "base/vec3.h"
+#include "conversion/conversion.h"
+#include "particles/fragments.h"
+#include "soa/single.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t gn_blocks(size_t count, size_t block) {
+    return (count + block - 1) / block;
+}
+
+/* --- unbonded pairs --- */
+
+static bool comes_before(const gn_contacts *list, size_t c, int32_t i, int32_t j) {
+    return list->i[c] < i || (list->i[c] == i && list->j[c] < j);
+}
+
+size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j) {
+    size_t low = 0, high = list->soa.count;
+    while (low < high) {
+        size_t mid = (low + high) / 2;
+        if (comes_before(list, mid, i, j))
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+/* Whether the list has (i, j), walking on from *at: both lists are sorted. */
+static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
+    while (*at < list->soa.count && comes_before(list, *at, i, j)) (*at)++;
+    return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
+}
+
+/* Those without bonds; where elements convert, those of which one has a part of the body at least:
+ * bonds of others sleep, and their overlap, which is all theirs, is no contact. */
+static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
+    if (!w->dem.bonds.soa.count) return;
+    size_t kept = 0, at = 0;
+    for (size_t c = 0; c < pairs->count; c++) {
+        int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        if (walk_to(&w->dem.bonds, &at, i, j) || gn_conversion_hides(w, i, j)) continue;
+        pairs->pair[kept][0] = i;
+        pairs->pair[kept++][1] = j;
+    }
+    pairs->count = kept;
+}
+
+enum { PART = 512 };
+
+/* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
+ * them, and its history. */
+static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts *now, size_t begin,
+                      size_t end, size_t *at) {
+    int32_t from[PART], *first = now->i, *second = now->j;
+    size_t place = *at; /* in a register, as the ends are */
+    for (size_t c = begin; c < end; c++) {
+        int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
+        bool known = walk_to(&w->dem.pairs, &place, i, j);
+        from[c - begin] = known ? (int32_t)place : -1;
+        if (!known) gn_contact_set(w, now, c);
+    }
+    *at = place;
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->dem.pairs, from);
+}
+
+/* Fills the list from the pairs found; every thread walks through its part of the old list. */
+static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts *now) {
+#pragma omp parallel num_threads(w->threads)
+    {
+        size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
+        size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
+        if (begin < end)
+            at = gn_contacts_from(&w->dem.pairs, found->pair[begin][0], found->pair[begin][1]);
+        for (size_t c = begin; c < end; c += PART)
+            fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
+    }
+}
+
+static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
+    gn_pair_query query = {&w->dem.particles,
+                           (int)w->scene.dimension,
+                           w->dem.verlet.skin,
+                           0.0,
+                           w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
+    gn_pair_list found = {0};
+    GN_TRY(gn_box_narrowed(w, gn_pairs_find(&query, &found, error), error));
+    drop_bonded(w, &found);
+    gn_contacts now = {0};
+    gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,
+                                         gn_contact_list_effects(w->effects, false), error);
+    if (status == GNEISS_OK) {
+        fill_pairs(w, &found, &now);
+        gn_soa_destroy(&gn_contact_record, &w->dem.pairs);
+        w->dem.pairs = now;
+        gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
+        status = gn_partials_build(&w->dem.pairs, w->dem.particles.soa.count, w->threads,
+                                   &w->dem.pair_partials, error);
+    }
+    gn_pair_list_free(&found);
+    return status;
+}
+
+/* --- order --- */
+
+static int by_pair(const void *a, const void *b) {
+    const gn_renamed *x = a, *y = b;
+    if (x->i != y->i) return x->i < y->i ? -1 : 1;
+    return (x->j > y->j) - (x->j < y->j);
+}
+
+gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn_renamed *keys,
+                              gneiss_error *error) {
+    const gn_soa head = *(const gn_soa *)list;
+    int32_t *order = gn_alloc_array(head.count + 1, sizeof *order);
+    if (!order)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", head.count);
+    gneiss_status status = gn_soa_create(record, now, head.count, head.effects, error);
+    if (status == GNEISS_OK) {
+        qsort(keys, head.count, sizeof *keys, by_pair);
+        for (size_t c = 0; c < head.count; c++) order[c] = keys[c].place;
+        gn_soa_permute(record, now, list, order);
+        gn_soa_destroy(record, list);
+    }
+    gn_free(order);
+    return status;
+}
+
+/* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
+ * `swapped` [count] is scratch. */
+static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swapped) {
+    size_t turned = 0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        list->i[c] = keys[c].i;
+        list->j[c] = keys[c].j;
+        swapped[turned] = (int32_t)c;
+        turned += keys[c].swapped;
+    }
+    gn_soa_mirror(&gn_contact_record, list, swapped, turned);
+}
+
+/* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
+gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error) {
+    size_t count = list->soa.count;
+    gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
+    int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
+    gneiss_status status = GNEISS_OK;
+    if (!keys || !swapped)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
+        int32_t i = place[list->i[c]], j = place[list->j[c]];
+        keys[c] = (gn_renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
+    }
+    gn_contacts now = {0};
+    if (status == GNEISS_OK) status = gn_sort_renamed(&gn_contact_record, list, &now, keys, error);
+    if (status == GNEISS_OK) {
+        take_keys(&now, keys, swapped);
+        *list = now;
+    }
+    gn_free(keys);
+    gn_free(swapped);
+    return status;
+}
+
+void gn_dem_null_particles(gn_world *w) {
+    double apart = INFINITY;
+    for (int a = 0; a < 2; a++)
+        if (gn_scene_periodic_along(&w->scene, a)) apart = fmin(apart, w->period[a]);
+    gn_particles_set_null(&w->dem.particles, isfinite(apart) ? 0.25 * apart : 1.0);
+}
+
+void gn_dem_number_ids(gn_world *w) {
+    for (int64_t k = 0; k < w->dem.ids; k++) w->dem.index_of_id[k] = -1;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        w->dem.index_of_id[w->dem.particles.id[p]] = (int32_t)p;
+}
+
+/* Sorts particles along the Morton curve and renumbers everything that points at them. */
+static gneiss_status reorder(gn_world *w, gneiss_error *error) {
+    size_t n = w->dem.particles.soa.count;
+    int32_t *order = gn_alloc_array(n + 1, sizeof *order),
+            *place = gn_alloc_array(n + 1, sizeof *place);
+    gn_particles now = {0};
+    gneiss_status status =
+        order && place ? gn_morton_order(&w->dem.particles, (int)w->scene.dimension, order, error)
+                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_particle_record, &now, n, w->effects, error);
+    if (status == GNEISS_OK) {
+        gn_soa_permute(&gn_particle_record, &now, &w->dem.particles, order);
+        gn_soa_destroy(&gn_particle_record, &w->dem.particles);
+        w->dem.particles = now;
+        gn_dem_null_particles(w);
+        for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
+        gn_dem_number_ids(w);
+    }
+    if (status == GNEISS_OK && w->dem.bonds.soa.capacity) {
+        status = gn_contacts_rename(&w->dem.bonds, place, error);
+        gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
+        if (status == GNEISS_OK)
+            status = gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error);
+    }
+    if (status == GNEISS_OK && w->dem.pairs.soa.capacity)
+        status = gn_contacts_rename(&w->dem.pairs, place, error);
+    if (status == GNEISS_OK) status = gn_boundary_renumber(w, place, error);
+    gn_free(order);
+    gn_free(place);
+    return status;
+}
+
+/* --- periodic box --- */
+
+static void wrap(gn_world *w) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < (int)w->scene.dimension; a++) {
+            if (!gn_scene_periodic_along(&w->scene, a)) continue;
+            double shift = floor((q->pos[4 * p + a] - w->scene.periodic_min[a]) / w->period[a]);
+            q->pos[4 * p + a] -= shift * w->period[a];
+            q->start[4 * p + a] -= shift * w->period[a]; /* displacements stay continuous */
+        }
+}
+
+/* --- the lists --- */
+
+/* What goes by the blocks of the lists: sums, and who works on what. */
+static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
+    gn_free(w->dem.pair_sums);
+    w->dem.pair_sums = gn_alloc_array(w->dem.pair_partials.blocks + 1, sizeof *w->dem.pair_sums);
+    if (!w->dem.bond_sums)
+        w->dem.bond_sums =
+            gn_alloc_array(w->dem.bond_partials.blocks + 1, sizeof *w->dem.bond_sums);
+    if (!w->dem.motion_sums) {
+        w->dem.motion_blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
+        w->dem.motion_sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->dem.motion_sums);
+        GN_TRY(gn_hold_create(&w->dem.hold, w->dem.motion_blocks, error));
+    }
+    bool confined = w->effects & GN_FX_CONFINED;
+    if (confined && !w->dem.around)
+        w->dem.around = gn_alloc_array(w->dem.particles.soa.count + 1, 2 * sizeof(double));
+    if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums ||
+        (confined && !w->dem.around))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
+    gn_dem_sum_masses(w);
+    if (gn_converts(w)) GN_TRY(gn_conversion_find_still(w, error));
+    return gn_dem_deal(w, error);
+}
+
+/* Particles that flow are sorted again now and then; a bonded specimen by itself keeps its order.
+ * The decision rests on counts alone, so that it falls at the same step in every run. */
+static bool order_is_old(const gn_world *w) {
+    enum { REBUILDS_PER_SORT = 16 };
+    return (!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
+           w->dem.verlet.rebuilds > 0 && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0;
+}
+
+/* A particle must not have two images of another within reach. */
+static double widest_skin(const gn_world *w) {
+    double radius = 0.0, widest = INFINITY;
+    if (!(w->effects & GN_FX_PERIODIC)) return widest;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
+    for (int a = 0; a < 3; a++)
+        if (w->period[a] > 0.0)
+            widest = fmin(widest, (0.5 * w->period[a] - 2.0 * radius) * (1.0 - 1e-9));
+    return fmax(widest, w->dem.verlet.skin);
+}
+
+/* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
+ * than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it shrinks
+ * again. Steps and not seconds decide, so that every run does the same; forces do not depend on the
+ * skin at all. */
+static void tune_skin(gn_world *w) {
+    enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
+    if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0 || w->dem.flow.forced) return;
+    int64_t life = w->step - w->dem.verlet.last_step;
+    double most = fmin(6.0 * w->dem.verlet.skin_start, widest_skin(w));
+    if (life < SHORT_LIFE) w->dem.verlet.skin = fmin(1.25 * w->dem.verlet.skin, most);
+    if (life > LONG_LIFE)
+        w->dem.verlet.skin = fmax(0.8 * w->dem.verlet.skin, w->dem.verlet.skin_start);
+}
+
+static double largest_speed(const double *rows, size_t count) {
+    double most = 0.0;
+    for (size_t p = 0; p < count; p++) most = fmax(most, gn_dot3(rows + 4 * p, rows + 4 * p));
+    return sqrt(most);
+}
+
+static double surface_speed(const gn_world *w, const gn_surface *s) {
+    if (s->body < 0) return largest_speed(s->velocity, s->vertices);
+    const gn_rigid *b = &w->boundary.bodies[s->body];
+    return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
+}
+
+/* By how much two things that may touch moved apart in the last step, at most. */
+static double widest_gap(const gn_world *w) {
+    double own = largest_speed(w->dem.particles.vel, w->dem.particles.soa.count), other = own;
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const gn_wall *wall = &w->boundary.walls[k];
+        other = fmax(other, fabs(gn_dot3(wall->velocity, wall->normal)));
+    }
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        other = fmax(other, surface_speed(w, &w->boundary.surfaces[k]));
+    return w->dt_past * (own + other + gn_box_speed(w)) * (1.0 + 1e-6);
+}
+
+/* Whatever was in touch a step ago has to be listed: its contact acted for a part of the step. */
+static void widen_skin(gn_world *w) {
+    gn_verlet *q = &w->dem.verlet;
+    bool given = w->scene.skin > 0.0;
+    if (given) q->skin = w->scene.skin;
+    double needed = fmin(widest_gap(w), widest_skin(w));
+    if (!(needed > q->skin)) return;
+    q->skin = needed;
+    if (given) q->widened = fmax(q->widened, needed);
+}
+
+/* All ones if all contacts share the first one's value. */
+static size_t uniform(const double *column, size_t count) {
+    if (!column) return 0;
+    for (size_t c = 1; c < count; c++)
+        if (column[c] != column[0]) return 0;
+    return ~(size_t)0;
+}
+
+static gn_uniform find_uniform(const gn_contacts *k) {
+    size_t n = k->soa.count;
+#define X(name) .name = uniform(k->name, n),
+    return (gn_uniform){GN_UNIFORM_COLUMNS(X)};
+#undef X
+}
+
+void gn_dem_step_changed(gn_world *w) {
+    if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
+    gn_contacts_set_dashpots(w, &w->dem.bonds);
+    gn_contacts_set_dashpots(w, &w->dem.pairs);
+    gn_near_repack(w);
+    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
+    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
+}
+
+/* What kernels read besides the records themselves, once lists and `ref` stand. */
+static void ready_kernels(gn_world *w) {
+    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
+    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
+    double period[3] = {0, 0, 0};
+    if (w->effects & GN_FX_PERIODIC) memcpy(period, w->period, sizeof period);
+    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
+    gn_contacts_to_single(&w->dem.bonds, &w->dem.particles, period, w->threads);
+    gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, period, w->threads);
+}
+
+void gn_dem_masses_changed(gn_world *w) {
+    gn_dem_sum_masses(w);
+    gn_dem_step_changed(w); /* dashpots */
+    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
+}
+
+gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_dem_check_domain(w, error));
+    if (w->effects & GN_FX_PERIODIC) wrap(w);
+    GN_TRY(reorder(w, error));
+    GN_TRY(gn_bonds_form(w, error));
+    return gn_converts(w) ? gn_conversion_lay_down(w, error) : GNEISS_OK;
+}
+
+gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
+    gn_near_repack(w);
+    tune_skin(w);
+    widen_skin(w);
+    GN_TRY(gn_dem_drop(w, error));
+    GN_TRY(gn_dem_check_domain(w, error));
+    if (w->effects & GN_FX_PERIODIC) wrap(w);
+    GN_TRY(gn_flow_arrive(w, false, error));
+    if (order_is_old(w)) GN_TRY(reorder(w, error));
+    GN_TRY(make_pairs(w, error));
+    GN_TRY(ready_blocks(w, error));
+    memcpy(w->dem.particles.ref, w->dem.particles.pos,
+           w->dem.particles.soa.count * 4 * sizeof(double));
+    ready_kernels(w);
+    GN_TRY(gn_near_lists(w, error));
+    w->dem.verlet.drift = w->dem.verlet.closed = 0.0;
+    w->dem.verlet.rebuilds++;
+    w->dem.verlet.last_step = w->step;
+    gn_sinks_listed(w);
+    gn_box_listed(w);
+    gn_walls_listed(w);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
+    size_t n = w->dem.particles.soa.count;
+    gn_dem_null_particles(w);
+    w->dem.index_of_id = gn_alloc_array((size_t)w->dem.ids + 1, sizeof *w->dem.index_of_id);
+    if (!w->dem.index_of_id)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_pieces_create(w, error));
+    gn_dem_number_ids(w);
+    gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
+    gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
+    GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
+    GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
+    ready_kernels(w);
+    GN_TRY(ready_blocks(w, error));
+    gn_sinks_listed(w);
+    GN_TRY(gn_near_lists(w, error));
+    return gn_near_resume(w, error);
+}

@@ -1,0 +1,282 @@
+/* Particle sets: who belongs to them, what they change, how they move. */
+#include "base/memory.h"
+#include "base/point.h"
+#include "conversion/conversion.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool in_end(const gn_world *w, const gn_set_def *s, const double *x) {
+    int axis = (int)s->end_axis;
+    double r = s->end_by_surface ? x[3] : 0.0;
+    return s->end_upper ? x[axis] + r >= w->upper[axis] - s->end_depth
+                        : x[axis] - r <= w->lower[axis] + s->end_depth;
+}
+
+static bool in_ids(const gn_set_def *s, int32_t id) {
+    for (size_t k = 0; k < s->id_count; k++)
+        if (s->ids[k] == id) return true;
+    return false;
+}
+
+static bool selected_at(const gn_world *w, const gn_set_def *s, const double *x, int32_t id) {
+    if (s->has_box)
+        for (int a = 0; a < (int)w->scene.dimension; a++) {
+            double seen = gn_point_out(w->scene.origin[a], x[a]);
+            if (seen < s->box_min[a] || seen > s->box_max[a]) return false;
+        }
+    if (s->end_axis >= 0 && !in_end(w, s, x)) return false;
+    return !s->id_count || in_ids(s, id);
+}
+
+static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
+    return selected_at(w, s, w->dem.particles.pos + 4 * p, w->dem.particles.id[p]);
+}
+
+/* By where it was at the start; places of a periodic box have moved by whole lengths since. */
+bool gn_set_selected(const gn_world *w, size_t set, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    double x[4];
+    memcpy(x, q->start + 4 * p, sizeof x);
+    for (int a = 0; w->step > 0 && a < (int)w->scene.dimension; a++)
+        if (gn_scene_periodic_along(&w->scene, a))
+            x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
+    return selected_at(w, &w->scene.sets[set], x, q->id[p]);
+}
+
+static bool starts_in(const gn_world *w, size_t set, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
+    if (q->id[p] >= w->dem.made) return false;    /* a source's: sets are of the specimen */
+    return gn_set_selected(w, set, p);
+}
+
+static const gn_table *channel(const gn_motion *motion, int k) {
+    return k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
+}
+
+static uint8_t motion_mask(const gn_motion *motion) {
+    uint8_t mask = 0;
+    for (int k = 0; k < 6; k++)
+        if (channel(motion, k)->count) mask |= (uint8_t)(1u << k);
+    return mask;
+}
+
+static size_t count_selected(const gn_world *w, const gn_set_def *s) {
+    size_t count = 0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) count += selected(w, s, p);
+    return count;
+}
+
+static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
+    for (size_t k = 0; k < s->id_count; k++)
+        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->dem.particles.soa.count)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
+                           gn_scene_at(&w->scene, s->where, "sets").text, s->name,
+                           w->dem.particles.soa.count - 1, (long long)s->ids[k]);
+    if (count_selected(w, s) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: set '%s': select: expected particles, found none in this selection",
+                       gn_scene_at(&w->scene, s->where, "sets").text, s->name);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t k = 0; k < w->scene.set_count; k++) {
+        const gn_set_def *s = &w->scene.sets[k];
+        GN_TRY(check_ids(w, s, error));
+        int material = s->material[0] ? gn_scene_find_material(&w->scene, s->material) : -1;
+        for (size_t p = 0; p < q->soa.count; p++) {
+            if (!selected(w, s, p)) continue;
+            if (material >= 0) q->material[p] = material;
+            if (s->group >= 0) q->group[p] = (int32_t)s->group;
+        }
+    }
+    return GNEISS_OK;
+}
+
+/* Initial motion and force of one set; the total force is shared out by mass. */
+static void apply_set(gn_world *w, const gn_set_def *s) {
+    gn_particles *q = &w->dem.particles;
+    double mass = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (selected(w, s, p)) mass += 1.0 / q->vel[4 * p + 3];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!selected(w, s, p)) continue;
+        for (int k = 0; k < 3; k++) {
+            if (s->has_initial_velocity) q->vel[4 * p + k] = s->initial_velocity[k];
+            if (s->has_initial_spin && q->spin) q->spin[4 * p + k] = s->initial_spin[k];
+            if (s->has_force && q->applied)
+                q->applied[4 * p + k] += s->force[k] / q->vel[4 * p + 3] / mass;
+        }
+    }
+}
+
+/* Of their own mass, those that have left have none. */
+static double own_mass(const gn_particles *q, size_t p) {
+    double inverse = q->vel[4 * p + 3];
+    return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
+}
+
+static void share_force(gn_world *w, size_t set) {
+    gn_particles *q = &w->dem.particles;
+    const double *force = w->scene.sets[set].force;
+    double mass = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (starts_in(w, set, p)) mass += own_mass(q, p);
+    for (size_t p = 0; p < q->soa.count && mass > 0.0; p++) {
+        if (!starts_in(w, set, p)) continue;
+        for (size_t k = 0; k < 3; k++) q->applied[4 * p + k] += force[k] * own_mass(q, p) / mass;
+    }
+}
+
+static void free_slots(gn_world *w) {
+    gn_prescription *f = &w->dem.prescribed;
+    void *blocks[] = {
+        f->set, f->mask, f->velocity, f->load, w->dem.channel_set, w->dem.set_reaction};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    *f = (gn_prescription){0};
+    w->dem.channel_set = NULL;
+    w->dem.set_reaction = NULL;
+}
+
+static gneiss_status allocate_slots(gn_world *w, size_t count, gneiss_error *error) {
+    gn_prescription *f = &w->dem.prescribed;
+    f->count = count;
+    f->set = gn_alloc_array(count + 1, sizeof *f->set);
+    f->mask = gn_alloc_array(count + 1, sizeof *f->mask);
+    f->velocity = gn_alloc_array(count + 1, 6 * sizeof *f->velocity);
+    f->load = gn_alloc_array(count + 1, 6 * sizeof *f->load);
+    w->dem.channel_set = gn_alloc_array(count + 1, 6 * sizeof *w->dem.channel_set);
+    w->dem.set_reaction = gn_alloc_array(w->scene.set_count + 1, 6 * sizeof *w->dem.set_reaction);
+    if (!f->set || !f->mask || !f->velocity || !f->load || !w->dem.channel_set ||
+        !w->dem.set_reaction)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu prescribed particles", count);
+    return GNEISS_OK;
+}
+
+/* A particle's slot takes each channel from the last set that prescribes it. */
+static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    size_t count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        q->slot[p] = -1;
+        for (size_t s = 0; s < w->scene.set_count && q->slot[p] < 0; s++)
+            if (motion_mask(&w->scene.sets[s].motion) && starts_in(w, s, p))
+                q->slot[p] = (int32_t)count++;
+    }
+    GN_TRY(allocate_slots(w, count, error));
+    for (size_t k = 0; k < 6 * count; k++) w->dem.channel_set[k] = -1;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        int32_t slot = q->slot[p];
+        for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
+            uint8_t mask = motion_mask(&w->scene.sets[s].motion);
+            if (!mask || !starts_in(w, s, p)) continue;
+            w->dem.prescribed.set[slot] = (int32_t)s;
+            w->dem.prescribed.mask[slot] |= mask;
+            for (int k = 0; k < 6; k++)
+                if (mask >> k & 1) w->dem.channel_set[6 * slot + k] = (int32_t)s;
+        }
+    }
+    return GNEISS_OK;
+}
+
+static double prescribed_velocity(const gn_world *w, int32_t set, int k, double time) {
+    const gn_set_def *s = &w->scene.sets[set];
+    const double factor = k < 3 ? gn_control_of(w, s->name, k) : 1.0;
+    return factor * gn_table_at(channel(&s->motion, k), time);
+}
+
+/* Particles of one set come one after the other. */
+void gn_prescription_update(gn_world *w, double time) {
+    gn_prescription *f = &w->dem.prescribed;
+    for (int k = 0; k < 6; k++) {
+        int32_t last = -1;
+        double velocity = 0.0;
+        for (size_t slot = 0; slot < f->count; slot++) {
+            const int32_t s = w->dem.channel_set[6 * slot + (size_t)k];
+            if (s < 0) continue;
+            if (s != last) velocity = prescribed_velocity(w, s, k, time);
+            last = s;
+            f->velocity[6 * slot + (size_t)k] = velocity;
+        }
+    }
+}
+
+void gn_reactions_sum(gn_world *w) {
+    memset(w->dem.set_reaction, 0, w->scene.set_count * 6 * sizeof *w->dem.set_reaction);
+    for (size_t slot = 0; slot < w->dem.prescribed.count; slot++)
+        for (int k = 0; k < 6; k++) {
+            int32_t s =
+                w->dem.channel_set[6 * slot + k]; /* of several sets the one that drives it */
+            if (s >= 0) w->dem.set_reaction[6 * s + k] += w->dem.prescribed.load[6 * slot + k];
+        }
+}
+
+/* Whether a particle counts for the travel of a set: where the set prescribes the velocity, those
+ * that have it from there, else all that were selected at the start. */
+static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_set_def *s = &w->scene.sets[set];
+    if (s->motion.velocity[axis].count == 0) return gn_set_selected(w, set, p);
+    int32_t slot = q->slot[p];
+    return slot >= 0 && w->dem.channel_set[6 * slot + axis] == (int32_t)set;
+}
+
+double gn_set_travel(const gn_world *w, size_t set, int axis) {
+    const gn_set_def *s = &w->scene.sets[set];
+    int32_t *places = gn_conversion_places(w);
+    double sum = 0.0;
+    size_t count = 0, all = s->id_count ? s->id_count : (size_t)w->dem.made;
+    for (size_t k = 0; k < all; k++) {
+        int32_t place = w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        size_t p = (size_t)place;
+        if (place < 0 || !travels(w, set, axis, p)) continue;
+        double u[3];
+        gn_conversion_travel(w, places, p, u);
+        sum += u[axis];
+        count++;
+    }
+    gn_free(places);
+    return count ? sum / (double)count : 0.0;
+}
+
+/* Prescribed components start with their prescribed value, not with a jump. */
+static void start_prescribed(gn_world *w) {
+    gn_particles *q = &w->dem.particles;
+    gn_prescription_update(w, 0.0);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        int32_t slot = q->slot[p];
+        for (int k = 0; slot >= 0 && k < 6; k++) {
+            if (!(w->dem.prescribed.mask[slot] >> k & 1)) continue;
+            double *target = k < 3 ? q->vel : q->spin;
+            if (target) target[4 * p + k % 3] = w->dem.prescribed.velocity[6 * slot + k];
+        }
+    }
+}
+
+gneiss_status gn_sets_apply(gn_world *w, gneiss_error *error) {
+    for (size_t s = 0; s < w->scene.set_count; s++) apply_set(w, &w->scene.sets[s]);
+    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    GN_TRY(make_slots(w, error));
+    start_prescribed(w);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_sets_enter(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
+    for (size_t k = 0; q->applied && k < w->scene.set_count; k++)
+        if (w->scene.sets[k].has_force) share_force(w, k);
+    if (q->load)
+        memcpy(q->load, q->applied, q->soa.count * 4 * sizeof *q->load); /* beside pressure */
+    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    free_slots(w);
+    /* A velocity that jumps takes an impulse, which the kernel books as work. */
+    GN_TRY(make_slots(w, error));
+    gn_prescription_update(w, w->time);
+    return GNEISS_OK;
+}

@@ -1,0 +1,177 @@
+/* How far particles came since the lists were made.
+ *
+ * What flows comes far as a whole, and little past its neighbours: it is that which lists have to
+ * be wide enough for. Cells over the places of then, wider than two particles can come together
+ * across one, have the box of the ways of their particles; two that can have met were in cells that
+ * are next to each other, so that the diagonal of the ways of two by two by two cells bounds by how
+ * much they closed in. */
+#include "base/memory.h"
+#include "world/internal.h"
+
+#include <math.h>
+
+/* Of all particles of a cell, m. */
+typedef struct ways {
+    double low[3], high[3];
+} ways;
+
+typedef struct grid {
+    double low[3], scale[3]; /* scale: cells per m */
+    size_t count[3];
+    bool closed[3];    /* the last cell is beside the first */
+    size_t begin, end; /* layers, those of one place along the last axis, with somebody in them or
+                          in the next one; in all others cells are of no use */
+    ways *cell;
+} grid;
+
+static size_t cells_of_layer(const grid *g) {
+    return g->count[0] * g->count[1];
+}
+
+static const ways none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+/* Places and ways are finite: there is nothing to ask of fmin. */
+static void merge(ways *to, const double low[3], const double high[3]) {
+    for (int a = 0; a < 3; a++) {
+        to->low[a] = low[a] < to->low[a] ? low[a] : to->low[a];
+        to->high[a] = high[a] > to->high[a] ? high[a] : to->high[a];
+    }
+}
+
+/* Room that the places of then take up; *radius: the largest. */
+static ways extent(const gn_particles *q, double *radius) {
+    ways room = none;
+    *radius = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->ref + 4 * p;
+        merge(&room, x, x);
+        *radius = fmax(*radius, q->pos[4 * p + 3]);
+    }
+    return room;
+}
+
+/* Cells of at least `width`, not many more than particles. */
+static void lay(const gn_world *w, double width, const ways *room, grid *g) {
+    const double most = cbrt((double)w->dem.particles.soa.count) + 1.0;
+    for (int a = 0; a < 3; a++) {
+        const double side = w->effects & GN_FX_PERIODIC ? w->period[a] : 0.0;
+        const double size = side > 0.0 ? side : room->high[a] - room->low[a];
+        const double cells = floor(fmin(size / width, 4.0 * most));
+        g->closed[a] = side > 0.0;
+        g->low[a] = side > 0.0 ? w->scene.periodic_min[a] : room->low[a];
+        g->count[a] = cells >= 1.0 ? (size_t)cells : 1;
+        g->scale[a] = size > 0.0 ? (double)g->count[a] / size : 0.0;
+    }
+}
+
+static size_t place_of(const grid *g, double x, int axis) {
+    const double k = (x - g->low[axis]) * g->scale[axis];
+    const size_t at = k > 0.0 ? (size_t)k : 0;
+    return at < g->count[axis] ? at : g->count[axis] - 1;
+}
+
+static ways *cell_of(const grid *g, const double x[3]) {
+    const size_t row = place_of(g, x[2], 2) * g->count[1] + place_of(g, x[1], 1);
+    return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
+}
+
+/* A box that is high for what is in it has mostly layers without anybody. Where the lowest one has
+ * somebody all count: the highest may be next to it. */
+static void find_layers(const ways *room, grid *g) {
+    const size_t low = place_of(g, room->low[2], 2);
+    g->begin = low > 0 ? low - 1 : 0;
+    g->end = low > 0 ? place_of(g, room->high[2], 2) + 1 : g->count[2];
+}
+
+static void fill(const gn_particles *q, grid *g) {
+    const size_t layer = cells_of_layer(g);
+    for (size_t k = layer * g->begin; k < layer * g->end; k++) g->cell[k] = none;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        const double *x = q->pos + 4 * p, *from = q->ref + 4 * p;
+        const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
+        merge(cell_of(g, from), d, d);
+    }
+}
+
+/* The cells from `c` on, `step` apart, `count` of them, get the ways of the next one; behind the
+ * last one is the first, or none. */
+static void spread_line(ways *c, size_t step, size_t count, bool closed) {
+    const ways first = c[0];
+    for (size_t n = 0; n + 1 < count; n++)
+        merge(&c[n * step], c[(n + 1) * step].low, c[(n + 1) * step].high);
+    if (closed) merge(&c[(count - 1) * step], first.low, first.high);
+}
+
+/* Along all axes. */
+static void spread(grid *g) {
+    const size_t layer = cells_of_layer(g), row = g->count[0];
+    for (size_t z = g->begin; z < g->end; z++) {
+        ways *c = g->cell + layer * z;
+        for (size_t y = 0; y < g->count[1]; y++) spread_line(c + row * y, 1, row, g->closed[0]);
+        for (size_t x = 0; x < row; x++) spread_line(c + x, row, g->count[1], g->closed[1]);
+    }
+    const size_t layers = g->end - g->begin;
+    for (size_t k = 0; k < layer; k++)
+        spread_line(g->cell + layer * g->begin + k, layer, layers,
+                    g->closed[2] && layers == g->count[2]);
+}
+
+/* The square of the longest diagonal. */
+static double longest2(const grid *g) {
+    const size_t layer = cells_of_layer(g);
+    double most = 0.0;
+    for (size_t k = layer * g->begin; k < layer * g->end; k++) {
+        const ways *c = &g->cell[k];
+        double sum = 0.0;
+        for (int a = 0; a < 3; a++) sum += (c->high[a] - c->low[a]) * (c->high[a] - c->low[a]);
+        if (c->low[0] <= c->high[0]) most = fmax(most, sum);
+    }
+    return most;
+}
+
+/* Room for so many that is kept from look to look: fresh memory costs more than a look. */
+static ways *room_for(gn_dem *d, size_t cells) {
+    if (cells <= d->ways_room) return d->ways;
+    gn_free(d->ways);
+    d->ways = gn_alloc_array_raw(cells, sizeof(ways));
+    d->ways_room = d->ways ? cells : 0;
+    return d->ways;
+}
+
+/* m, by which any two closed in that were not near; at most twice the way of one. */
+static double closed_in(gn_world *w, double most) {
+    grid g;
+    double radius;
+    const ways room = extent(&w->dem.particles, &radius);
+    lay(w, 1.001 * (2.0 * radius + w->dem.verlet.skin + 2.0 * most), &room, &g);
+    g.cell = room_for(&w->dem, g.count[0] * g.count[1] * g.count[2]);
+    if (!g.cell) return 2.0 * most; /* which is as true */
+    find_layers(&room, &g);
+    fill(&w->dem.particles, &g);
+    spread(&g);
+    const double most2 = longest2(&g);
+    return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
+}
+
+/* Bonded specimens keep the bits of their runs; where a box or elements move particles, so do their
+ * ways. */
+static bool looks_at_neighbours(const gn_world *w) {
+    return !(w->effects & GN_FX_BONDS) && !w->scene.has_couple && !gn_box_moves(w);
+}
+
+void gn_dem_look_at_travel(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double d2 = 0.0;
+        for (int a = 0; a < 3; a++) {
+            double d = q->pos[4 * p + a] - q->ref[4 * p + a];
+            d2 += d * d;
+        }
+        most = fmax(most, d2);
+    }
+    gn_verlet *v = &w->dem.verlet;
+    v->drift = sqrt(most);
+    v->closed = looks_at_neighbours(w) && v->drift > 0.0 ? closed_in(w, v->drift) : 2.0 * v->drift;
+}

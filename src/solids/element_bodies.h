@@ -1,0 +1,22 @@
+/* Bodies of finite elements as wholes: the mass that a particle collides with. */
+#ifndef GN_SOLIDS_ELEMENT_BODIES_H
+#define GN_SOLIDS_ELEMENT_BODIES_H
+
+#include "boundary/surface.h"
+
+/* Elements that share nodes, as a rigid body at the start. */
+typedef struct gn_element_body {
+    double centre[3];          /* m, of mass, at the start */
+    double inverse_mass[3];    /* 1/kg along x y z; 0: a motion drives the component of a node */
+    double inverse_inertia[9]; /* 1/(kg m2), symmetric; 0: a motion drives any node */
+} gn_element_body;
+
+/* Finds them; the caller frees contact.bodies and contact.body. */
+gneiss_status gn_element_bodies_find(struct gn_element_model *q, gneiss_error *error);
+
+/* 1/kg with which the body of a facet gives way as a whole along a unit vector at a point of the
+ * facet, where the shape functions of its corners are `weight`. */
+double gn_element_body_inverse_mass(const gn_surface *surface, int32_t facet,
+                                    const double weight[3], const double n[3]);
+
+#endif

@@ -1,0 +1,135 @@
+/* The part of a world that is finite elements: its solids, what drives them, what is read off them.
+ * What is asked of the part is asked of all solids, in their order. */
+#ifndef GN_SOLIDS_ELEMENTS_H
+#define GN_SOLIDS_ELEMENTS_H
+
+#include "fem/solid.h"
+#include "frame/balance.h"
+#include "measure/energy.h"
+#include "mesh/joints.h"
+#include "scene/scene.h"
+
+typedef struct gn_world gn_world;
+
+/* What particles do to the surface (element_contact.c). */
+typedef struct gn_element_contact {
+    int32_t *corner;       /* of facets, by places of nodes */
+    const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */
+    gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
+    int32_t *first;        /* [nodes + 1] */
+    double travel;         /* m, as gn_rigid.travel */
+    int32_t *body;         /* [nodes] of `bodies` */
+    struct gn_element_body *bodies;
+} gn_element_contact;
+
+/* A solid. */
+typedef struct gn_element_model {
+    const gn_element_def *def; /* what the scene says of it; borrowed */
+    gn_fem_solid solid;
+    gn_mesh_joints joints; /* of a mesh from a file when it was read */
+    gn_element_contact contact;
+    gn_fem_set *motion_set;  /* [def->motion_count] nodes */
+    int32_t *motion;         /* [motions] number in `solid`, -1: only watched */
+    gn_fem_load *load;       /* [def->load_count] */
+    double (*load_value)[3]; /* [loads] Pa or N, at present */
+    bool loads_vary;
+    double (*weight)[3]; /* [nodes] of the mean strain */
+
+    gn_fem_limit limit; /* of the solid at its start */
+    double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
+    double stable;      /* s: sharp limit or bound, divided by it */
+
+    double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
+    double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
+    double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
+    bool carries, falls; /* as of gn_balance */
+} gn_element_model;
+
+/* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
+ * taken over (also on failure), relative to the origin. Errors say where in the scene. */
+gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
+/* A further solid; `def` has to stay as long as the world. */
+gneiss_status gn_elements_add(gn_world *world, const gn_element_def *def, gn_mesh *mesh,
+                              gneiss_error *error);
+/* Takes motions, loads, gravity and damping from the scene of another stage. */
+gneiss_status gn_elements_enter(gn_world *world, gneiss_error *error);
+void gn_elements_free(gn_world *world);
+
+/* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
+ * wait for an exchange; */
+void gn_elements_forces(gn_world *world, bool measure);
+/* then that of the others; with `measure` also stress and unbalanced. */
+gneiss_status gn_elements_move(gn_world *world, bool measure, gneiss_error *error);
+/* That no node that particles touch moved too far in the step (paths.c). */
+gneiss_status gn_elements_check(const gn_world *world, gneiss_error *error);
+/* Adds their ledgers of the last measured step. */
+void gn_elements_book(const gn_world *world, gn_energy *ledger);
+
+/* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
+ * strain has done since. *due: one has changed. */
+gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+/* Elements were taken out: the bound holds for those that are left, whatever their parts. */
+gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
+/* The loads of a time become those on the nodes. */
+void gn_elements_set_loads(gn_element_model *q, double time);
+/* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
+typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
+void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
+double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
+/* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
+ * z) m". */
+const gn_element_model *gn_elements_lead(const gn_world *world);
+/* Where elements of one part are not joined though they touch (a sentence for each of places with
+ * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
+ * than there is room for; "": nothing. Returns `text`. */
+const char *gn_elements_doubts(const gn_world *world, char *text, size_t size);
+const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
+                                size_t size);
+
+uint64_t gn_elements_hash(const gn_world *world, uint64_t h);
+size_t gn_elements_bytes(const gn_world *world);
+
+typedef struct gn_element_totals {
+    size_t nodes, elements;
+    double mass, volume; /* kg, m3 at the start */
+} gn_element_totals;
+gn_element_totals gn_elements_totals(const gn_world *world);
+
+/* Means over all solids by volume: of the displacement gradient, of the stress at the last measured
+ * step; the largest of the solids' `unbalanced`. */
+void gn_elements_strain(const gn_world *world, double gradient[9]);
+void gn_elements_stress(const gn_world *world, double stress[9]);
+void gn_elements_balance(const gn_world *world, gn_balance *balance);
+/* Widens a box to all nodes at the start, m. */
+void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
+/* m: the sides of the smallest box around all of them. */
+void gn_elements_sides(const gn_world *world, double side[3]);
+double gn_elements_longest_side(const gn_world *world);
+
+/* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
+ * supplies, N, unless it is only watched. */
+size_t gn_elements_motions(const gn_world *world);
+const char *gn_elements_motion_name(const gn_world *world, size_t motion);
+bool gn_elements_motion_drives(const gn_world *world, size_t motion);
+/* The nodes of a motion, and where they stand. */
+const gn_fem_set *gn_elements_motion_set(const gn_world *world, size_t motion,
+                                         const gn_particles **nodes);
+void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
+void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
+
+/* --- contact with particles (element_contact.c) --- */
+
+/* Makes the surfaces that particles touch, where the scene wants them: after solids. */
+gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
+/* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
+void gn_element_contact_load(gn_element_model *q);
+void gn_element_contact_moved(gn_element_model *q, double dt);
+/* m/s, of the fastest node in the last step; 0 where nothing touches them. */
+double gn_element_contact_speed(const gn_element_model *q);
+/* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
+ * looks where they are. */
+void gn_element_contact_refer(gn_element_model *q);
+double gn_element_contact_travel(gn_element_model *q, bool exact);
+void gn_element_contact_free(gn_element_contact *k);
+
+#endif

@@ -1,0 +1,244 @@
+/* By Hertz's law a contact is the stiffer the further it is pressed. The step is chosen for the
+ * overlap that is expected: one and a half of what there is, or that of a collision at the present
+ * speeds, of the contact itself and of those beside it, whichever is most. Kernels count contacts
+ * that are pressed further; then all are looked at again before the next step. What is expected of
+ * a contact never falls: nor does an automatic step ever rise. */
+#include "boundary/contact_rows.h"
+#include "drive/control.h"
+#include "world/internal.h"
+
+#include <math.h>
+
+/* Over the radius of the contact: with less a step would have no bound at the start. */
+static const double least = 1e-6;
+/* What is expected at least of an overlap that there is, and what is taken in hand besides. */
+static const double growth = 1.2, reserve = 1.25;
+
+/* m/s2, of the applied forces. */
+static double applied(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double most2 = 0.0;
+    for (size_t p = 0; w->effects & GN_FX_APPLIED && p < q->soa.count; p++) {
+        const double *f = q->applied + 4 * p, inverse = q->vel[4 * p + 3];
+        most2 = fmax(most2, gn_dot3(f, f) * inverse * inverse);
+    }
+    return sqrt(most2);
+}
+
+/* J/kg that gravity and applied forces add while the lists last. */
+static double fall(const gn_world *w) {
+    const double *g = w->scene.gravity;
+    double pull = w->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
+    return (pull + w->dem.push) * w->dem.verlet.skin;
+}
+
+/* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
+ * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
+static double collision(const gn_world *w, double kn, double inverse_mass, double speed2,
+                        double radius, double known) {
+    if (!(inverse_mass > 0.0)) return known;
+    if (w->dem.gain > 0.0) speed2 = (sqrt(speed2) + w->dem.gain) * (sqrt(speed2) + w->dem.gain);
+    double energy = (0.5 * speed2 + fall(w)) / inverse_mass, u = known * radius;
+    if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
+    return pow(3.75 * energy / kn, 0.4) / radius;
+}
+
+static double pair_radius(const gn_particles *q, size_t i, size_t j) {
+    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
+    return ri * rj / (ri + rj);
+}
+
+static double relative2(const double *a, const double *b) {
+    double v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    return gn_dot3(v, v);
+}
+
+double gn_pressed_meeting(const gn_world *w, size_t i, size_t j, double kn) {
+    const gn_particles *q = &w->dem.particles;
+    const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
+    double radius = pair_radius(q, i, j), known = fmax(fmax(q->pressed[i], q->pressed[j]), least);
+    return radius * collision(w, kn, vi[3] + vj[3], relative2(vi, vj), radius, known);
+}
+
+double gn_pressed_touch(const gn_world *w, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    return q->pos[4 * p + 3] * fmax(q->pressed[p], least);
+}
+
+/* --- looking --- */
+
+static void raise(gn_world *w, size_t p, double to) {
+    double *known = &w->dem.particles.pressed[p];
+    if (to > *known) *known = reserve * to;
+}
+
+static void look_at_pairs(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_contacts *k = &w->dem.pairs;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
+        double d[3], radius = pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
+        double gap = sqrt(gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
+                     q->pos[4 * j + 3];
+        known = fmax(known, growth * -gap / radius);
+        known = collision(w, k->kn[c], vi[3] + vj[3], relative2(vi, vj), radius, known);
+        raise(w, i, known);
+        raise(w, j, known);
+    }
+}
+
+static void keep_pairs(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    gn_contacts *k = &w->dem.pairs;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        k->most[c] = pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
+        if (k->most_f) k->most_f[c] = (float)k->most[c];
+    }
+}
+
+/* Of a particle and what it touches, which moves at `v` and counts as heavy. */
+static void meet(gn_world *w, size_t p, const gn_touch_side *side, const double v[3],
+                 double overlap) {
+    const double *own = w->dem.particles.vel + 4 * p;
+    double kn = gn_law_of(w->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
+    double known = fmax(w->dem.particles.pressed[p], growth * overlap / side->radius);
+    raise(w, p, collision(w, kn, own[3], relative2(own, v), side->radius, known));
+}
+
+/* Where the contact is. */
+static void surface_velocity(const gn_world *w, const gn_surface_contact *c, double v[3]) {
+    const gn_surface *s = c->surface;
+    const double *x = w->dem.particles.pos + 4 * c->particle;
+    v[0] = v[1] = v[2] = 0.0;
+    if (s->body < 0) {
+        for (int k = 0; k < c->parts; k++)
+            for (int a = 0; a < 3; a++)
+                v[a] += c->weight[k] * s->velocity[4 * (int64_t)c->vertex[k] + a];
+        return;
+    }
+    const gn_rigid *b = &w->boundary.bodies[s->body];
+    double lever[3];
+    for (int a = 0; a < 3; a++) lever[a] = x[a] + c->contact.arm[a] - b->position[a];
+    gn_cross3(b->spin, lever, v);
+    for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
+}
+
+static size_t look_at_surface(gn_world *w, size_t row) {
+    size_t count = 0, p = (size_t)w->boundary.contacts.i[row];
+    const gn_surface *s = gn_surface_of_row(w, row);
+    gn_touch_side side = gn_surface_side(w, s, p, 1.0);
+    double v[3];
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    row = gn_surface_contacts_at(w, row, w->dem.verlet.skin, found, &count);
+    for (size_t k = 0; k < count; k++) {
+        surface_velocity(w, &found[k], v);
+        meet(w, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
+    }
+    return row;
+}
+
+static void look_at_walls(gn_world *w) {
+    const gn_wall_contacts *k = &w->boundary.contacts;
+    for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
+        size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
+        if (wall >= w->scene.wall_count) {
+            c = look_at_surface(w, c);
+            continue;
+        }
+        gn_touch_side side = gn_wall_side(w, wall, p);
+        const double *x = w->dem.particles.pos + 4 * p;
+        double gap = gn_wall_distance(&w->boundary.walls[wall], x) - x[3] - k->gap0[c];
+        meet(w, p, &side, w->boundary.walls[wall].velocity, fmax(-gap, 0.0));
+        c++;
+    }
+}
+
+void gn_pressed_look(gn_world *w) {
+    if (!(w->effects & GN_FX_HERTZ)) return;
+    w->dem.push = applied(w);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) raise(w, p, least);
+    look_at_pairs(w);
+    look_at_walls(w);
+    keep_pairs(w);
+    gn_near_repack(w);
+}
+
+/* --- what is driven --- */
+
+/* Of a wall, a body or a set: where its velocity is prescribed, as it will be in the coming step
+ * (at the middle of which tables are read); by how much that changes, and how fast it is then. */
+typedef struct drive {
+    const gn_motion *motion;
+    const char *name;
+    const double *now; /* velocity in the last step; NULL: of the table then */
+    double reach;      /* m, that a spin moves */
+} drive;
+
+static double speed_of(const gn_world *w, const drive *d, double *change) {
+    const double next = w->time + 0.5 * w->dt, last = w->time - 0.5 * w->dt_past;
+    double v[3], turn[3], by[3];
+    for (int a = 0; a < 3; a++) {
+        const gn_table *t = &d->motion->velocity[a], *s = &d->motion->spin[a];
+        const double factor = gn_control_of(w, d->name, a);
+        v[a] = t->count ? factor * gn_table_at(t, next) : d->now ? d->now[a] : 0.0;
+        by[a] = t->count ? v[a] - (d->now ? d->now[a] : factor * gn_table_at(t, last)) : 0.0;
+        turn[a] = s->count ? gn_table_at(s, next) : 0.0;
+    }
+    const double spin = sqrt(gn_dot3(turn, turn)) * d->reach;
+    *change = sqrt(gn_dot3(by, by)) + spin;
+    return sqrt(gn_dot3(v, v)) + spin;
+}
+
+/* A servo may be as fast as it may be at once. */
+static double speed_of_wall(const gn_world *w, size_t k, double *change) {
+    const gn_wall_def *def = &w->scene.walls[k];
+    const drive d = {&def->motion, def->name, w->boundary.walls[k].velocity, 0.0};
+    if (!def->servo.active) return speed_of(w, &d, change);
+    return *change = def->servo.max_velocity;
+}
+
+static double speed_of_body(const gn_world *w, size_t k, double *change) {
+    const gn_rigid *b = &w->boundary.bodies[k];
+    const drive d = {&w->scene.bodies[k].motion, w->scene.bodies[k].name, b->velocity, b->reach};
+    return speed_of(w, &d, change);
+}
+
+static double speed_of_set(const gn_world *w, size_t k, double *change) {
+    const drive d = {&w->scene.sets[k].motion, w->scene.sets[k].name, NULL, 0.0};
+    return speed_of(w, &d, change);
+}
+
+/* By how much what becomes faster than it was looked at changes in the coming step, at most. What
+ * slows down and comes back meets nothing at more than it was looked at. */
+static double driven_gain(gn_world *w) {
+    static double (*const speed[])(const gn_world *, size_t,
+                                   double *) = {speed_of_wall, speed_of_body, speed_of_set};
+    const size_t count[] = {w->scene.wall_count, w->scene.body_count, w->scene.set_count};
+    double gain = 0.0, *known = w->dem.driven;
+    for (int kind = 0; kind < 3; kind++)
+        for (size_t k = 0; k < count[kind]; k++, known++) {
+            double change, now = speed[kind](w, k, &change);
+            if (!(now > 1.1 * *known)) continue;
+            *known = now;
+            gain = fmax(gain, change);
+        }
+    return gain;
+}
+
+/* A step that is long because nothing moves must not be the one in which something begins to. */
+static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
+    if (!w->dem.driven) return GNEISS_OK;
+    w->dem.gain = driven_gain(w);
+    gneiss_status status = w->dem.gain > 0.0 ? gn_world_check_lists(w, error) : GNEISS_OK;
+    w->dem.gain = 0.0;
+    return status;
+}
+
+gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
+    GN_TRY(check_driven(w, error));
+    if (!w->dem.pressed) return GNEISS_OK;
+    w->dem.pressed = false;
+    return gn_world_check_lists(w, error);
+}

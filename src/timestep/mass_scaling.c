@@ -1,0 +1,239 @@
+/* Masses raised for a longer step. Each particle's mass, and its moment of inertia with it, is
+ * multiplied by what its springs ask for at the wanted step: those that act, those that may act
+ * before the lists are made again, collisions that have to be resolved. What is asked for by a
+ * rigorous bound is more than the sharp limit needs, so the bound is asked at a smaller step, which
+ * is looked for until the sharp limit is the wanted one. */
+#include "base/memory.h"
+#include "world/internal.h"
+
+#include <math.h>
+
+void gn_dem_sum_masses(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    gn_mass_scaling *s = &w->dem.scaling;
+    w->dem.mass = s->added = s->largest = 0.0;
+    s->raised = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!(q->vel[4 * p + 3] > 0.0)) continue; /* removed */
+        double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
+        w->dem.mass += own < 1.0 ? own * mass : mass;
+        s->added += (1.0 - own) * mass;
+        s->largest = fmax(s->largest, 1.0 / own);
+        s->raised += own < 1.0;
+    }
+}
+
+double gn_dem_added_kinetic(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double all = 0.0, added = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *v = q->vel + 4 * p, *o = q->spin ? q->spin + 4 * p : NULL;
+        double twice = v[3] > 0.0 ? gn_dot3(v, v) / v[3] : 0.0;
+        if (o && o[3] > 0.0) twice += gn_dot3(o, o) / o[3];
+        all += twice;
+        added += (1.0 - q->own_share[p]) * twice;
+    }
+    return all > 0.0 ? added / all : 0.0;
+}
+
+/* --- raising --- */
+
+/* The step over what listed contacts allow: a little below what they are looked at with. */
+static const double listed_share = 0.989;
+
+/* What the run's step asks for: of the springs that act it is held against the limit that they
+ * have, of those that are listed it only has to hold. */
+typedef struct wanted {
+    double step;          /* s, of the run */
+    double limit, listed; /* s, that the particles have to allow by themselves */
+    bool sharp;
+    double *factor, *also; /* [particles] of own masses */
+    double *own;           /* [particles][2] inverse mass and moment of inertia without */
+} wanted;
+
+static gneiss_status find_factors(const gn_world *w, const wanted *q, double part,
+                                  gneiss_error *error) {
+    GN_TRY(gn_dem_masses(w, false, part * q->limit, NULL, q->factor, error));
+    GN_TRY(gn_dem_masses(w, true, part * q->listed, NULL, q->also, error));
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        q->factor[p] = fmax(q->factor[p], q->also[p]);
+    return gn_resolution_masses(w, q->step, q->factor, error);
+}
+
+/* Returns the largest change of a mass. */
+static double set_masses(gn_world *w, const wanted *q) {
+    const gn_particles *a = &w->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < a->soa.count; p++) {
+        double share = 1.0 / q->factor[p];
+        most = fmax(most, fabs(share / a->own_share[p] - 1.0));
+        a->own_share[p] = share;
+        a->vel[4 * p + 3] = share * q->own[2 * p];
+        if (a->spin) a->spin[4 * p + 3] = share * q->own[2 * p + 1];
+    }
+    gn_dem_masses_changed(w);
+    return most;
+}
+
+/* Dashpots grow with the masses, by their root: what they ask for settles. */
+static gneiss_status raise(gn_world *w, const wanted *q, double part, gneiss_error *error) {
+    enum { ROUNDS = 20 };
+    double change = 1.0;
+    w->dt = q->step;
+    for (int round = 0; round < ROUNDS && change > 1e-4; round++) {
+        GN_TRY(find_factors(w, q, part, error));
+        change = set_masses(w, q);
+        if (w->dem.damping_fraction == 0.0) break;
+    }
+    return GNEISS_OK;
+}
+
+/* --- what comes later --- */
+
+/* One mass, and the moment of inertia with it, at the velocities that it has; returns what kinetic
+ * energy it takes. */
+static double make_heavier(const gn_particles *a, size_t p, double share) {
+    const double ratio = share / a->own_share[p];
+    double *v = a->vel + 4 * p, *o = a->spin ? a->spin + 4 * p : NULL;
+    double twice = gn_dot3(v, v) / v[3];
+    if (o && o[3] > 0.0) twice += gn_dot3(o, o) / o[3];
+    a->own_share[p] = share;
+    v[3] *= ratio;
+    if (o) o[3] *= ratio;
+    return 0.5 * (1.0 / ratio - 1.0) * twice;
+}
+
+static bool follow_once(gn_world *w, const double *factor) {
+    const gn_particles *a = &w->dem.particles;
+    bool any = false;
+    for (size_t p = 0; p < a->soa.count; p++) {
+        if (!(factor[p] * a->own_share[p] > 1.0)) continue;
+        w->energy.step_change += make_heavier(a, p, 1.0 / factor[p]);
+        any = true;
+    }
+    if (any) gn_dem_masses_changed(w);
+    return any;
+}
+
+gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *changed, double *held,
+                                   gneiss_error *error) {
+    enum { ROUNDS = 8 }; /* of dashpots */
+    const gn_mass_scaling *s = &w->dem.scaling;
+    *held = 0.0;
+    if (!(w->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->step > 0)) return GNEISS_OK;
+    double step = gn_limit_needed(w, s->reached / (listed ? listed_share : w->scene.safety));
+    if (!isfinite(step)) return GNEISS_OK; /* others leave no room */
+    double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
+    if (!factor)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
+                       w->dem.particles.soa.count);
+    gneiss_status status = GNEISS_OK;
+    for (int round = 0; round < ROUNDS; round++) {
+        status = gn_dem_masses(w, listed, step, changed, factor, error);
+        if (status != GNEISS_OK || !follow_once(w, factor)) break;
+        if (w->dem.damping_fraction == 0.0) break;
+    }
+    gn_free(factor);
+    /* What dashpots ask for may not have settled. */
+    if (w->dem.damping_fraction == 0.0) *held = step;
+    return status;
+}
+
+/* --- how much --- */
+
+/* The part of the step that the bound is asked at: the least that does, within half a percent. In
+ * packings it is some 0.8 to 0.9. */
+static gneiss_status search(gn_world *w, const wanted *q, gneiss_error *error) {
+    enum { TRIES = 10 };
+    double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
+    for (int k = 1;; k++) {
+        GN_TRY(raise(w, q, part, error));
+        GN_TRY(gn_world_check_step(w, true, error));
+        double beyond = w->scene.safety * w->stable / q->step;
+        bool reached = w->dt >= (1.0 - 1e-9) * q->step;
+        if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
+        if (reached && w->dem.scaling.added == added) return GNEISS_OK; /* for collisions */
+        added = reached ? w->dem.scaling.added : added;
+        *(reached ? &high : &low) = part;
+        bool close = high - low < 0.004 || k >= TRIES;
+        if (close && reached) return GNEISS_OK;
+        part *= 1.002 / beyond;
+        if (close)
+            part = high;
+        else if (!(part > low && part < high))
+            part = 0.5 * (low + high);
+    }
+}
+
+static gneiss_status refuse(const gn_world *w, double step, gneiss_error *error) {
+    double elements = w->scene.safety * gn_world_nonviscous_share(w) * gn_elements_stable(w);
+    gn_scene_place at = w->scene.scaling_where;
+    if (elements < step)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a step of at most %.6g s, which the "
+                       "finite elements allow (their masses are not raised), found %.6g s",
+                       gn_scene_at(&w->scene, at, "time.mass_scaling").text, elements, step);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a step that the bodies and elements "
+                   "which particles touch leave room for (their masses are not raised), found "
+                   "%.6g s",
+                   gn_scene_at(&w->scene, at, "time.mass_scaling").text, step);
+}
+
+static gneiss_status make_room(const gn_world *w, wanted *q, gneiss_error *error) {
+    const gn_particles *a = &w->dem.particles;
+    size_t n = a->soa.count;
+    q->factor = gn_alloc_array(n + 1, sizeof *q->factor);
+    q->also = gn_alloc_array(n + 1, sizeof *q->also);
+    q->own = gn_alloc_array(n + 1, 2 * sizeof *q->own);
+    if (!q->factor || !q->also || !q->own)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", n);
+    for (size_t p = 0; p < n; p++) {
+        q->own[2 * p] = a->vel[4 * p + 3];
+        if (a->spin) q->own[2 * p + 1] = a->spin[4 * p + 3];
+    }
+    return GNEISS_OK;
+}
+
+/* The largest factor is the square of the step over that of the bound. */
+gneiss_status gn_dem_foretell_masses(const gn_world *w, double step, double *of_bound,
+                                     double *added, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const double limit = gn_limit_needed(w, step / w->scene.safety);
+    *of_bound = *added = INFINITY;
+    if (!isfinite(limit)) return GNEISS_OK;
+    double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
+    if (!factor)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
+    gneiss_status status = gn_dem_masses(w, false, limit, NULL, factor, error);
+    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        most = fmax(most, factor[p]);
+        sum += (factor[p] - 1.0) * gn_own_share(q, p) / q->vel[4 * p + 3];
+    }
+    *of_bound = sqrt(most);
+    *added = sum / w->dem.mass;
+    gn_free(factor);
+    return status;
+}
+
+gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * w->dt,
+                .sharp = s->estimate == GN_STEP_SHARP};
+    w->dem.scaling.unscaled = w->dt;
+    if (q.step <= w->dt) return GNEISS_OK;
+    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
+    q.limit = gn_limit_needed(w, q.step / s->safety);
+    q.listed = gn_limit_needed(w, q.step / listed_share);
+    if (s->safety * elements < q.step || !isfinite(q.limit)) return refuse(w, q.step, error);
+    w->dem.scaling.step = q.step;
+    gneiss_status status = make_room(w, &q, error);
+    if (status == GNEISS_OK) status = search(w, &q, error);
+    w->dem.scaling.reached = w->dt;
+    gn_free(q.factor);
+    gn_free(q.also);
+    gn_free(q.own);
+    return status;
+}

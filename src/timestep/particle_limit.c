@@ -1,0 +1,383 @@
+/* The step that the particles allow: of the springs that act, of what may act before the lists are
+ * made again, of collisions. */
+#include "base/memory.h"
+#include "boundary/contact_rows.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Arrays that the spectrum borrows. */
+typedef struct spectrum_data {
+    double *point, *damping;
+    gn_touch_side *side;
+    uint8_t *fixed;
+    gn_extra_spring *surface;
+    size_t surface_count;
+} spectrum_data;
+
+static void free_data(spectrum_data *d) {
+    gn_free(d->point);
+    gn_free(d->side);
+    gn_free(d->damping);
+    gn_free(d->fixed);
+    gn_free(d->surface);
+}
+
+static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d,
+                               gneiss_error *error) {
+    size_t walls = w->scene.wall_count, n = w->dem.particles.soa.count;
+    size_t materials = w->scene.material_count;
+    d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
+    d->side = gn_alloc_array(materials * walls + 1, sizeof *d->side);
+    d->damping = gn_alloc_array(walls + 1, sizeof(double));
+    d->fixed = w->dem.prescribed.count ? gn_alloc(n + 1) : NULL;
+    if (!d->point || !d->side || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
+        free_data(d);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
+    }
+    for (size_t k = 0; k < walls; k++) {
+        memcpy(d->point + 4 * k, w->boundary.walls[k].point, 3 * sizeof(double));
+        for (size_t m = 0; m < materials; m++)
+            d->side[m * walls + k] = gn_wall_side_of(w, k, (int32_t)m);
+        d->damping[k] = w->dem.damping_fraction;
+    }
+    for (size_t p = 0; d->fixed && p < n; p++)
+        d->fixed[p] =
+            w->dem.particles.slot[p] >= 0 ? w->dem.prescribed.mask[w->dem.particles.slot[p]] : 0;
+    gneiss_status status = gn_surface_springs(w, reach, &d->surface, &d->surface_count, error);
+    if (status != GNEISS_OK) free_data(d);
+    return status;
+}
+
+static gn_spectrum spectrum_of(const gn_world *w, double reach, const gn_assembly *assembly,
+                               const spectrum_data *d) {
+    gn_spectrum s = {.reach = reach};
+    s.assembly = assembly;
+    s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    s.wall_point = d->point;
+    s.wall_side = d->side;
+    s.wall_damping = d->damping;
+    s.extra = d->surface;
+    s.extra_count = d->surface_count;
+    s.fixed = d->fixed;
+    s.dashpots = 1.0 / gn_world_nonviscous_share(w);
+    s.threads = w->threads;
+    return s;
+}
+
+/* --- what is asked --- */
+
+/* Relative residual of Lanczos. */
+static double tolerance_of(const gn_world *w) {
+    return w->scene.estimate == GN_STEP_BOUND ? 0.0 : 1e-3;
+}
+
+/* What is asked of the springs that act now, or that may before the lists are made again. */
+typedef struct question {
+    double step;          /* s; 0: what is the limit? else: does it hold? */
+    double tolerance;     /* of Lanczos; 0: bounds alone */
+    gn_step_limit *limit; /* answers */
+    gn_step_verdict *verdict;
+    bool whether;          /* not what would hold if it does not */
+    bool changed;          /* only what has others than at the last look needs to be looked at */
+    const uint8_t *turned; /* [particles] only these and their neighbours; NULL: see `changed` */
+    double *masses;        /* [particles] what would hold the step; NULL: not asked for */
+    uint8_t **others; /* only this is asked: [particles], to be freed, who has others than at the
+                       * last look; NULL: not asked for */
+} question;
+
+/* Between two lists contacts turn by some more: by the skin over a diameter, at most. */
+static const double turned_by = 0.05;
+
+/* Which particles have other springs than at the last look; keeps in mind what they have. `which`
+ * 0: that act, 1: that are near. */
+static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_t *changed,
+                                  size_t *count, gneiss_error *error) {
+    const gn_particles *q = spectrum->assembly->particles;
+    size_t n = q->soa.count;
+    int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
+    if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gn_step_marks(spectrum, marks);
+    *count = 0;
+    for (size_t p = 0; p < n; p++) {
+        changed[p] = q->marks[2 * p + (size_t)which] != marks[p];
+        *count += changed[p];
+        q->marks[2 * p + (size_t)which] = marks[p];
+    }
+    gn_free(marks);
+    return GNEISS_OK;
+}
+
+static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    size_t count = 0, n = spectrum->assembly->particles->soa.count;
+    uint8_t *changed = gn_alloc(n + 1);
+    if (!changed) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gneiss_status status = find_changed(spectrum, spectrum->reach > 0.0, changed, &count, error);
+    *q->verdict = (gn_step_verdict){.holds = true};
+    if (q->others) {
+        *q->others = changed;
+        return status;
+    }
+    if (status == GNEISS_OK && (!q->changed || count > 0))
+        status = gn_step_holds(spectrum, q->step, q->tolerance, !q->whether,
+                               q->changed ? changed : NULL, q->verdict, error);
+    gn_free(changed);
+    return status;
+}
+
+static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_error *error) {
+    const question *q = context;
+    if (q->masses) return gn_step_masses(spectrum, q->step, q->turned, q->masses, error);
+    if (q->turned)
+        return gn_step_holds(spectrum, q->step, q->tolerance, !q->whether, q->turned, q->verdict,
+                             error);
+    if (q->step > 0.0) return holds(spectrum, q, error);
+    return gn_step_limits(spectrum, q->tolerance, q->limit, error);
+}
+
+gneiss_status gn_dem_with_spectrum(const gn_world *w, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error) {
+    gn_assembly assembly = gn_world_assembly(w);
+    spectrum_data data = {0};
+    double reach = listed ? w->dem.verlet.skin : 0.0;
+    GN_TRY(make_data(w, reach, &data, error));
+    gn_spectrum spectrum = spectrum_of(w, reach, &assembly, &data);
+    gneiss_status status = use(&spectrum, context, error);
+    free_data(&data);
+    return status;
+}
+
+static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
+    question copy = *q;
+    return gn_dem_with_spectrum(w, listed, answer, &copy, error);
+}
+
+gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, const uint8_t *changed,
+                            double *factor, gneiss_error *error) {
+    question q = {.step = step, .turned = changed, .masses = factor};
+    return ask(w, listed, &q, error);
+}
+
+gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate, const double *load,
+                           double tolerance, gn_preconditioner *made, double *u,
+                           gn_equilibrium *found, gneiss_error *error) {
+    gn_assembly assembly = gn_world_assembly(w);
+    spectrum_data data = {0};
+    GN_TRY(make_data(w, 0.0, &data, error));
+    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &data);
+    spectrum.slips = slips;
+    spectrum.dashpots = 0.0;
+    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
+                                                tolerance, made, u, found, error);
+    free_data(&data);
+    return status;
+}
+
+/* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is
+ * below. */
+static bool bound_suffices(const gn_world *w, double bound) {
+    if (w->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
+    /* Springs of zones are chosen by it, however the step is. */
+    if (w->scene.has_couple && w->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
+    return w->scene.step > 0.0 && w->scene.step <= gn_limit_beside_surfaces(w, bound);
+}
+
+static gneiss_status find_limit(gn_world *w, gneiss_error *error) {
+    gn_step_limit quick = {0};
+    const question sharp = {.tolerance = 1e-3, .limit = &w->dem.limit};
+    if (w->scene.estimate != GN_STEP_BOUND && !(w->scene.step > 0.0))
+        return ask(w, false, &sharp, error); /* no bound suffices: not twice the springs for it */
+    GN_TRY(ask(w, false, &(question){.limit = &quick}, error));
+    if (!bound_suffices(w, quick.bound)) return ask(w, false, &sharp, error);
+    w->dem.limit = quick;
+    w->dem.limit.sharp = quick.bound;
+    w->dem.limit.sharp_id = quick.bound_id;
+    w->dem.limit.iterations = 0;
+    return GNEISS_OK;
+}
+
+static double trusted(const gn_world *w, const gn_step_limit *limit) {
+    return w->scene.estimate == GN_STEP_BOUND ? limit->bound : limit->sharp;
+}
+
+/* The limit that the scene trusts, of the springs that act. Without any, of all that the lists
+ * hold; without any of those, of one contact of the pair of particles, or particle and wall, that
+ * is worst of all. The last only has to give a step to start with: whatever comes near is listed,
+ * and looked at as it is, before it touches (gn_world_check_lists). */
+static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error *error) {
+    gn_step_limit listed = {0};
+    gn_resolution unused;
+    *limit = trusted(w, &w->dem.limit);
+    if (*limit < INFINITY) return GNEISS_OK;
+    GN_TRY(ask(w, true, &(question){.tolerance = tolerance_of(w), .limit = &listed}, error));
+    *limit = trusted(w, &listed);
+    if (*limit < INFINITY) return GNEISS_OK;
+    return gn_flight_limits(w, limit, &unused, error);
+}
+
+/* By the bound raised masses follow the springs that ask for a smaller step before it is asked
+ * whether the step holds. By the sharp limit all masses are nearer to theirs than the bound knows
+ * of, and no look at a few of them tells. */
+static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of, const question *q,
+                                    gneiss_error *error) {
+    question about = *q;
+    about.turned = of;
+    double held = 0.0;
+    if (w->scene.estimate == GN_STEP_BOUND)
+        GN_TRY(gn_dem_follow_masses(w, listed, of, &held, error));
+    *q->verdict = (gn_step_verdict){.holds = true};
+    /* They were raised to hold more than that, within what a block is left alone for. */
+    if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
+    return ask(w, listed, &about, error);
+}
+
+/* About what has other springs than at the last look. */
+static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
+                                   gneiss_error *error) {
+    uint8_t *others = NULL;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return ask(w, listed, q, error);
+    question who = {.step = q->step, .verdict = q->verdict, .others = &others};
+    gneiss_status status = ask(w, listed, &who, error);
+    if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
+    gn_free(others);
+    return status;
+}
+
+/* Whether springs that have come to act since the last look take the limit down. Without any at
+ * that look, any will do. */
+static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
+    /* With elements they may hold more than by themselves. */
+    double known = fmax(trusted(w, &w->dem.limit), w->couple.whole);
+    gn_step_verdict verdict = {0};
+    question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
+    GN_TRY(ask_of_others(w, false, &q, error));
+    *fell = !verdict.holds;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
+    bool fell = full;
+    GN_TRY(gn_loose_find(w, error));
+    if (!full) GN_TRY(limit_fell(w, &fell, error));
+    GN_TRY(gn_boundary_limit(w, fell, due, error));
+    if (!*due) return GNEISS_OK;
+    if (fell) GN_TRY(find_limit(w, error));
+    return usable_limit(w, &w->dem.stable, error);
+}
+
+/* --- what may happen before the lists are made again --- */
+
+/* A hundredth is left for normals and arms that turn until the lists are made again. */
+gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    gn_step_limit limit = {0};
+    gn_step_verdict verdict = {0};
+    double needed = gn_limit_needed(w, w->dt / 0.99);
+    *fine = false; /* of a given step it is known for good */
+    if (!full && w->scene.step > 0.0 && w->dt > w->dem.listed) return GNEISS_OK;
+    /* More is asked of the particles than they have been found to hold, since bodies give way more.
+     */
+    bool all = full || needed > w->dem.listed_holds, finite = needed < INFINITY;
+    question q = {.tolerance = all || !finite ? tolerance_of(w) : 0.0};
+    if (finite) {
+        q.step = needed;
+        q.verdict = &verdict;
+        q.changed = !all;
+    } else {
+        q.limit = &limit;
+    }
+    if (q.changed)
+        GN_TRY(ask_of_others(w, true, &q, error));
+    else
+        GN_TRY(ask(w, true, &q, error));
+    *fine = finite && verdict.holds;
+    if (*fine && all) w->dem.listed_holds = needed;
+    if (*fine) return GNEISS_OK;
+    w->dem.listed_holds = finite ? verdict.limit : trusted(w, &limit);
+    w->dem.listed = gn_limit_of_all(w, w->dem.listed_holds);
+    return GNEISS_OK;
+}
+
+static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_error *error) {
+    const question *q = context;
+    return gn_step_holds_by_sums(spectrum, q->step, &q->verdict->holds, error);
+}
+
+/* Grains that resolve their collisions take steps far below the limit. */
+gneiss_status gn_dem_limit_far(const gn_world *w, bool *far, gneiss_error *error) {
+    gn_step_verdict verdict = {0};
+    question q = {.step = gn_limit_needed(w, w->dt / 0.99), .verdict = &verdict};
+    *far = false;
+    if (w->dt > 0.5 * w->dem.stable || !(q.step < INFINITY)) return GNEISS_OK;
+    GN_TRY(gn_dem_with_spectrum(w, true, by_sums, &q, error));
+    *far = verdict.holds;
+    return GNEISS_OK;
+}
+
+static bool resolve(gn_world *w, gn_resolution r) {
+    bool shorter = r.step < w->dem.resolution.step;
+    if (shorter) w->dem.resolution = r;
+    return shorter;
+}
+
+gneiss_status gn_dem_resolve_listed(gn_world *w, bool *shorter, gneiss_error *error) {
+    gn_resolution resolution;
+    GN_TRY(gn_loose_find(w, error));
+    GN_TRY(gn_resolution_listed(w, &resolution, error));
+    *shorter = resolve(w, resolution);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_dem_resolve_flight(gn_world *w, bool *shorter, gneiss_error *error) {
+    gn_resolution flight;
+    double unused;
+    *shorter = false;
+    if (w->dem.resolution.step < INFINITY) return GNEISS_OK;
+    GN_TRY(gn_flight_limits(w, &unused, &flight, error));
+    *shorter = resolve(w, flight);
+    return GNEISS_OK;
+}
+
+void gn_dem_limit_anew(gn_world *w) {
+    w->dem.listed = INFINITY;
+    w->dem.resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
+}
+
+/* Marks the particles whose contacts with others have turned since the step was last looked at. */
+static size_t find_turned(const gn_world *w, uint8_t *turned) {
+    gn_assembly assembly = gn_world_assembly(w);
+    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &(spectrum_data){0});
+    return gn_step_turned(&spectrum, turned_by, turned);
+}
+
+/* Whether the step holds for what has turned, with a reserve for what turns until the next lists.
+ */
+static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
+                                 gneiss_error *error) {
+    gn_step_verdict verdict = {0};
+    question q = {.step = gn_limit_needed(w, w->dt / GN_TURNED_SHARE),
+                  .tolerance = tolerance_of(w),
+                  .verdict = &verdict,
+                  .whether = true,
+                  .turned = turned};
+    gneiss_status status = follow_and_ask(w, false, turned, &q, error);
+    *hold = verdict.holds;
+    return status;
+}
+
+/* Springs that turn against each other have another limit though they are the same: a bonded chain
+ * that is stretched out needs a smaller step than one at a right angle. Where the step does not
+ * hold for sure, the limit of all is found anew. */
+gneiss_status gn_dem_limit_turned(gn_world *w, bool *due, gneiss_error *error) {
+    bool hold = true;
+    uint8_t *turned = gn_alloc(w->dem.particles.soa.count + 1);
+    if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
+    gneiss_status status = GNEISS_OK;
+    if (find_turned(w, turned)) status = turned_hold(w, turned, &hold, error);
+    gn_free(turned);
+    *due = status == GNEISS_OK && !hold;
+    if (!*due) return status;
+    GN_TRY(find_limit(w, error));
+    return usable_limit(w, &w->dem.stable, error);
+}

@@ -1,0 +1,423 @@
+/* Choosing the step and watching it: what the parts allow, together. */
+#include "base/timer.h"
+#include "timestep/body_paths.h"
+#include "world/exchange.h"
+#include "world/internal.h"
+#include "zones/zones.h"
+
+#include <math.h>
+
+/* --- together --- */
+
+/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
+ * down and by 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign
+ * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
+ * one, and the limit falls by sqrt(1 + a). The forces of dashpots are in the resultant as well:
+ * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
+ * a). (Seen in practice: at 0.9 of the undamped limit and a =
+ * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
+    bool active = effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    double spin = effects & GN_FX_ROTATION ? gn_scene_spin_damping(s) : 0.0;
+    return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
+}
+
+double gn_world_nonviscous_share(const gn_world *w) {
+    return gn_scene_nonviscous_share(&w->scene, w->effects);
+}
+
+/* Of two parts with limits p and s (s), of which each is found with the other held fast, and
+ * contacts between them. The energy of a contact |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 +
+ * 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of all
+ * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
+ * up.
+ */
+static double together(const gn_world *w, double p, double s) {
+    if (!isfinite(s)) return p;
+    return w->dem.damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                         : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+}
+
+static double limit_of(double rate) {
+    return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
+}
+
+/* What slaved spins add to the square of the largest frequency of either side is a share of the
+ * particles' (zone_spins.c). Dashpots turn as well: where K + C r is at most r^2 for the rate r
+ * = 1/dt, (1 + share) r is enough for 1 + share times both, and r_F + share r beside r_F. */
+static double turned_limit(const gn_world *w, double particles) {
+    const double share = w->couple.turned;
+    if (!(share > 0.0)) return INFINITY;
+    return particles / (w->dem.damping_fraction > 0.0 ? share : sqrt(share));
+}
+
+/* What particles are coupled to: free bodies, finite elements that they touch, springs of zones. */
+static double partner_limit(const gn_world *w) {
+    double bodies = together(w, limit_of(w->boundary.surface_rate), limit_of(w->couple.rate[0]));
+    if (!(w->boundary.vertex_rate > 0.0)) return bodies;
+    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
+    return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
+}
+
+/* Bodies and elements do not meet each other. */
+double gn_limit_of_all(const gn_world *w, double particles) {
+    double share = gn_world_nonviscous_share(w), turned = turned_limit(w, share * particles);
+    double elements = together(w, share * gn_elements_stable(w), limit_of(w->couple.rate[1]));
+    return fmin(together(w, together(w, share * particles, partner_limit(w)), turned),
+                together(w, elements, turned));
+}
+
+double gn_limit_beside_surfaces(const gn_world *w, double particles) {
+    double rate = fmax(w->boundary.surface_rate, w->boundary.vertex_rate);
+    return together(w, gn_world_nonviscous_share(w) * particles, limit_of(rate));
+}
+
+/* 1/s: what `other` leaves of a rate. */
+static double without(const gn_world *w, double rate, double other) {
+    if (w->dem.damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
+    return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
+}
+
+/* With slaved spins also of what elements leave; where both are known as one nothing is asked of
+ * these. */
+double gn_limit_needed(const gn_world *w, double step) {
+    const double share = gn_world_nonviscous_share(w), own = turned_limit(w, 1.0);
+    double left = without(w, 1.0 / step, partner_limit(w));
+    if (isfinite(own)) left /= 1.0 / together(w, 1.0, own);
+    if (isfinite(own) && !(w->couple.whole > 0.0))
+        left = fmin(left, own * without(w, 1.0 / step, share * gn_elements_stable(w)));
+    return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
+}
+
+/* Of particles and elements as one (coupled_limit.c): free bodies give way to them, and strain has
+ * stiffened elements, of which all others are a part, by a factor at most. */
+static double limit_of_whole(const gn_world *w, double whole) {
+    double stiffer = 1.0;
+    for (size_t k = 0; k < w->element_count; k++)
+        stiffer = fmax(stiffer, w->elements[k]->stiffening);
+    return together(w, gn_world_nonviscous_share(w) * whole / stiffer,
+                    limit_of(w->boundary.surface_rate));
+}
+
+/* The limit of the springs that act: what both sides by themselves allow, which is never above that
+ * of both as one, and that itself where the step may be longer. Without a spring that acts the
+ * particles' is that of contacts to come, of which the whole knows nothing. */
+static gneiss_status limit_now(gn_world *w, double *limit, gneiss_error *error) {
+    *limit = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
+    if (!gn_coupled_has_limit(w) || !(w->dem.limit.bound < INFINITY)) return GNEISS_OK;
+    if (w->scene.step > 0.0 && w->scene.step <= *limit) return GNEISS_OK;
+    gn_whole_limit *whole = &((gn_coupled *)w->exchange[0].context)->whole;
+    GN_TRY(gn_coupled_limit(w, false, whole, error));
+    w->couple.whole = whole->sharp;
+    *limit = fmax(*limit, limit_of_whole(w, whole->sharp));
+    /* However small elements are beside the particles that they turn. */
+    if (w->couple.turned > 0.0) *limit = fmin(*limit, gn_world_nonviscous_share(w) * whole->sharp);
+    return GNEISS_OK;
+}
+
+/* --- what is done about it --- */
+
+/* What sets the limit. */
+static const char *culprit(const gn_world *w, char *text, size_t size) {
+    const gn_element_model *lead = gn_elements_lead(w);
+    const gn_whole_limit *whole = gn_coupled_whole(w);
+    if (whole) return gn_whole_culprit(whole, text, size);
+    if (lead) return gn_elements_culprit(w, lead, text, size);
+    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
+    if (id >= 0)
+        snprintf(text, size, "particle %d", id);
+    else
+        snprintf(text, size, "a contact that may form");
+    return text;
+}
+
+static void set_step(gn_world *w, double dt) {
+    if (w->dt == dt) return;
+    w->dt = dt;
+    gn_dem_step_changed(w);
+}
+
+/* There is no automatic step. */
+static gneiss_status refuse_endless(const gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    const gn_flow *f = &w->dem.flow;
+    size_t source = 0, sink = 0;
+    char key[48];
+    while (source < s->source_count && !(f->sources[source].number > 0.0)) source++;
+    while (sink < s->sink_count && !(f->sinks[sink].number > 0.0)) sink++;
+    if (source == s->source_count || sink == s->sink_count || gn_world_present(w) > 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: required, because nothing can move that would limit it",
+                       gn_scene_at(s, s->time_where, "time.step").text);
+    snprintf(key, sizeof key, "sources[%zu]", source);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particles that no sink takes as they come, found that sink '%s' "
+                   "takes those of source '%s', so that nothing is left that would limit time.step",
+                   gn_scene_at(s, s->sources[source].where, key).text, s->sinks[sink].name,
+                   s->sources[source].name);
+}
+
+/* Where no spring limits the step, bodies do that move; INFINITY: there are none. It never rises
+ * while a run goes on. */
+static double step_of_bodies(const gn_world *w) {
+    double step = w->scene.has_specimen ? gn_bodies_step(w) : (double)INFINITY;
+    return w->step > 0 && isfinite(step) ? fmin(step, w->dt) : step;
+}
+
+/* A step that is lost in the digits of the time would never come to an end. At the start,
+ * gn_world_check_duration asks for more. */
+static gneiss_status check_advance(const gn_world *w, gneiss_error *error) {
+    char text[160];
+    if (w->step == 0 || w->time + w->dt > w->time) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
+        "(set by %s): stiffnesses and masses do not go together",
+        (long long)w->step, w->time, w->dt, culprit(w, text, sizeof text));
+}
+
+static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+    char text[160], bound[96] = "";
+    if (w->scene.step == 0.0) {
+        double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
+        if (!isfinite(limit)) wanted = step_of_bodies(w);
+        if (!isfinite(wanted)) return refuse_endless(w, error);
+        if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
+        /* Small changes of the stiffest mode are what the safety factor is for. */
+        if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
+        if (w->step > 0) w->dt_lowered++;
+        set_step(w, wanted);
+        return check_advance(w, error);
+    }
+    set_step(w, w->scene.step);
+    if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
+    if (isfinite(gn_world_bound(w)))
+        snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
+                 gn_world_bound(w));
+    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                   "%s: expected at most %.6g s (stability limit at step %lld, "
+                   "set by %s%s), found %.6g s = %.3f of the limit "
+                   "(time.on_unstable: warn runs it all the same)",
+                   gn_scene_at(&w->scene, w->scene.time_where, "time.step").text, limit,
+                   (long long)w->step, culprit(w, text, sizeof text), bound, w->dt, w->dt / limit);
+}
+
+/* --- what may happen before the lists are made again --- */
+
+static void lower(gn_world *w, double dt) {
+    if (w->scene.step > 0.0 || w->dt <= dt) return;
+    if (w->step > 0) w->dt_lowered++;
+    set_step(w, dt);
+}
+
+void gn_world_follow_bodies(gn_world *w) {
+    double dt = w->dt;
+    if (w->scene.step > 0.0 || !w->scene.has_specimen) return;
+    gn_bodies_follow(w, &dt);
+    gn_walls_follow(w, &dt);
+    lower(w, dt);
+}
+
+static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
+    bool shorter;
+    GN_TRY(gn_dem_resolve_listed(w, &shorter, error));
+    if (shorter) lower(w, w->dem.resolution.step);
+    return check_advance(w, error);
+}
+
+static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+    bool due;
+    GN_TRY(gn_dem_limit_turned(w, &due, error));
+    if (!due) return GNEISS_OK;
+    GN_TRY(limit_now(w, &w->stable, error));
+    if (w->dt <= GN_TURNED_SHARE * w->stable) return GNEISS_OK;
+    return react(w, w->stable, error);
+}
+
+/* Before the first step, which finds it by itself. */
+static double fastest2(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        most = fmax(most, gn_dot3(q->vel + 4 * p, q->vel + 4 * p));
+    return most;
+}
+
+/* m/s, of the farthest vertices; of what is prescribed also before the first step. */
+static double fastest_body(const gn_world *w) {
+    double most = 0.0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->boundary.bodies[k];
+        const gn_motion *m = &w->scene.bodies[k].motion;
+        double v[3], spin[3];
+        for (int a = 0; a < 3; a++) {
+            v[a] = m->velocity[a].count ? gn_table_at(&m->velocity[a], w->time) : b->velocity[a];
+            spin[a] = m->spin[a].count ? gn_table_at(&m->spin[a], w->time) : b->spin[a];
+        }
+        most = fmax(most, sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(spin, spin)) * b->reach);
+    }
+    return most;
+}
+
+/* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
+ * since: a particle goes a tenth of the smallest radius in a step at most, also one that begins to
+ * fall. */
+static void follow_flight(gn_world *w) {
+    const double most = 0.1 * w->dem.radius_min;
+    double speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
+    if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w)) + w->dem.gain;
+    if (!(w->effects & GN_FX_HERTZ)) return;
+    double fall = sqrt(gn_dot3(w->scene.gravity, w->scene.gravity));
+    if (w->dt * w->dt * fall > most) lower(w, sqrt(0.5 * most / fall));
+    if (w->dt * speed > most) lower(w, 0.5 * most / speed);
+}
+
+/* Particles by themselves do not hold the step with all that may touch; with elements they may. */
+static gneiss_status look_at_whole(gn_world *w, bool *fine, gneiss_error *error) {
+    gn_whole_limit whole;
+    if (!gn_coupled_has_limit(w) || !(w->couple.whole > 0.0)) return GNEISS_OK;
+    GN_TRY(gn_coupled_limit(w, true, &whole, error));
+    w->dem.listed = fmax(w->dem.listed, limit_of_whole(w, whole.sharp));
+    double needed = gn_limit_needed(w, w->dt / 0.99);
+    *fine = w->dt <= 0.99 * w->dem.listed;
+    if (*fine && isfinite(needed)) w->dem.listed_holds = needed; /* look at what changes from now */
+    return GNEISS_OK;
+}
+
+/* Nodes have lost mass with particles that left. */
+static gneiss_status look_at_lighter(gn_world *w, gneiss_error *error) {
+    if (!(w->couple.whole < 0.0)) return GNEISS_OK;
+    w->couple.whole = 0.0;
+    GN_TRY(limit_now(w, &w->stable, error));
+    return react(w, w->stable, error);
+}
+
+static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    *fine = true;
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(look_at_lighter(w, error));
+    gn_pressed_look(w);
+    follow_flight(w);
+    gn_world_follow_bodies(w);
+    GN_TRY(resolve_listed(w, error));
+    if (!full) GN_TRY(gn_dem_limit_far(w, fine, error));
+    if (!full && *fine)
+        return GNEISS_OK; /* the springs at the last look stay those to compare with */
+    GN_TRY(look_at_turned(w, error));
+    GN_TRY(gn_dem_limit_listed(w, full, fine, error));
+    if (!*fine) GN_TRY(look_at_whole(w, fine, error));
+    /* To two hundredths less, so that the next lists need not lower it again. */
+    if (!*fine) lower(w, 0.98 * w->dem.listed);
+    return check_advance(w, error);
+}
+
+gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    bool fine = true;
+    gneiss_status status = check_lists(w, false, &fine, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    /* A given step is not held against what may form, but then against what has. */
+    if (status != GNEISS_OK || fine || w->scene.step == 0.0) return status;
+    return gn_world_check_step(w, false, error);
+}
+
+/* As at the start: from what is near, or from what the scene holds when there is nothing near. */
+static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
+    bool fine, shorter;
+    gn_dem_limit_anew(w);
+    GN_TRY(check_lists(w, true, &fine, error));
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(gn_dem_resolve_flight(w, &shorter, error));
+    if (shorter) lower(w, w->dem.resolution.step);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+    double start = gn_now();
+    bool due = false, elements_due = false, turn_faster = false;
+    gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) gn_pressed_look(w);
+    if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
+    if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
+    if (status == GNEISS_OK) status = gn_coupled_turn_faster(w, &turn_faster, error);
+    due |= turn_faster;
+    if (status == GNEISS_OK && (due || elements_due)) {
+        status = limit_now(w, &w->stable, error);
+        if (status == GNEISS_OK) status = react(w, w->stable, error);
+    }
+    /* What rattles or has come apart in lists that stand for long. */
+    if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
+    /* A step of next to nothing is no step to look at lists with. */
+    if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
+    if (status == GNEISS_OK && full) status = check_anew(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
+static gneiss_status look_again(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = resolve_listed(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
+gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
+    if (!gn_debris_told(w)) return GNEISS_OK;
+    w->dem.debris_told = true;
+    gneiss_status status = look_again(w, error);
+    w->dem.debris_told = false;
+    return status;
+}
+
+/* What has come apart is loose, which lists that stand for long would say late. Where nothing damps
+ * the collisions until then it is looked at whenever another sixteenth of the bonds has broken,
+ * from the half of them on. */
+gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
+    const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
+    if (now == broken_before || 2 * now < all || !gn_world_rings(w)) return GNEISS_OK;
+    if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
+    return look_again(w, error);
+}
+
+gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {
+    bool due;
+    if (!w->scene.has_specimen || w->element_count || w->effects & GN_FX_BONDS) return GNEISS_OK;
+    GN_TRY(gn_dem_limit(w, true, &due, error));
+    return limit_now(w, &w->stable, error);
+}
+
+double gn_world_sharp_limit(const gn_world *w) {
+    if (w->couple.whole > 0.0) return w->couple.whole;
+    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.sharp);
+    return limit;
+}
+
+double gn_world_bound(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY, elements = INFINITY;
+    for (size_t k = 0; k < w->element_count; k++)
+        elements = fmin(elements, w->elements[k]->limit.bound);
+    const double turned = turned_limit(w, limit);
+    return fmin(together(w, together(w, limit, limit_of(w->couple.rate[0])), turned),
+                together(w, together(w, elements, limit_of(w->couple.rate[1])), turned));
+}
+
+const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
+    char who[160];
+    *text = '\0';
+    if (w->scene.step == 0.0) return text;
+    if (w->dt > w->dem.resolution.step)
+        snprintf(text, size,
+                 "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
+                 "steps, expected at least %.1f (time.contact_steps)",
+                 w->dt, gn_resolution_text(w, who, sizeof who), w->dem.resolution.contact,
+                 w->dem.resolution.contact / w->dt,
+                 w->dem.resolution.contact / w->dem.resolution.step);
+    else if (w->dt > w->dem.listed)
+        snprintf(text, size,
+                 "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
+                 "touch that are near",
+                 w->dt, w->dem.listed);
+    return text;
+}

@@ -1,0 +1,452 @@
+#include "timestep/trial.h"
+
+#include "base/memory.h"
+#include "boundary/contact_rows.h"
+#include "soa/single.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = GN_COMPONENTS };
+
+/* --- create, free --- */
+
+static gneiss_status allocate(gn_trial *t, gneiss_error *error) {
+    size_t walls = t->world->scene.wall_count;
+    t->pos = gn_alloc_array(t->count + 1, 4 * sizeof *t->pos);
+    t->load = gn_alloc_array(t->count + 1, N * sizeof *t->load);
+    t->supplied = gn_alloc_array(t->world->dem.prescribed.count + 1, N * sizeof *t->supplied);
+    t->wall = gn_alloc_array(walls + 1, sizeof *t->wall);
+    t->wall_force = gn_alloc_array(walls + 1, sizeof *t->wall_force);
+    if (t->pos && t->load && t->supplied && t->wall && t->wall_force) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
+                   t->count);
+}
+
+static void free_lists(gn_trial *t) {
+    gn_soa_destroy(&gn_contact_record, &t->bonds);
+    gn_soa_destroy(&gn_contact_record, &t->pairs);
+    gn_soa_destroy(&gn_wall_contact_record, &t->touches);
+}
+
+void gn_trial_free(gn_trial *t) {
+    free_lists(t);
+    gn_preconditioner_free(&t->made);
+    gn_free(t->pos);
+    gn_free(t->load);
+    gn_free(t->supplied);
+    gn_free(t->wall);
+    gn_free(t->wall_force);
+    *t = (gn_trial){0};
+}
+
+/* --- the state gone out from --- */
+
+static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
+    const gn_world *w = t->world;
+    gn_near_settle(w);
+    free_lists(t);
+    GN_TRY(
+        gn_soa_copy(&gn_contact_record, &t->bonds, &w->dem.bonds, w->dem.bonds.soa.effects, error));
+    GN_TRY(
+        gn_soa_copy(&gn_contact_record, &t->pairs, &w->dem.pairs, w->dem.pairs.soa.effects, error));
+    if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
+    return gn_soa_copy(&gn_wall_contact_record, &t->touches, &w->boundary.contacts,
+                       w->boundary.contacts.soa.effects, error);
+}
+
+static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
+    const gn_world *w = t->world;
+    memcpy(t->pos, w->dem.particles.pos, t->count * 4 * sizeof *t->pos);
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const gn_wall *wall = &w->boundary.walls[k];
+        memcpy(t->wall[k], wall->point, sizeof wall->point);
+        t->wall[k][3] = wall->travel;
+        memcpy(t->wall_force[k], wall->force, sizeof wall->force);
+    }
+    if (w->dem.prescribed.count)
+        memcpy(t->supplied, w->dem.prescribed.load,
+               w->dem.prescribed.count * N * sizeof *t->supplied);
+    return copy_lists(t, error);
+}
+
+static void restore_lists(gn_trial *t) {
+    gn_world *w = t->world;
+    gn_near_repack(w);
+    gn_soa_take(&gn_contact_record, &w->dem.bonds, &t->bonds);
+    gn_soa_take(&gn_contact_record, &w->dem.pairs, &t->pairs);
+    if (w->effects & GN_FX_WALLS)
+        gn_soa_take(&gn_wall_contact_record, &w->boundary.contacts, &t->touches);
+}
+
+/* --- places and velocities --- */
+
+static void put_particles(gn_trial *t, const double *path, double rate) {
+    gn_world *w = t->world;
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < t->count; p++)
+        for (size_t a = 0; a < 3; a++) {
+            q->pos[4 * p + a] = t->pos[4 * p + a] + path[N * p + a];
+            q->vel[4 * p + a] = rate * path[N * p + a];
+            if (q->spin) q->spin[4 * p + a] = rate * path[N * p + 3 + a];
+        }
+    gn_particles_to_single(q, q->ref, w->threads);
+}
+
+static void wall_path(const gn_world *w, size_t k, double span, double d[3]) {
+    const gn_motion *motion = &w->scene.walls[k].motion;
+    for (int a = 0; a < 3; a++)
+        d[a] = gn_table_between(&motion->velocity[a], w->time, w->time + span);
+}
+
+static void put_walls(gn_trial *t, double span, double rate) {
+    gn_world *w = t->world;
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        gn_wall *wall = &w->boundary.walls[k];
+        double d[3];
+        wall_path(w, k, span, d);
+        for (int a = 0; a < 3; a++) {
+            wall->point[a] = t->wall[k][a] + d[a];
+            wall->velocity[a] = rate * d[a];
+        }
+        wall->travel = t->wall[k][3] + fabs(gn_dot3(d, wall->normal));
+    }
+}
+
+static const gn_table *channel(const gn_world *w, size_t slot, int k) {
+    int32_t set = w->dem.channel_set[N * slot + (size_t)k];
+    if (set < 0) return NULL;
+    const gn_motion *motion = &w->scene.sets[set].motion;
+    return k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
+}
+
+void gn_trial_prescribe(const gn_trial *t, double span, double *path) {
+    const gn_world *w = t->world;
+    for (size_t p = 0; w->dem.prescribed.count && p < t->count; p++) {
+        int32_t slot = w->dem.particles.slot[p];
+        for (int k = 0; slot >= 0 && k < N; k++) {
+            const gn_table *table = channel(w, (size_t)slot, k);
+            if (table) path[N * p + (size_t)k] = gn_table_between(table, w->time, w->time + span);
+        }
+    }
+}
+
+/* --- loads at the end of a path --- */
+
+static unsigned held_mask(const gn_world *w, size_t p) {
+    int32_t slot = w->dem.prescribed.count ? w->dem.particles.slot[p] : -1;
+    return slot < 0 ? 0u : w->dem.prescribed.mask[slot];
+}
+
+/* What the engine made of the velocities in a second; viscous damping drags at those of the path.
+ */
+static void read_loads(gn_trial *t, const double *path, double rate) {
+    gn_world *w = t->world;
+    const gn_particles *q = &w->dem.particles;
+    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    for (size_t p = 0; p < t->count; p++) {
+        unsigned held = held_mask(w, p);
+        for (size_t k = 0; k < N; k++) {
+            const double *now = k < 3 ? q->vel : q->spin;
+            double v = rate * path[N * p + k], *load = &t->load[N * p + k];
+            *load = 0.0;
+            if (!now || held >> k & 1 || !(now[4 * p + 3] > 0.0)) continue;
+            *load = (now[4 * p + k % 3] - v - drag * v) / now[4 * p + 3];
+        }
+    }
+}
+
+/* Loads against the forces that act. */
+static void weigh_loads(gn_trial *t) {
+    const gn_world *w = t->world;
+    const gn_dem_sums *s = &w->dem.done;
+    double sum = 0.0, most = -1.0, contacts = s->bonds.carrying + s->pairs.carrying;
+    const unsigned places = w->effects & GN_FX_SPACE ? 0x7u : 0x3u;
+    size_t free = 0; /* in some direction */
+    for (size_t p = 0; p < t->count; p++) {
+        double square = 0.0, r = w->dem.particles.pos[4 * p + 3];
+        for (size_t k = 0; k < N; k++) {
+            double f = k < 3 ? t->load[N * p + k] : t->load[N * p + k] / r;
+            square += f * f;
+        }
+        sum += sqrt(square);
+        free += (held_mask(w, p) & places) != places;
+        if (square > most) t->worst = w->dem.particles.id[p];
+        most = fmax(most, square);
+    }
+    t->mean_load = free ? sum / (double)free : 0.0;
+    t->most_load = sqrt(fmax(most, 0.0));
+    t->mean_force = contacts > 0.0 ? (s->bonds.force + s->pairs.force) / contacts : 0.0;
+}
+
+static void note_losses(gn_trial *t) {
+    const gn_dem_sums *s = &t->world->dem.done;
+    t->friction += s->bonds.friction + s->pairs.friction + s->walls.friction;
+    t->contact_damping +=
+        s->bonds.contact_damping + s->pairs.contact_damping + s->walls.contact_damping;
+    t->broken += s->bonds.broken_tension + s->bonds.broken_shear;
+}
+
+/* First the path, which loads the tangential springs as it is long; what closed or opened on it
+ * acted for a part of it only. Then the forces of the state by itself. */
+void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
+    gn_world *w = t->world;
+    const double walls = loads ? 0.0 : span, rate = loads ? 0.0 : 1.0 / span;
+    t->friction = t->contact_damping = 0.0;
+    t->rate = rate;
+    t->broken = 0;
+    restore_lists(t);
+    put_particles(t, path, 1.0 / span);
+    put_walls(t, walls, rate);
+    gn_dem_evaluate(w, span, 0.0, false);
+    note_losses(t);
+    put_particles(t, path, rate);
+    gn_dem_evaluate(w, 0.0, 2.0, true);
+    note_losses(t);
+    read_loads(t, path, rate);
+    put_particles(t, path, rate);
+    weigh_loads(t);
+}
+
+/* --- towards equilibrium --- */
+
+bool gn_trial_bond(const gn_trial *t, size_t c, double *normal, double shear[3]) {
+    const gn_world *w = t->world;
+    const gn_contacts *list = &w->dem.bonds;
+    if (!gn_contact_bonded(list, c)) return false;
+    double d[3];
+    double length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * (int64_t)list->i[c],
+                                   w->dem.particles.pos + 4 * (int64_t)list->j[c], d));
+    gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, length, length - list->length0[c]);
+    *normal = h.normal;
+    memcpy(shear, h.shear, sizeof h.shear);
+    return true;
+}
+
+static bool pair_slips(const gn_world *w, const gn_contacts *list, size_t c) {
+    double d[3];
+    if (gn_contact_bonded(list, c)) return false;
+    const double *x = w->dem.particles.pos + 4 * (int64_t)list->i[c];
+    const double *y = w->dem.particles.pos + 4 * (int64_t)list->j[c];
+    double length = sqrt(gn_branch(w, x, y, d));
+    double free = list->length0 ? list->length0[c] : x[3] + y[3];
+    const gn_law *law = gn_law_of(list->soa.effects);
+    gn_law_held h = law->held(list, c, length, length - free);
+    return law->slips(list, c, h.normal + h.viscous, sqrt(gn_dot3(h.shear, h.shear)));
+}
+
+static bool touch_slips(const gn_world *w, size_t c) {
+    const gn_wall_contacts *list = &w->boundary.contacts;
+    const double *row = list->row + 8 * c;
+    const gn_wall *wall = &w->boundary.walls[list->wall[c]];
+    double along = gn_dot3(row, wall->normal), across2 = gn_dot3(row, row) - along * along;
+    double limit = w->scene.walls[list->wall[c]].friction * fmax(along, 0.0) * (1.0 - 1e-6);
+    return list->shear && across2 > 0.0 && across2 >= limit * limit;
+}
+
+static uint8_t *find_slips(const gn_world *w) {
+    size_t bonds = w->dem.bonds.soa.count, pairs = w->dem.pairs.soa.count;
+    size_t touches = w->effects & GN_FX_WALLS ? w->boundary.contacts.soa.count : 0;
+    uint8_t *slips = gn_alloc(bonds + pairs + touches + 1);
+    if (!slips) return NULL;
+    for (size_t c = 0; c < bonds; c++) slips[c] = pair_slips(w, &w->dem.bonds, c);
+    for (size_t c = 0; c < pairs; c++) slips[bonds + c] = pair_slips(w, &w->dem.pairs, c);
+    for (size_t c = 0; c < touches; c++) slips[bonds + pairs + c] = touch_slips(w, c);
+    return slips;
+}
+
+/* What nothing holds goes as far as its load is, which may be anywhere: no particle goes further at
+ * a time than a part of its radius. */
+static void add_corrections(const gn_trial *t, const double *u, double *path,
+                            gn_equilibrium *found) {
+    const double part = 0.02;
+    const gn_particles *q = &t->world->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < t->count; p++) {
+        const double *d = u + N * p, r = q->pos[4 * p + 3];
+        double size = fmax(sqrt(gn_dot3(d, d)) / r, sqrt(gn_dot3(d + 3, d + 3)));
+        double share = size > part ? part / size : 1.0;
+        for (size_t k = 0; k < N; k++) path[N * p + k] += share * d[k];
+        if (size > part && size > most) found->loose = q->id[p];
+        most = fmax(most, size);
+    }
+}
+
+gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_equilibrium *found,
+                               gneiss_error *error) {
+    uint8_t *slips = find_slips(t->world);
+    double *u = gn_alloc_array(t->count + 1, N * sizeof *u);
+    gneiss_status status = GNEISS_OK;
+    if (!slips || !u)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY,
+                         "no memory for the equilibrium of %zu particles", t->count);
+    if (status == GNEISS_OK)
+        status =
+            gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, &t->made, u, found, error);
+    if (status == GNEISS_OK) add_corrections(t, u, path, found);
+    gn_free(slips);
+    gn_free(u);
+    return status;
+}
+
+/* --- the ledger --- */
+
+/* What is stored, and what is read off with it. */
+static void read_state(gn_world *w) {
+    gn_dem_evaluate(w, 0.0, 0.0, true);
+    gn_boundary_forces(w);
+    gn_dem_measure(w, &w->energy, w->stress);
+    gn_boundary_measure(w, &w->energy);
+    w->balance = (gn_balance){0};
+    gn_dem_balance(w, &w->balance);
+    w->unbalanced = fmin(w->balance.ratio, GN_UNBALANCED_MOST);
+}
+
+static double work_of_walls(const gn_trial *t, double span) {
+    const gn_world *w = t->world;
+    double sum = 0.0, d[3];
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        wall_path(w, k, span, d);
+        for (int a = 0; a < 3; a++)
+            sum -= 0.5 * d[a] * (t->wall_force[k][a] + w->boundary.walls[k].force[a]);
+    }
+    return sum;
+}
+
+static double work_prescribed(const gn_trial *t, const double *path) {
+    const gn_world *w = t->world;
+    double sum = 0.0;
+    for (size_t p = 0; w->dem.prescribed.count && p < t->count; p++) {
+        int32_t slot = w->dem.particles.slot[p];
+        for (size_t k = 0; slot >= 0 && k < N; k++) {
+            if (!(w->dem.prescribed.mask[slot] >> k & 1)) continue;
+            size_t at = N * (size_t)slot + k;
+            sum += 0.5 * path[N * p + k] * (t->supplied[at] + w->dem.prescribed.load[at]);
+        }
+    }
+    return sum;
+}
+
+/* Of gravity and applied forces, and what viscous damping takes. */
+static void book_loads(const gn_trial *t, const double *path, double span, bool loads) {
+    gn_world *w = t->world;
+    const gn_particles *q = &w->dem.particles;
+    bool viscous = w->effects & GN_FX_VISCOUS && !loads;
+    double drag = viscous ? w->scene.background_coefficient / span : 0.0;
+    for (size_t p = 0; p < t->count; p++) {
+        const double *u = path + N * p, inverse = q->vel[4 * p + 3];
+        if (!(inverse > 0.0)) continue;
+        w->energy.work_gravity += gn_own_share(q, p) * gn_dot3(w->scene.gravity, u) / inverse;
+        if (q->applied) w->energy.work_applied += gn_dot3(q->applied + 4 * p, u);
+        if (drag == 0.0) continue;
+        double turn = q->spin ? gn_dot3(u + 3, u + 3) / q->spin[4 * p + 3] : 0.0;
+        w->energy.background_damping += drag * (gn_dot3(u, u) / inverse + turn);
+    }
+}
+
+/* What the terms do not explain yet. */
+static double missing(const gn_trial *t) {
+    const gn_energy *e = &t->world->energy;
+    double in = 0.0, lost = 0.0;
+#define INPUT(name) in += e->name;
+#define LOST(name)  lost += e->name;
+#define STORED(name)
+#define X(name, kind, text) kind(name)
+    GN_ENERGY_TERMS(X)
+#undef X
+#undef INPUT
+#undef LOST
+#undef STORED
+    return gn_energy_stored(e) - t->stored + lost - in;
+}
+
+/* In equilibrium what moves puts in what is stored and lost besides: the trapezoidal sums of its
+ * works miss some of that where contacts close on the way, which is made good in the same
+ * proportions. Dead loads put in more than is stored, and the rest goes as it would if things came
+ * to rest under them: to damping. */
+static void close_ledger(gn_trial *t, double walls, double prescribed, bool loads) {
+    gn_energy *e = &t->world->energy;
+    e->work_walls += walls;
+    e->work_prescribed += prescribed;
+    double rest = missing(t), all = fabs(walls) + fabs(prescribed);
+    if (loads) {
+        e->background_damping -= rest;
+        return;
+    }
+    double share = all > 0.0 ? fabs(walls) / all : (t->world->dem.prescribed.count ? 0.0 : 1.0);
+    e->work_walls += share * rest;
+    e->work_prescribed += (1.0 - share) * rest;
+    t->shortfall += fabs(rest);
+}
+
+gneiss_status gn_trial_begin(gn_world *w, gn_trial *t, gneiss_error *error) {
+    *t = (gn_trial){.world = w, .count = w->dem.particles.soa.count};
+    GN_TRY(allocate(t, error));
+    read_state(w);
+    t->stored = w->energy.stored_at_start = gn_energy_stored(&w->energy);
+    w->reading = w->energy;
+    return go_out_from_here(t, error);
+}
+
+/* --- going on from there --- */
+
+static void turn_orientations(gn_particles *q, const double *path) {
+    for (size_t p = 0; q->orientation && p < q->soa.count; p++) {
+        double *o = q->orientation + 4 * p, sum = 0.0;
+        double x = 0.5 * path[N * p + 3], y = 0.5 * path[N * p + 4], z = 0.5 * path[N * p + 5];
+        const double r[4] = {
+            o[0] - x * o[1] - y * o[2] - z * o[3], o[1] + x * o[0] + y * o[3] - z * o[2],
+            o[2] + y * o[0] + z * o[1] - x * o[3], o[3] + z * o[0] + x * o[2] - y * o[1]};
+        for (int k = 0; k < 4; k++) sum += r[k] * r[k];
+        for (int k = 0; k < 4; k++) o[k] = r[k] / sqrt(sum);
+    }
+}
+
+gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool loads,
+                            gneiss_error *error) {
+    gn_world *w = t->world;
+    gn_boundary_forces(w);
+    w->energy.friction += t->friction;
+    if (!loads) w->energy.contact_damping += t->contact_damping;
+    book_loads(t, path, span, loads);
+    double walls = loads ? 0.0 : work_of_walls(t, span);
+    double prescribed = loads ? 0.0 : work_prescribed(t, path);
+    if (!loads) w->time += span;
+    turn_orientations(&w->dem.particles, path);
+    read_state(w);
+    close_ledger(t, walls, prescribed, loads);
+    w->reading = w->energy;
+    /* The next increment may go as far as the lists reach. */
+    gn_dem_look_at_travel(w);
+    double own = w->dem.verlet.drift, other = gn_boundary_travel(w, true);
+    if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin) {
+        gn_preconditioner_free(&t->made);
+        GN_TRY(gn_world_renew_lists(w, error));
+    }
+    return go_out_from_here(t, error);
+}
+
+gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneiss_error *error) {
+    gn_world *w = t->world;
+    gn_particles *q = &w->dem.particles;
+    restore_lists(t);
+    put_walls(t, 0.0, 0.0);
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        for (int a = 0; a < 3; a++)
+            w->boundary.walls[k].velocity[a] =
+                gn_table_at(&w->scene.walls[k].motion.velocity[a], w->time);
+    for (size_t p = 0; p < t->count; p++)
+        for (size_t a = 0; a < 3; a++) {
+            q->pos[4 * p + a] = t->pos[4 * p + a];
+            q->vel[4 * p + a] = path[N * p + a] / span;
+            if (q->spin) q->spin[4 * p + a] = path[N * p + 3 + a] / span;
+        }
+    gn_particles_to_single(q, q->ref, w->threads);
+    read_state(w);
+    close_ledger(t, 0.0, 0.0, false);
+    w->reading = w->energy;
+    gn_dem_look_at_travel(w);
+    w->dt_past = 0.0;
+    return gn_world_check_step(w, true, error);
+}

@@ -1,0 +1,282 @@
+#include "world/origin.h"
+
+#include "base/point.h"
+#include "mesh/gmsh.h"
+#include "particles/from_run.h"
+#include "world/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of the smallest radius or height. Strains at which rock breaks are 1e-4 to 1e-3; what rounding
+ * does to them stays below 1e-4 of that. */
+static const double coarse = 1e-8;
+
+/* --- choosing --- */
+
+static void add_elements(const gn_scene *s, const gn_mesh *mesh, gn_extent *extent) {
+    const gn_element_def *e = &s->elements;
+    const gn_beam_def *b = &e->beam;
+    const double beam[3] = {b->length, b->height, b->thickness};
+    const double *lower = e->has_beam ? b->origin : e->origin, *size = e->has_beam ? beam : e->size;
+    for (size_t n = 0; e->mesh[0] && n < mesh->node_count; n++)
+        gn_extent_add(extent, mesh->node + 3 * n, 0.0);
+    if (e->mesh[0]) return;
+    double upper[3];
+    for (int a = 0; a < 3; a++) upper[a] = lower[a] + size[a];
+    gn_extent_add(extent, lower, 0.0);
+    gn_extent_add(extent, upper, 0.0);
+}
+
+/* Only axes along which the model lies far away get more than a small multiple of its extent. */
+static void settle(gn_scene *s, const gn_extent *extent) {
+    double size = 0.0, far = 0.0, middle[3] = {0, 0, 0};
+    int exponent;
+    for (int64_t a = 0; a < s->dimension; a++) {
+        middle[a] = 0.5 * extent->lower[a] + 0.5 * extent->upper[a];
+        size = fmax(size, extent->upper[a] - extent->lower[a]);
+        far = fmax(far, fabs(middle[a]));
+    }
+    s->has_origin = true;
+    memset(s->origin, 0, sizeof s->origin);
+    if (!isfinite(far) || !(far > 1000.0 * size)) return;
+    frexp(size, &exponent);
+    double unit = ldexp(1.0, exponent);
+    for (int64_t a = 0; a < s->dimension; a++) {
+        double whole = unit * nearbyint(middle[a] / unit);
+        s->origin[a] = fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
+    }
+}
+
+static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &s->elements;
+    gneiss_status status = GNEISS_OK;
+    if (gn_is_geometry(e->mesh_path)) {
+        char command[GN_PATH_SIZE + 128];
+        gn_mesh_geometry_command(e->mesh_path, (int)s->dimension, command, sizeof command);
+        status = gn_fail(error, GNEISS_ERROR_INPUT,
+                         "expected a mesh of elements (.msh), found the geometry '%.300s'; %.700s, "
+                         "with Mesh.ElementOrder = 1; in LINEAR.geo, meshes it, which runs what it "
+                         "asks for",
+                         e->mesh, command);
+    } else {
+        status = gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
+    }
+    if (status == GNEISS_OK) return status;
+    gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
+    return gn_fail_context(error, "%s: ", gn_scene_at(s, where, "elements.mesh").text);
+}
+
+gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *error) {
+    gn_extent extent = GN_EXTENT_NONE;
+    gn_mesh own = {0};
+    if (s->has_origin) return GNEISS_OK;
+    if (s->has_specimen) gn_specimen_extent(s, &extent);
+    if (s->has_elements && s->elements.mesh[0] && !mesh) GN_TRY(read_elements(s, &own, error));
+    if (s->has_elements) add_elements(s, mesh ? mesh : &own, &extent);
+    gn_mesh_free(&own);
+    settle(s, &extent);
+    return GNEISS_OK;
+}
+
+/* --- entering --- */
+
+static void take_off(const gn_scene *s, double *rows, size_t count, size_t width) {
+    for (size_t k = 0; k < count; k++)
+        for (size_t a = 0; a < (size_t)s->dimension; a++) rows[width * k + a] -= s->origin[a];
+}
+
+gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
+    if (w->given.stage_count) {
+        GN_TRY(gn_stages_scene(w, &w->scene, error));
+    } else {
+        GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
+        gn_scene_shift(&w->scene);
+    }
+    w->scene.specimen.packed = w->given.specimen.packed;
+    w->scene.specimen.packed_count = w->given.specimen.packed_count;
+    w->scene.specimen.packed_volume = w->given.specimen.packed_volume;
+    w->given.specimen.packed = NULL;
+    w->given.specimen.packed_count = 0;
+    return GNEISS_OK;
+}
+
+/* What moves and is bonded is read when it is needed. */
+static gneiss_status read_run(gn_scene *s, gneiss_error *error) {
+    gn_from_run from;
+    GN_TRY(gn_from_run_read(s, &from, error));
+    s->specimen.packed = from.sphere;
+    s->specimen.packed_count = from.count;
+    s->specimen.packed_volume = from.volume;
+    from.sphere = NULL;
+    gn_from_run_free(&from);
+    return GNEISS_OK;
+}
+
+static gneiss_status read_specimen(gn_scene *s, gneiss_error *error) {
+    gn_packing packing;
+    if (!s->has_specimen) return GNEISS_OK;
+    if (s->specimen.from[0]) return read_run(s, error);
+    if (!s->specimen.file[0]) return GNEISS_OK;
+    GN_TRY(
+        gn_packing_read(s->specimen.path, (int)s->dimension, s->specimen.scale, &packing, error));
+    s->specimen.packed = packing.sphere;
+    s->specimen.packed_count = packing.count;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    gn_scene *s = &w->given;
+    *mesh = (gn_mesh){0};
+    GN_TRY(read_specimen(s, error));
+    if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
+    GN_TRY(gn_origin_choose(s, mesh, error));
+    if (s->specimen.file[0] || s->specimen.from[0])
+        take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
+    take_off(s, mesh->node, mesh->node_count, 3);
+    return gn_origin_shift(w, error);
+}
+
+/* --- what is lost even so --- */
+
+/* The spacing of doubles. */
+static double rounding(double x) {
+    return nextafter(fabs(x), INFINITY) - fabs(x);
+}
+
+double gn_origin_reach(double radius) {
+    return ldexp(1.0, ilogb(coarse * radius) + 53);
+}
+
+static double largest(const double x[3]) {
+    return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+}
+
+/* The largest coordinates of a record of particles or nodes at the start. */
+static void reach_of(const gn_particles *q, double reach[3]) {
+    for (size_t a = 0; a < 3; a++) {
+        reach[a] = 0.0;
+        for (size_t p = 0; p < q->soa.count; p++)
+            reach[a] = fmax(reach[a], fabs(q->start[4 * p + a]));
+    }
+}
+
+static gneiss_status too_coarse(const gn_world *w, gn_scene_place where, const char *what,
+                                const double reach[3], const char *of, double length,
+                                gneiss_error *error) {
+    char at[GN_POINT_SIZE];
+    double far = largest(reach);
+    if (!(rounding(far) > coarse * length)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected places that are rounded to less than %g of %s (%g m), found "
+                   "%g m, as they lie up to %g m from %s m, which positions are computed relative "
+                   "to (key origin): forces would be lost in it",
+                   gn_scene_at(&w->scene, where, what).text, coarse, of, length, rounding(far), far,
+                   gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+}
+
+/* What something moves in a step; components far below the largest are taken for round-off. A
+ * constant velocity is rounded the same way in step after step, up to half the spacing each. */
+static gneiss_status too_slow(const gn_world *w, gn_scene_place where, const char *what,
+                              const double velocity[3], const double reach[3],
+                              gneiss_error *error) {
+    char at[GN_POINT_SIZE];
+    for (int a = 0; a < 3; a++) {
+        double speed = fabs(velocity[a]);
+        if (!(speed > 1e-3 * largest(velocity)) || speed * w->dt >= 50.0 * rounding(reach[a]))
+            continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a velocity that moves 50 times the rounding of places in "
+                       "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
+                       "%.3g m, as they lie up to %g m from %s m, which positions are computed "
+                       "relative to (key origin): its motion would be lost",
+                       gn_scene_at(&w->scene, where, what).text, speed, "xyz"[a], speed * w -> dt,
+                       w -> dt, rounding(reach[a]), fabs(reach[a]),
+                       gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+    }
+    return GNEISS_OK;
+}
+
+static void fastest(const gn_table tables[3], double velocity[3]) {
+    for (int a = 0; a < 3; a++) {
+        velocity[a] = 0.0;
+        for (size_t k = 0; k < tables[a].count; k++)
+            velocity[a] = fmax(velocity[a], fabs(tables[a].value[k]));
+    }
+}
+
+gneiss_status gn_origin_check_specimen(const gn_world *w, gneiss_error *error) {
+    double reach[3];
+    reach_of(&w->dem.particles, reach);
+    return too_coarse(w, w->scene.specimen.where, "specimen", reach, "the smallest radius",
+                      w->dem.radius_min, error);
+}
+
+static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
+    char what[GN_NAME_SIZE + 16];
+    double reach[3], velocity[3];
+    reach_of(&w->dem.particles, reach);
+    for (size_t k = 0; k < w->scene.set_count; k++) {
+        const gn_set_def *s = &w->scene.sets[k];
+        snprintf(what, sizeof what, "set '%s'", s->name);
+        fastest(s->motion.velocity, velocity);
+        GN_TRY(too_slow(w, s->where, what, velocity, reach, error));
+        if (s->has_initial_velocity && w->step == 0)
+            GN_TRY(too_slow(w, s->where, what, s->initial_velocity, reach, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
+    char what[GN_NAME_SIZE + 16];
+    double velocity[3];
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        snprintf(what, sizeof what, "wall '%s'", w->scene.walls[k].name);
+        fastest(w->scene.walls[k].motion.velocity, velocity);
+        GN_TRY(too_slow(w, w->scene.walls[k].where, what, velocity, w->boundary.walls[k].point,
+                        error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
+    char what[GN_NAME_SIZE + 80];
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->boundary.bodies[k];
+        double velocity[3];
+        snprintf(what, sizeof what, "body '%s': its reference point (key reference)",
+                 w->scene.bodies[k].name);
+        if (w->scene.has_specimen)
+            GN_TRY(too_coarse(w, w->scene.bodies[k].where, what, b->position, "the smallest radius",
+                              w->dem.radius_min, error));
+        fastest(w->scene.bodies[k].motion.velocity, velocity);
+        GN_TRY(too_slow(w, w->scene.bodies[k].where, what, velocity, b->position, error));
+        if (w->step == 0) /* what has come to rest since may be as slow as it likes */
+            GN_TRY(too_slow(w, w->scene.bodies[k].where, what, b->velocity, b->position, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_elements(const gn_world *w, const gn_element_model *q,
+                                    gneiss_error *error) {
+    const gn_element_def *e = q->def;
+    const gn_fem_solid *b = &q->solid;
+    char what[GN_NAME_SIZE + 32];
+    double reach[3], velocity[3];
+    reach_of(&b->nodes, reach);
+    GN_TRY(too_coarse(w, e->where, "elements", reach, "the least height of an element", b->height,
+                      error));
+    for (size_t k = 0; k < e->motion_count; k++) {
+        snprintf(what, sizeof what, "elements: motion '%s'", e->motions[k].name);
+        fastest(e->motions[k].motion.velocity, velocity);
+        GN_TRY(too_slow(w, e->motions[k].where, what, velocity, reach, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_origin_check(const gn_world *w, gneiss_error *error) {
+    GN_TRY(check_sets(w, error));
+    for (size_t k = 0; k < w->element_count; k++) GN_TRY(check_elements(w, w->elements[k], error));
+    GN_TRY(check_walls(w, error));
+    return check_bodies(w, error);
+}

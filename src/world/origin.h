@@ -1,0 +1,35 @@
+/* What positions are computed relative to. A double has 16 digits: the farther a model lies from 0,
+ * the fewer of them are left for its motion. Points come in relative to an origin near the model
+ * (gn_origin_enter, gn_scene_shift) and go out again as the user sees them (gn_world_point_out,
+ * gn_point_text). */
+#ifndef GN_WORLD_ORIGIN_H
+#define GN_WORLD_ORIGIN_H
+
+#include "mesh/mesh.h"
+#include "scene/scene.h"
+
+typedef struct gn_world gn_world;
+
+/* Fills scene->origin unless it is given: exactly 0 while the model lies within 1000 times its
+ * extent of 0, else a point near its middle, a multiple of a power of two, so that taking it off
+ * nearby points is exact. `mesh`: the elements' file as read; NULL: it is read if need be. */
+gneiss_status gn_origin_choose(gn_scene *scene, const gn_mesh *mesh, gneiss_error *error);
+
+/* Reads the specimen's and the elements' files, chooses the origin of world->given and makes
+ * world->scene from it. The caller frees *mesh: the elements' file, relative to the origin. */
+gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *error);
+
+/* world->scene from world->given, which says its origin. */
+gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
+
+/* Refuses a specimen of which, even so, places are too coarse: the spacing of doubles there above
+ * 1e-8 of the smallest radius. */
+gneiss_status gn_origin_check_specimen(const gn_world *world, gneiss_error *error);
+/* The same of elements, by their least height, and of the reference points of bodies; and motion of
+ * which a step moves less than 50 spacings. Once the step is known. */
+gneiss_status gn_origin_check(const gn_world *world, gneiss_error *error);
+
+/* m: the largest coordinate at which particles of that radius are not too coarse. */
+double gn_origin_reach(double radius);
+
+#endif

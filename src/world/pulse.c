@@ -1,0 +1,85 @@
+/* A plane wave that is under way at the start (initial.pulse). */
+#include "world/internal.h"
+#include "zones/zones.h"
+
+#include <math.h>
+
+static void start(const gn_scene *s, gn_particles *q) {
+    const gn_pulse *p = &s->pulse;
+    double n[3] = {0.0}, size2 = 0.0;
+    for (int a = 0; a < (int)s->dimension; a++) size2 += p->direction[a] * p->direction[a];
+    for (int a = 0; a < (int)s->dimension; a++) n[a] = p->direction[a] / sqrt(size2);
+    for (size_t k = 0; k < q->soa.count; k++) {
+        double at = 0.0, u, v;
+        for (size_t a = 0; a < 3; a++) at += n[a] * (q->start[4 * k + a] - p->centre[a]);
+        if (!(fabs(at) < 0.5 * p->length)) continue;
+        u = 0.5 * p->size * (1.0 + cos(2.0 * M_PI * at / p->length));
+        v = p->speed * p->size * M_PI / p->length * sin(2.0 * M_PI * at / p->length);
+        for (size_t a = 0; a < 3; a++) {
+            q->pos[4 * k + a] += u * n[a];
+            q->vel[4 * k + a] += v * n[a];
+        }
+    }
+}
+
+/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens
+ * and know nothing of places. Without that a disordered packing would keep a part of the pulse
+ * where it began, normal springs against tangential ones. */
+static void shear_bonds(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_contacts *b = &w->dem.bonds;
+    for (size_t c = 0; (b->shear || b->shear_f) && b->kt && c < b->soa.count; c++) {
+        const size_t i = 4 * (size_t)b->i[c], j = 4 * (size_t)b->j[c];
+        double n[3], u[3];
+        if (!gn_contact_bonded(b, c)) continue;
+        double length = sqrt(gn_branch(w, q->pos + i, q->pos + j, n));
+        for (size_t a = 0; a < 3; a++) {
+            n[a] /= length;
+            u[a] = (q->pos[j + a] - q->start[j + a]) - (q->pos[i + a] - q->start[i + a]);
+        }
+        const double along = gn_dot3(u, n);
+        for (size_t a = 0; a < 3; a++) {
+            const double force = b->kt[c] * (u[a] - along * n[a]);
+            const size_t at = c + a * b->soa.capacity;
+            if (b->shear) b->shear[at] = force;
+            if (b->shear_f) b->shear_f[at] = (float)force;
+        }
+    }
+}
+
+/* Particles of a zone follow nodes, between which a pulse is straight. */
+static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; q->blend && p < q->soa.count; p++) {
+        double moved[3];
+        for (int a = 0; a < 3; a++) moved[a] = q->pos[4 * p + a] - q->start[4 * p + a];
+        if (q->blend[2 * p] < 1.0 && gn_dot3(moved, moved) > 0.0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected one that starts outside of zones, "
+                           "found particle %d of a zone in it",
+                           gn_scene_at(&w->scene, w->scene.couple.where, "initial.pulse").text,
+                           q->id[p]);
+    }
+    return GNEISS_OK;
+}
+
+static void start_elements(gn_world *w) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        start(&w->scene, &w->elements[k]->solid.nodes);
+        gn_fem_moved(&w->elements[k]->solid);
+        gn_fem_to_single(&w->elements[k]->solid);
+    }
+}
+
+/* Bonds were made at the places without it. Elements that reach into a zone may have nodes in it
+ * that no particle of the zone is in, which follows them all the same. */
+gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
+    const bool particles = w->dem.particles.soa.count > 0;
+    if (!w->scene.has_pulse) return GNEISS_OK;
+    if (particles) start(&w->scene, &w->dem.particles);
+    GN_TRY(check_zones(w, error));
+    start_elements(w);
+    if (w->scene.has_couple) gn_coupled_begin(w);
+    if (particles) shear_bonds(w);
+    return particles ? gn_world_rebuild(w, error) : GNEISS_OK;
+}

@@ -1,0 +1,195 @@
+#include "world/scale.h"
+
+#include "world/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* m; a part of a thousandth of that is small for a specimen, for one in a laboratory, and for a
+ * tool. Beams that are bent in one are as long as the first. */
+static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
+/* Of the size: what moves a specimen by less does not load it; rock breaks at 1e-4 to 1e-2. */
+static const double next_to_nothing = 1e-4;
+/* kg/m3: of materials as they are given in kg and m. */
+static const double density_least = 10.0, density_most = 3e4;
+/* Waves cross a body that often before it is loaded as a whole. */
+static const double crossings = 3.0;
+/* Of a tool or container over what it holds. */
+static const double size_ratio = 50.0;
+
+/* A file, the size of what is in it, and the size of its parts: radii, heights of elements. */
+typedef struct file_size {
+    const char *key;
+    gn_scene_place where;
+    double longest, part; /* m; part 0: not known */
+} file_size;
+
+static double longest_side(const double *pos, size_t count, bool radii, int dimension) {
+    double longest = 0.0;
+    for (int a = 0; a < dimension; a++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < count; k++) {
+            const double *x = pos + 4 * k, reach = radii ? x[3] : 0.0;
+            low = fmin(low, x[a] - reach);
+            high = fmax(high, x[a] + reach);
+        }
+        if (high > low) longest = fmax(longest, high - low);
+    }
+    return longest;
+}
+
+static double specimen_size(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    return longest_side(q->pos, q->soa.count, true, (int)w->scene.dimension);
+}
+
+static bool specimen_file(const gn_world *w, file_size *f) {
+    const gn_specimen *s = &w->scene.specimen;
+    const char *key = s->file[0]                          ? "specimen.file"
+                      : s->pack.shape == GN_SHAPE_SURFACE ? "specimen.surface"
+                      : s->pack.shape == GN_SHAPE_MESH    ? "specimen.mesh"
+                      : gn_scene_from_packing(&w->scene)  ? "specimen.from"
+                                                          : NULL;
+    if (!w->scene.has_specimen || s->scale_given || !key) return false;
+    *f = (file_size){key, s->where, specimen_size(w), w->dem.radius_min};
+    return true;
+}
+
+static bool element_file(const gn_world *w, file_size *f) {
+    const gn_element_def *e = &w->scene.elements;
+    if (!w->element_count || !e->mesh[0] || e->scale_given) return false;
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    *f = (file_size){"elements.mesh", e->where,
+                     longest_side(b->nodes.start, b->nodes.soa.count, false, b->dimension),
+                     0.5 * b->height};
+    return true;
+}
+
+static void fastest(const gn_table velocity[3], double *most) {
+    for (int a = 0; a < 3; a++)
+        for (size_t k = 0; k < velocity[a].count; k++)
+            *most = fmax(*most, fabs(velocity[a].value[k]));
+}
+
+static double length_of(const double v[3]) {
+    return sqrt(gn_dot3(v, v));
+}
+
+/* m/s, of whatever is moved; NaN: what drives the model is no speed. */
+static double largest_speed(const gn_scene *s) {
+    double most = s->random_velocity;
+    if (s->source_count || s->has_membrane || s->has_pulse || gn_scene_box_moves(s) ||
+        s->elements.load_count)
+        return NAN;
+    for (size_t k = 0; k < s->set_count; k++) {
+        fastest(s->sets[k].motion.velocity, &most);
+        most = fmax(most, length_of(s->sets[k].initial_velocity));
+        if (s->sets[k].has_force) return NAN;
+    }
+    for (size_t k = 0; k < s->wall_count; k++) {
+        fastest(s->walls[k].motion.velocity, &most);
+        if (s->walls[k].servo.active) return NAN;
+    }
+    for (size_t k = 0; k < s->body_count; k++) {
+        fastest(s->bodies[k].motion.velocity, &most);
+        most = fmax(most, length_of(s->bodies[k].initial_velocity));
+        if (length_of(s->bodies[k].initial_spin) > 0.0) return NAN;
+        for (int a = 0; a < 3; a++)
+            if (s->bodies[k].motion.spin[a].count) return NAN;
+    }
+    for (size_t k = 0; s->has_elements && k < s->elements.motion_count; k++)
+        fastest(s->elements.motions[k].motion.velocity, &most);
+    return most;
+}
+
+/* Why a specimen of that size is none; "": nothing speaks against it. */
+static void reason(const gn_world *w, const file_size *f, char *text, size_t size) {
+    const gn_scene *s = &w->scene;
+    const double speed = w->given.stage_count ? NAN : largest_speed(s),
+                 fall = length_of(s->gravity);
+    const double way = speed * s->end, steps = s->end / w->dt,
+                 across = f->part > 0.0 ? f->longest / (2.0 * f->part) : 0.0;
+    const bool solid = f->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
+    *text = '\0';
+    if (s->test.kind != GN_TEST_NONE)
+        snprintf(text, size, "it is tested as in a laboratory");
+    else if (speed > 0.0 && way < next_to_nothing * f->longest)
+        snprintf(
+            text, size,
+            "what moves at up to %.3g m/s comes %.2g m, %.1g of that, in the %.3g s of the run",
+            speed, way, way / f->longest, s->end);
+    else if (solid && !s->has_mass_scaling && steps < crossings * across)
+        snprintf(text, size,
+                 "the %.3g s of the run are %.2g steps, and a wave needs %.2g to cross it", s->end,
+                 steps, across);
+    else if (speed == 0.0 && fall > 0.0 && 0.5 * fall * s->end * s->end < 0.01 * f->longest)
+        snprintf(text, size, "gravity moves it by no more than %.2g m in the %.3g s of the run",
+                 0.5 * fall * s->end * s->end, s->end);
+}
+
+static bool is_in_kilograms(const gn_scene *s) {
+    for (size_t k = 0; k < s->material_count; k++)
+        if (!(s->materials[k].density >= density_least && s->materials[k].density <= density_most))
+            return false;
+    for (size_t k = 0; s->has_elements && k < s->elements.material_count; k++)
+        if (!(s->elements.materials[k].density >= density_least &&
+              s->elements.materials[k].density <= density_most))
+            return false;
+    return true;
+}
+
+static bool tell(const gn_world *w, const file_size *f, const char *why, char *text, size_t size) {
+    char part[64] = "";
+    if (f->part > 0.0)
+        snprintf(part, sizeof part,
+                 f->key[0] == 'e' ? ", elements down to %.3g m high"
+                                  : ", particles from %.3g m in diameter on",
+                 2.0 * f->part);
+    snprintf(text, size,
+             "%s: %.4g m long%s, without a scale, which takes the file's lengths for metres, and "
+             "%s; %sscale: 0.001 if they are millimetres, scale: 1 if they are metres",
+             gn_scene_at(&w->scene, f->where, f->key).text, f->longest, part, why,
+             strcmp(f->key, "specimen.from") == 0 ? "pack it with " : "");
+    return true;
+}
+
+/* A tool or container far larger than all that it meets. */
+static bool body_doubts(const gn_world *w, char *text, size_t size) {
+    const double specimen = specimen_size(w);
+    char key[64], why[120];
+    size_t first = 0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_body_def *def = &w->scene.bodies[k];
+        const size_t vertices = (size_t)w->boundary.body_shape[k][0];
+        const double longest = longest_side(w->boundary.body_vertex + 4 * first, vertices, false,
+                                            (int)w->scene.dimension);
+        file_size f = {key, def->where, longest, 0.0};
+        first += vertices;
+        if (!def->surface[0] || def->scale_given || f.longest < large_tool || !(specimen > 0.0) ||
+            w->scene.source_count || f.longest < size_ratio * specimen)
+            continue;
+        snprintf(key, sizeof key, "bodies[%zu].surface", k);
+        snprintf(why, sizeof why, "the specimen is %.3g m long", specimen);
+        return tell(w, &f, why, text, size);
+    }
+    return false;
+}
+
+static bool is_tested(const gn_scene *s) {
+    return s->test.kind != GN_TEST_NONE && s->test.kind != GN_TEST_BENDING;
+}
+
+bool gn_scale_doubts(const gn_world *w, char *text, size_t size) {
+    file_size f;
+    char why[200];
+    *text = '\0';
+    if (!is_in_kilograms(&w->scene)) return false;
+    const double least = is_tested(&w->scene) ? large_in_test : large;
+    for (int k = 0; k < 2; k++) {
+        if (!(k ? element_file(w, &f) : specimen_file(w, &f)) || f.longest < least) continue;
+        reason(w, &f, why, sizeof why);
+        if (*why) return tell(w, &f, why, text, size);
+    }
+    return body_doubts(w, text, size);
+}

@@ -1,0 +1,107 @@
+/* The parallel part of a step: contacts, walls, motion. Who does what: sched/deal.h. */
+#include "base/timer.h"
+#include "world/internal.h"
+
+#include <omp.h>
+
+/* What a thread takes with it. The first one books time under the phases. */
+typedef struct work {
+    gn_world *w;
+    const gn_contact_args *bonds, *pairs;
+    const gn_motion_args *motion;
+    bool books;
+    double mark;
+} work;
+
+static void book(work *k, gn_phase phase) {
+    if (!k->books) return;
+    double now = gn_now();
+    k->w->seconds[phase] += GN_BOOKED * (now - k->mark);
+    k->mark = now;
+}
+
+/* On a machine that others use as well this is most of the time, and none of the kernels'. */
+static void waited(void *context, double seconds) {
+    work *k = context;
+    if (!k->books) return;
+    k->w->seconds[GN_PHASE_waiting] += GN_BOOKED * seconds;
+    k->mark += seconds;
+}
+
+/* Bonds (list 0) or unbonded pairs. */
+static void contacts(void *context, int list, size_t block) {
+    work *k = context;
+    gn_world *w = k->w;
+    const gn_contact_args *args = list ? k->pairs : k->bonds;
+    gn_contact_kernel *kernel = list ? w->dem.pair_kernel : w->dem.bond_kernel;
+    gn_contact_sums *sums = list ? w->dem.pair_sums : w->dem.bond_sums;
+    size_t length = args->partials->length, count = args->contacts->soa.count;
+    size_t end = (block + 1) * length < count ? (block + 1) * length : count;
+    sums[block] = (gn_contact_sums){0};
+    if (list && w->dem.near.on) {
+        gn_near_work(w, args, block, &sums[block]);
+        book(k, GN_PHASE_pairs);
+        return;
+    }
+    kernel(args, block * length, end, &sums[block]);
+    if (args->measure && w->effects & GN_FX_CONTACT_FORCES)
+        gn_box_sum_stress(w, args->contacts, block * length, end, sums[block].stress);
+    book(k, list ? GN_PHASE_pairs : GN_PHASE_bonds);
+}
+
+/* Walls and motion of a block of particles, whose contacts are done. */
+static void move(void *context, size_t block) {
+    work *k = context;
+    gn_world *w = k->w;
+    size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
+    if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
+    if (w->dem.still && w->dem.still[block]) {
+        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+        return;
+    }
+    if (w->effects & GN_FX_WALLS && gn_boundary_work(w, block, first, last))
+        book(k, GN_PHASE_walls);
+    w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+    w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
+    book(k, GN_PHASE_motion);
+}
+
+gneiss_status gn_dem_deal(gn_world *w, gneiss_error *error) {
+    return gn_deal_lists(&w->dem.deal, (gn_deal_list){&w->dem.bond_partials, w->dem.bonds.i},
+                         (gn_deal_list){&w->dem.pair_partials, w->dem.pairs.i},
+                         w->dem.motion_blocks, error);
+}
+
+void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
+              const gn_motion_args *motion) {
+    static const gn_deal_work blocks = {contacts, move, waited};
+    const double begin = gn_now();
+    const bool booked = w->step % GN_BOOKED == 0;
+    gn_deal_begin(&w->dem.deal);
+    gn_near_begin(w, pairs);
+#pragma omp parallel num_threads(w->dem.deal.team)
+    {
+        work k = {w, bonds, pairs, motion, .mark = gn_now()};
+        k.books = booked && omp_get_thread_num() == 0;
+        gn_deal_sweep(&w->dem.deal, 0, &blocks, &k);
+        if (booked) {
+#pragma omp barrier
+            book(&k, GN_PHASE_waiting);
+        }
+    }
+    gn_deal_end(&w->dem.deal, 1, gn_now() - begin);
+}
+
+/* Forces on walls were found with the loads. */
+void gn_sweep_held(gn_world *w, const gn_motion_args *motion) {
+    const size_t held = w->dem.hold.count, count = w->dem.particles.soa.count;
+    gn_motion_args args = *motion;
+    args.pass = GN_PASS_MOVE;
+#pragma omp parallel for schedule(static) num_threads(w->dem.deal.team)
+    for (size_t h = 0; h < held; h++) {
+        size_t block = (size_t)w->dem.hold.block[h], first = block * GN_PARTICLE_BLOCK;
+        size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;
+        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+        w->dem.motion_kernel(&args, first, last, &w->dem.motion_sums[block]);
+    }
+}

@@ -1,0 +1,582 @@
+#include "base/memory.h"
+#include "base/point.h"
+#include "conversion/conversion.h"
+#include "couple/zone.h"
+#include "zones/zones_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- making it --- */
+
+static void coupled_free(void *context) {
+    gn_coupled *q = context;
+    gn_ties_free(&q->ties);
+    gn_consistent_free(&q->consistent);
+    void *blocks[] = {q->turn, q->before, q->stiffness, q->viscosity, q->stored,
+                      q->lost, q->drag,   q->twist,     q->sum};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_free(q->place);
+    gn_free(q->load);
+    gn_free(q);
+}
+
+static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
+                            const char *message, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple%s: %s", w->scene.source,
+                   where.line, where.column, key, message);
+}
+
+/* Elements end at the edge that says so: none leads on into the particles. */
+static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_couple_zone *z = &w->scene.couple.zones[zone];
+    char at[GN_POINT_SIZE], message[256];
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        const double *beyond = NULL;
+        bool inside = false;
+        for (int a = 0; a <= b->dimension; a++) {
+            const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+            double place = gn_zone_place(z, b->dimension, x);
+            if (place < -GN_ZONE_ROUNDING) beyond = x;
+            inside = inside || (place >= -GN_ZONE_ROUNDING && place < 1.0);
+        }
+        if (!beyond || !inside) continue;
+        snprintf(message, sizeof message,
+                 "expected elements that end on the plane through `from`, found one that leads on "
+                 "to %s m",
+                 gn_point_text(w->scene.origin, beyond, at));
+        return refuse(w, z->where, ".zones", message, error);
+    }
+    return GNEISS_OK;
+}
+
+static bool all_zero(const gn_table *table) {
+    for (size_t k = 0; k < table->count; k++)
+        if (table->value[k] != 0.0) return false;
+    return true;
+}
+
+/* The set whose force acts on a particle, and is none of 0; -1: none does. */
+static int32_t pushed_by(const gn_world *w, size_t p) {
+    const double *force = w->dem.particles.applied;
+    bool pushed = false;
+    for (size_t a = 0; force && a < 3; a++) pushed = pushed || force[4 * p + a] != 0.0;
+    for (size_t k = 0; pushed && k < w->scene.set_count; k++) {
+        const gn_set_def *s = &w->scene.sets[k];
+        if (s->has_force && gn_dot3(s->force, s->force) > 0.0 && gn_set_selected(w, k, p))
+            return (int32_t)k;
+    }
+    return -1;
+}
+
+/* The same of a motion. */
+static int32_t moved_by(const gn_world *w, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
+        const int32_t set = w->dem.channel_set[6 * q->slot[p] + k];
+        if (set < 0) continue;
+        const gn_motion *m = &w->scene.sets[set].motion;
+        if (!all_zero(k < 3 ? &m->velocity[k] : &m->spin[k - 3])) return set;
+    }
+    return -1;
+}
+
+/* What is done to particles of zones is done to nodes; they may be held where nodes are held. */
+static gneiss_status check_free(const gn_world *w, const gn_tie *tie, gneiss_error *error) {
+    const size_t p = (size_t)tie->id;
+    const int32_t pushed = pushed_by(w, p), set = pushed >= 0 ? pushed : moved_by(w, p);
+    char key[64];
+    if (set < 0) return GNEISS_OK;
+    const gn_set_def *s = &w->scene.sets[set];
+    snprintf(key, sizeof key, "sets[%d].%s", (int)set, pushed >= 0 ? "force" : "motion");
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particles of zones that no set pushes or moves (the nodes there "
+                   "lead: elements.loads, elements.motions), found particle %d of set '%s'",
+                   gn_scene_at(&w->scene, s->where, key).text, tie->id, s->name);
+}
+
+static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
+    for (int bonds = 0; bonds < 2; bonds++)
+        if (!gn_law_of(gn_contact_list_effects(w->effects, bonds))->weigh)
+            return refuse(w, w->scene.couple.where, "",
+                          "expected a contact law that can have a part of a contact, found one "
+                          "that cannot",
+                          error);
+    return GNEISS_OK;
+}
+
+static bool is_in(const gn_fem_set *set, int32_t node) {
+    bool in = false;
+    for (size_t k = 0; k < set->count; k++) in = in || set->node[k] == node;
+    return in;
+}
+
+/* The damping of masses that driven nodes have in common with others would be part of reactions. */
+static gneiss_status check_damped(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const gn_element_model *q = w->elements[0];
+    char message[256];
+    if (!(w->effects & GN_FX_VISCOUS)) return GNEISS_OK;
+    for (size_t k = 0; k < q->def->motion_count; k++) {
+        bool moves = w->scene.stage_count > 0;
+        for (int a = 0; a < 3; a++)
+            moves = moves || !all_zero(&q->def->motions[k].motion.velocity[a]);
+        if (q->motion[k] < 0 || !moves) continue;
+        for (size_t n = 0; n < ties->nodes; n++) {
+            if (!is_in(&q->motion_set[k], ties->node[n])) continue;
+            snprintf(message, sizeof message,
+                     "expected no driven nodes in zones of consistent masses beside background "
+                     "damping, found node %d of motion '%s'",
+                     q->solid.nodes.id[ties->node[n]], q->def->motions[k].name);
+            return refuse(w, w->scene.couple.where, ".constraint", message, error);
+        }
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
+    const size_t n = q->ties.count + 1;
+    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
+    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
+    q->stored = gn_alloc_array(n, sizeof *q->stored);
+    q->lost = gn_alloc_array(n, sizeof *q->lost);
+    q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->twist = gn_alloc_array(n, sizeof *q->twist);
+    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->twist && q->sum)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
+}
+
+static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
+    gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
+    if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
+    if (w->scene.couple.has_convert)
+        GN_TRY(gn_conversion_ties(w, &q->ties, error));
+    else
+        GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
+    q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
+    q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
+    if (!q->place || !q->load)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                       q->ties.count);
+    for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
+    if (w->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
+        q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
+        if (!q->before)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
+                           q->ties.nodes);
+        GN_TRY(gn_consistent_create(&q->ties, &q->consistent, error));
+        GN_TRY(check_damped(w, &q->ties, error));
+    }
+    if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
+        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
+        if (!q->turn)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                           q->ties.count);
+    }
+    if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
+    return q->ties.count || w->scene.couple.has_convert
+               ? GNEISS_OK
+               : refuse(w, w->scene.couple.where, "", "expected particles in elements, found none",
+                        error);
+}
+
+/* Forces have the part that elements do not have; masses at least what half a distance of
+ * neighbours is of the zone, so that none is without. */
+static void weigh(const gn_world *w, const gn_ties *ties) {
+    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
+    const double width = gn_zones_width(&w->scene);
+    for (size_t p = 0; p < q->soa.count; p++) q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
+    for (size_t k = 0; k < ties->count; k++) {
+        const gn_tie *t = &ties->tie[k];
+        const size_t p = (size_t)t->id;
+        double elements = 0.0;
+        for (int a = 0; a < ties->corners; a++)
+            elements +=
+                t->shape[a] * gn_zones_share(&w->scene, nodes->start + 4 * (size_t)t->node[a]);
+        q->blend[2 * p] = fmin(fmax(1.0 - elements, 0.0), 1.0);
+        q->blend[2 * p + 1] = fmin(fmax(q->blend[2 * p], q->pos[4 * p + 3] / width), 1.0);
+        q->vel[4 * p + 3] /= q->blend[2 * p + 1];
+        if (q->spin) q->spin[4 * p + 3] /= q->blend[2 * p + 1];
+    }
+}
+
+/* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
+static void sum_carried(const gn_world *w, const gn_coupled *q) {
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *carried = &gn_coupled_solid(w)->carried[q->ties.node[n]];
+        *carried = 0.0;
+        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+            const gn_tie_share *share = &q->ties.share[s];
+            const int32_t p = w->dem.index_of_id[q->ties.tie[share->tie].id];
+            if (q->place[share->tie] < 0 || p < 0) continue; /* it leaves, or has left */
+            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)p + 3];
+            *carried += mass * q->ties.tie[share->tie].shape[share->corner];
+        }
+    }
+}
+
+static gneiss_status lump(gn_world *w, const gn_coupled *q, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+    b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
+    if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
+    sum_carried(w, q);
+    return GNEISS_OK;
+}
+
+static void load_nodes(gn_fem_solid *b) {
+    for (size_t n = 0; n < b->nodes.soa.count; n++) {
+        double *inverse = b->nodes.vel + 4 * n + 3;
+        if (b->carried[n] > 0.0) *inverse = 1.0 / (1.0 / *inverse + b->carried[n]);
+    }
+}
+
+/* --- its part of a step --- */
+
+/* Masses that tie nodes to each other, of the particles that are there; scratch: loads. */
+static void weigh_consistent(const gn_world *w, gn_coupled *q) {
+    double *mass = &q->load[0][0];
+    for (size_t k = 0; k < q->ties.count; k++)
+        mass[k] = q->place[k] >= 0 ? 1.0 / w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+    gn_consistent_weigh(&q->consistent, mass);
+}
+
+static void find_places(const gn_world *w, gn_coupled *q) {
+    for (size_t k = 0; k < q->ties.count; k++) {
+        const int32_t p = w->dem.index_of_id[q->ties.tie[k].id];
+        q->place[k] = p >= 0 && w->dem.particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
+    }
+}
+
+static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    find_places(w, q);
+    for (size_t k = 0; k < q->ties.count; k++)
+        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
+    if (q->stiffness)
+        gn_penalty_set(w, q); /* particles may have left */
+    else if (!b->carried)
+        GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
+    if (q->before) weigh_consistent(w, q);
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
+    return GNEISS_OK;
+}
+
+/* Takes the force of a particle away, so that what it moves by itself and what that costs are zero:
+ * its mass is at the nodes, and so is its weight. */
+static void take(gn_world *w, int width, size_t p, double load[3]) {
+    const gn_particles *q = &w->dem.particles;
+    double *row = gn_hold_load(&w->dem.hold, width, p), *v = q->vel + 4 * p;
+    const double mass = v[3] > 0.0 ? 1.0 / v[3] : 0.0;
+    for (size_t a = 0; a < (size_t)w->scene.dimension; a++) {
+        load[a] = row[a];
+        row[a] = w->effects & GN_FX_GRAVITY ? -(mass * w->scene.gravity[a]) : 0.0;
+        v[a] = 0.0;
+        if (w->dem.vel_past) w->dem.vel_past[4 * p + a] = 0.0;
+    }
+}
+
+static void book(void *context, const gn_world *w, gn_energy *reading) {
+    const gn_coupled *q = context;
+    (void)w;
+    reading->kinetic += q->kinetic;
+}
+
+/* --- slaved spins --- */
+
+/* With the spin half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
+ * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
+ * with gradients at the present places, the moment T. Such particles have no inertia against
+ * turning. */
+static void take_moment(gn_world *w, gn_coupled *q, int width, size_t k) {
+    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
+    const bool space = width == 8;
+    double *row = gn_hold_load(&w->dem.hold, width, p), *spin = w->dem.particles.spin + 4 * p;
+    double moment[3] = {0.0}, g[4][3];
+    for (size_t a = space ? 0 : 2; a < 3; a++) {
+        moment[a] = 0.5 * row[at + a];
+        row[at + a] = spin[a] = 0.0;
+        if (w->dem.spin_past) w->dem.spin_past[4 * p + a] = 0.0;
+    }
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(w)->nodes, g);
+    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
+}
+
+static void turn(gn_world *w, const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+    const size_t p = 4 * (size_t)q->place[k];
+    double g[4][3], sum[3] = {0.0};
+    gn_tie_gradients(&q->ties, k, nodes, g);
+    for (int c = 0; c < q->ties.corners; c++) {
+        double of[3];
+        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
+        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
+    }
+    for (size_t d = w->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+        a->spin[p + d] = sum[d];
+        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
+    }
+}
+
+static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled *q, size_t n,
+                                                               double *row, int dimension) {
+    for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+        const gn_tie_share *share = &q->ties.share[s];
+        const double shape = q->ties.tie[share->tie].shape[share->corner];
+        for (int a = 0; a < dimension; a++) row[a] += shape * q->load[share->tie][a];
+        if (!q->turn) continue;
+        for (int a = 0; a < dimension; a++) row[a] += q->turn[share->tie][share->corner][a];
+    }
+}
+
+void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.nodes))
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
+        if (b->dimension == 2)
+            hand_to_node(q, n, row, 2);
+        else
+            hand_to_node(q, n, row, 3);
+    }
+}
+
+static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
+    (void)error;
+    if (q->before) gn_masses_remember(w, q);
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
+    for (size_t k = 0; k < q->ties.count; k++) {
+        q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
+        if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
+        if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
+        if (q->turn && q->place[k] >= 0) take_moment(w, q, width, k);
+    }
+    gn_coupled_hand_to_nodes(w, q);
+    if (q->before) gn_masses_correct(w, q);
+    return GNEISS_OK;
+}
+
+/* Velocity and displacement at a tie. */
+static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
+                                                               const gn_particles *nodes,
+                                                               size_t dimension, double v[3],
+                                                               double u[3]) {
+    for (int c = 0; c < 3; c++) v[c] = u[c] = 0.0;
+    for (size_t a = 0; a <= dimension; a++)
+        for (size_t c = 0; c < dimension; c++) {
+            const size_t at = 4 * (size_t)t->node[a] + c;
+            v[c] += t->shape[a] * nodes->vel[at];
+            u[c] += t->shape[a] * (nodes->pos[at] - nodes->start[at]);
+        }
+}
+
+/* Puts a particle where the nodes take it; returns the square of its speed. */
+static double place(gn_world *w, const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+    const size_t p = (size_t)q->place[k];
+    double v[3], u[3];
+    if (q->ties.corners == 3)
+        follow_nodes(&q->ties.tie[k], nodes, 2, v, u);
+    else
+        follow_nodes(&q->ties.tie[k], nodes, 3, v, u);
+    for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
+        a->vel[4 * p + c] = v[c];
+        a->pos[4 * p + c] = a->start[4 * p + c] + u[c];
+        if (!a->travel_f) continue;
+        a->vel_f[4 * p + c] = (float)v[c];
+        a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
+    }
+    if (q->turn) turn(w, q, k);
+    return gn_dot3(v, v);
+}
+
+static double place_all(gn_world *w, const gn_coupled *q) {
+    double most = 0.0;
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))           \
+    reduction(max                                                                                  \
+              : most)
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double speed2 = q->place[k] >= 0 ? place(w, q, k) : 0.0;
+        most = speed2 > most ? speed2 : most;
+    }
+    return sqrt(most);
+}
+
+void gn_coupled_follow(gn_world *w) {
+    gn_coupled *q = w->exchange[0].context;
+    find_places(w, q);
+    place_all(w, q);
+}
+
+void gn_coupled_begin(gn_world *w) {
+    gn_coupled *q = w->exchange[0].context;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+    find_places(w, q);
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double u[3], v[3];
+        gn_tie_travel(&q->ties, k, nodes, u);
+        gn_tie_mean(&q->ties, k, nodes->vel, v);
+        if (q->place[k] >= 0 && (gn_dot3(u, u) > 0.0 || gn_dot3(v, v) > 0.0)) place(w, q, k);
+    }
+}
+
+/* What is kept of the particles' largest speed is that of all. */
+static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_coupled *q = context;
+    if (q->before) gn_masses_book(w, q);
+    double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
+    if (!(speed > before)) return GNEISS_OK;
+    d->verlet.drift += w->dt * (speed - before);
+    d->verlet.closed += 2.0 * (w->dt * (speed - before));
+    d->speed_most = speed * (1.0 + 1e-6);
+    if (w->dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: couple: elements moved a particle of a zone farther in one "
+        "step than half the smallest radius: %g m/s, smallest radius %g m; the step is "
+        "%.3g s, its stability limit was estimated as %.3g s",
+        (long long)w->step, w->time, speed, d->radius_min, w->dt, w->stable);
+}
+
+/* --- both ways to it --- */
+
+static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
+    gn_exchange exchange = {q, mark, act, coupled_free, follow, book};
+    if (q->stiffness) {
+        exchange.act = gn_penalty_act;
+        exchange.follow = gn_penalty_follow;
+        exchange.book = gn_penalty_book;
+    }
+    return gn_exchange_add(w, exchange, error);
+}
+
+static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
+    GN_TRY(check_law(w, error));
+    if (w->scene.couple.has_convert) {
+        GN_TRY(gn_conversion_prepare(w, error));
+        GN_TRY(find(w, q, error));
+        GN_TRY(lump(w, *q, error));
+        return hand_over(w, *q, error);
+    }
+    for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
+    GN_TRY(find(w, q, error));
+    for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
+    GN_TRY(gn_zones_check(w, &(*q)->ties, error));
+    weigh(w, &(*q)->ties);
+    /* Particles are numbered when they are sorted for the first time. */
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
+    if (!(*q)->stiffness) {
+        GN_TRY(lump(w, *q, error));
+        load_nodes(gn_coupled_solid(w));
+        place_all(w, *q);
+    }
+    return hand_over(w, *q, error);
+}
+
+gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    if (!w->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = prepare(w, &q, error);
+    if (status != GNEISS_OK && q) coupled_free(q);
+    return status;
+}
+
+gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    if (!w->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = find(w, &q, error);
+    if (status == GNEISS_OK) status = hand_over(w, q, error);
+    if (status != GNEISS_OK && q) coupled_free(q);
+    return status;
+}
+
+/* --- particles that leave --- */
+
+/* J: what the nodes of ties have by the masses that they carry. */
+static double carried_energy(const gn_world *w, const gn_coupled *q) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double sum = 0.0;
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        const double *v = b->nodes.vel + 4 * (size_t)q->ties.node[n];
+        sum += 0.5 * b->carried[q->ties.node[n]] * gn_dot3(v, v);
+    }
+    return sum;
+}
+
+/* J: what is booked as carried away by a particle that leaves, of what it does not have. */
+static double not_its_own(const gn_world *w, const gn_coupled *q, size_t p) {
+    const double *v = w->dem.particles.vel + 4 * p, *o = w->dem.particles.spin + 4 * p;
+    double sum = 0.0;
+    if (!q->before && !q->stiffness) sum += 0.5 * gn_dot3(v, v) / v[3];
+    if (q->turn) sum += 0.5 * gn_dot3(o, o) / o[3];
+    return sum;
+}
+
+void gn_coupled_leave(gn_world *w, const int32_t *gone) {
+    gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    if (!q) return;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    w->couple.whole = -fabs(w->couple.whole); /* to be looked for anew */
+    const bool lumped = !q->before && !q->stiffness;
+    double before = lumped ? carried_energy(w, q) : 0.0;
+    for (size_t k = 0; k < q->ties.count; k++) {
+        if (q->place[k] < 0 || !gone[q->place[k]]) continue;
+        w->energy.removed -= not_its_own(w, q, (size_t)q->place[k]);
+        if (q->stiffness) w->energy.removed += q->stored[k];
+        if (q->stiffness) q->stored[k] = 0.0;
+        q->place[k] = -1;
+    }
+    if (!b->carried) return;
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *inverse = b->nodes.vel + 4 * (size_t)q->ties.node[n] + 3;
+        *inverse = 1.0 / (1.0 / *inverse - b->carried[q->ties.node[n]]);
+    }
+    sum_carried(w, q);
+    load_nodes(b);
+    if (lumped) w->energy.removed += before - carried_energy(w, q);
+}
+
+gneiss_status gn_coupled_again(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    gneiss_status status = find(w, &q, error);
+    if (status != GNEISS_OK) {
+        if (q) coupled_free(q);
+        return status;
+    }
+    coupled_free(w->exchange[0].context);
+    w->exchange[0].context = q;
+    return gn_coupled_weigh(w, error);
+}
+
+gneiss_status gn_coupled_weigh(gn_world *w, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_free(b->carried);
+    b->carried = NULL;
+    GN_TRY(lump(w, w->exchange[0].context, error));
+    gn_fem_weigh(b);
+    return GNEISS_OK;
+}
+
+/* --- who is in it --- */
+
+const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id) {
+    size_t low = 0, high = q->ties.count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (q->ties.tie[middle].id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < q->ties.count && q->ties.tie[low].id == id ? &q->ties.tie[low] : NULL;
+}
+
+bool gn_coupled_has(const gn_coupled *q, int32_t id) {
+    return gn_coupled_tie(q, id) != NULL;
+}
