@@ -125,12 +125,12 @@ static inline bool is_awake(const gn_world *w, size_t p) {
 }
 
 static inline bool is_tied(const gn_world *w, size_t p) {
-    return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
+    return gn_coupled_has(w->coupled, w->dem.particles.id[p]);
 }
 
 /* Those of zones with slaved spins have no inertia. */
 static inline bool spins_freely(const gn_world *w, size_t p) {
-    const gn_coupled *q = w->exchange[0].context;
+    const gn_coupled *q = w->coupled;
     return !q->turn || !is_tied(w, p);
 }
 

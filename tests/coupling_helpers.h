@@ -83,7 +83,7 @@ static inline gn_world *strip_of(const strip *s) {
 
 /* Whether a particle is one of a zone. */
 static inline bool tied_by_zone(const gn_world *w, size_t p) {
-    return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
+    return gn_coupled_has(w->coupled, w->dem.particles.id[p]);
 }
 
 typedef void field(const double *x, const void *of, double u[3], double v[3]);

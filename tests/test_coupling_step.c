@@ -186,7 +186,7 @@ static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **stat
     double stiffness[2];
     for (int k = 0; k < 2; k++) {
         gn_world *w = made(&models[6], k ? "step: 1e-9" : NULL, NULL);
-        const gn_coupled *q = w->exchange[0].context;
+        const gn_coupled *q = w->coupled;
         stiffness[k] = q->stiffness[q->ties.count / 2];
         world_end(w);
     }
@@ -335,7 +335,7 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 
 /* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
 static double moved_by(gn_world *w, size_t k, int axis) {
-    gn_coupled *q = w->exchange[0].context;
+    gn_coupled *q = w->coupled;
     gn_fem_solid *b = &w->elements[0]->solid;
     double sum = 0.0;
     memset(q->load, 0, q->ties.count * sizeof *q->load);
@@ -359,7 +359,7 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const gn_coupled *q = w->exchange[0].context;
+        const gn_coupled *q = w->coupled;
         const size_t n = w->dem.particles.soa.count;
         double *inverse = calloc(n, sizeof *inverse), least = INFINITY, most = 0.0;
         run_steps(w, 1);

@@ -7,7 +7,7 @@
 
 /* What the nodes carry of particles is counted there; particles that springs tie have their own. */
 static void add_momentum(const gn_world *w, const gn_particles *q, bool particles, double sum[4]) {
-    const gn_coupled *z = w->exchange[0].context;
+    const gn_coupled *z = w->coupled;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *v = q->vel + 4 * p;
         if (!(v[3] > 0.0) || (particles && !z->stiffness && gn_coupled_has(z, q->id[p]))) continue;

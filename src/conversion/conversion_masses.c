@@ -52,7 +52,7 @@ static void add_spin(gn_tally *t, size_t dimension, double inertia, const double
 }
 
 static const gn_coupled *coupled_of(const gn_conversion *c) {
-    return c->world->exchange[0].context;
+    return c->world->coupled;
 }
 
 /* Who does not move by itself. */

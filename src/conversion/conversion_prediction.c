@@ -185,8 +185,7 @@ static const char *side_of(const gn_world *w) {
     if (is_near(w->dt, 0.98 * w->dem.listed)) return "contacts that may close";
     if (w->stable < 0.9 * share * fmin(elements, w->dem.stable)) return "slaved spins of the zone";
     if (elements <= w->dem.stable) return "elements that are left, by their rigorous bound";
-    return p >= 0 && gn_coupled_has(w->exchange[0].context, p) ? "particles of the zone"
-                                                               : "particles";
+    return p >= 0 && gn_coupled_has(w->coupled, p) ? "particles of the zone" : "particles";
 }
 
 static gneiss_status keep_places(const gn_world *w, gn_foreseen *f, gneiss_error *error) {

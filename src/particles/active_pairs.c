@@ -412,7 +412,7 @@ void gn_near_settle(const gn_world *w) {
         const block_of_pairs b = block_at(n, &w->dem.pairs, w->dem.pair_partials.length, k);
         put(w, &w->dem.pairs, &b);
     }
-    ((gn_world *)(uintptr_t)w)->dem.near.unsettled = false; /* see active_pairs.h */
+    ((gn_near *)(uintptr_t)n)->unsettled = false; /* see active_pairs.h */
 }
 
 void gn_near_repack(gn_world *w) {

@@ -307,14 +307,14 @@ bool gn_coupled_has_limit(const gn_world *w) {
 
 gneiss_status gn_coupled_limit(const gn_world *w, bool listed, gn_whole_limit *limit,
                                gneiss_error *error) {
-    whole y = {.q = w->exchange[0].context, .w = w, .limit = limit};
+    whole y = {.q = w->coupled, .w = w, .limit = limit};
     gneiss_status status = gn_dem_with_spectrum(w, listed, find, &y, error);
     whole_free(&y);
     return status;
 }
 
 const gn_whole_limit *gn_coupled_whole(const gn_world *w) {
-    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     return q && q->whole.iterations ? &q->whole : NULL;
 }
 

@@ -213,13 +213,13 @@ static double speed_of_set(const gn_world *w, size_t k, double *change) {
 /* By how much what becomes faster than it was looked at changes in the coming step, at most. What
  * slows down and comes back meets nothing at more than it was looked at. */
 static double driven_gain(gn_world *w) {
-    static double (*const speed[])(const gn_world *, size_t,
-                                   double *) = {speed_of_wall, speed_of_body, speed_of_set};
     const size_t count[] = {w->scene.wall_count, w->scene.body_count, w->scene.set_count};
     double gain = 0.0, *known = w->dem.driven;
     for (int kind = 0; kind < 3; kind++)
         for (size_t k = 0; k < count[kind]; k++, known++) {
-            double change, now = speed[kind](w, k, &change);
+            double change, now = kind == 0   ? speed_of_wall(w, k, &change)
+                                 : kind == 1 ? speed_of_body(w, k, &change)
+                                             : speed_of_set(w, k, &change);
             if (!(now > 1.1 * *known)) continue;
             *known = now;
             gain = fmax(gain, change);

@@ -106,7 +106,7 @@ static gneiss_status limit_now(gn_world *w, double *limit, gneiss_error *error) 
     *limit = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
     if (!gn_coupled_has_limit(w) || !(w->dem.limit.bound < INFINITY)) return GNEISS_OK;
     if (w->scene.step > 0.0 && w->scene.step <= *limit) return GNEISS_OK;
-    gn_whole_limit *whole = &((gn_coupled *)w->exchange[0].context)->whole;
+    gn_whole_limit *whole = &w->coupled->whole;
     GN_TRY(gn_coupled_limit(w, false, whole, error));
     w->couple.whole = whole->sharp;
     *limit = fmax(*limit, limit_of_whole(w, whole->sharp));

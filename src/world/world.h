@@ -123,6 +123,7 @@ struct gn_world {
     struct gn_exchange *exchange; /* [exchange_count] world/exchange.h */
     size_t exchange_count;
 
+    struct gn_coupled *coupled; /* ties and masses of zones (zones/zones.h); NULL: none */
     struct {
         double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
         double rate[2];   /* 1/s: what these take of the steps of particles and elements */

@@ -252,7 +252,7 @@ static void add_particle(const gn_world *w, size_t zone, const gn_tie *t, size_t
 }
 
 static void add_particles(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
-    const gn_coupled *c = w->exchange[0].context;
+    const gn_coupled *c = w->coupled;
     f->edge = 1.0;
     for (size_t k = 0; k < c->ties.count; k++) {
         const int32_t p = c->place[k];
@@ -264,7 +264,7 @@ static void add_particles(const gn_world *w, size_t zone, gn_zone_figures *f, zo
 
 /* Particles that are in no element have all of their mass and lie beyond the last node. */
 static void add_bonds(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
-    const gn_coupled *c = w->exchange[0].context;
+    const gn_coupled *c = w->coupled;
     const gn_particles *q = &w->dem.particles;
     const gn_contacts *bonds = &w->dem.bonds;
     double n[3];
@@ -345,7 +345,7 @@ static double left_by(const gn_world *w, size_t zone, size_t e) {
 
 /* A lattice that begins on the plane through `from` has half a row too many there. */
 static void measure_mass(const gn_world *w, size_t zone, gn_zone_figures *f) {
-    const gn_coupled *c = w->exchange[0].context;
+    const gn_coupled *c = w->coupled;
     const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_particles *q = &w->dem.particles;
     double left = 0.0, mass = 0.0;

@@ -100,7 +100,7 @@ void gn_masses_book(gn_world *w, gn_coupled *q) {
  * at least those of the nodes alone and the particle's own are in the way: with y = N_a N_a/m_a of
  * these (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
 void gn_coupled_give(const gn_world *w, double *inverse) {
-    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     if (!q || q->stiffness) return;
     const gn_fem_solid *b = gn_coupled_solid(w);
     for (size_t k = 0; k < q->ties.count; k++) {

@@ -85,7 +85,7 @@ static void added(const gn_world *w, gn_coupled *q, double most[2]) {
 
 void gn_coupled_stiffen(gn_world *w) {
     double most[2], particles, elements, low = 1e-6, high = 1e6;
-    gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     if (!q || !q->stiffness) return;
     particles = 2.0 / w->dem.stable;
     elements = 2.0 / gn_elements_stable(w);
@@ -142,14 +142,14 @@ static void pull(gn_world *w, gn_coupled *q, size_t k, int width) {
 
 /* The tie of a particle that a spring holds; q->ties.count: none does. */
 static size_t spring_of(const gn_world *w, size_t particle) {
-    const gn_coupled *q = w->exchange[0].context;
+    const gn_coupled *q = w->coupled;
     const gn_tie *tie = q->stiffness ? gn_coupled_tie(q, w->dem.particles.id[particle]) : NULL;
     return tie ? (size_t)(tie - q->ties.tie) : q->ties.count;
 }
 
 double gn_penalty_stiffness(const gn_world *w, size_t particle) {
     if (!w->scene.has_couple) return 0.0;
-    const gn_coupled *q = w->exchange[0].context;
+    const gn_coupled *q = w->coupled;
     const size_t k = spring_of(w, particle);
     return k < q->ties.count ? q->stiffness[k] : 0.0;
 }
@@ -157,7 +157,7 @@ double gn_penalty_stiffness(const gn_world *w, size_t particle) {
 double gn_penalty_opens(const gn_world *w, size_t particle, const double n[3]) {
     double gap[3], slip[3], spin[3], with[3], sum = 0.0;
     if (!w->scene.has_couple) return 0.0;
-    const gn_coupled *q = w->exchange[0].context;
+    const gn_coupled *q = w->coupled;
     const size_t k = spring_of(w, particle);
     if (k == q->ties.count) return 0.0;
     gap_of(w, q, k, gap);

@@ -23,7 +23,7 @@ static bool add_to_sleepers(const gn_world *w, const double (*stress)[6], double
 /* Contacts of a particle of a zone carry its part of the body's stress, elements the other part. In
  * the plane elements have a stress across it, which contacts have not. */
 gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_error *error) {
-    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     if (!q) return GNEISS_OK;
     const gn_fem_solid *b = gn_coupled_solid(w);
     const bool space = b->dimension == 3;
@@ -48,7 +48,7 @@ gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_err
 
 /* The place of the element that a particle is in, of the elements that are there; -1: of none. */
 static int32_t *elements_of(const gn_world *w) {
-    const gn_coupled *q = w->exchange[0].context;
+    const gn_coupled *q = w->coupled;
     const size_t n = w->dem.particles.soa.count;
     int32_t *place = gn_conversion_places(w);
     int32_t *element = gn_alloc_array(n + 1, sizeof *element);
@@ -90,7 +90,7 @@ gneiss_status gn_coupled_mean_stress(const gn_world *w, double sigma[9], gneiss_
 }
 
 size_t gn_coupled_lost(const gn_world *w) {
-    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     size_t count = 0;
     for (size_t k = 0; q && k < q->ties.count; k++) count += q->place[k] < 0;
     return count;

@@ -111,7 +111,7 @@ static double largest_share(const gn_world *w, const gn_coupled *q, turned_list 
 static const double small = 0.01;
 
 gneiss_status gn_coupled_turn_faster(gn_world *w, bool *more, gneiss_error *error) {
-    const gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     *more = false;
     if (!q || !q->turn) return GNEISS_OK;
     const size_t elements = gn_coupled_solid(w)->elements.soa.count, ties = q->ties.count;

@@ -408,13 +408,13 @@ static double place_all(gn_world *w, const gn_coupled *q) {
 }
 
 void gn_coupled_follow(gn_world *w) {
-    gn_coupled *q = w->exchange[0].context;
+    gn_coupled *q = w->coupled;
     find_places(w, q);
     place_all(w, q);
 }
 
 void gn_coupled_begin(gn_world *w) {
-    gn_coupled *q = w->exchange[0].context;
+    gn_coupled *q = w->coupled;
     const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
     find_places(w, q);
     for (size_t k = 0; k < q->ties.count; k++) {
@@ -453,7 +453,10 @@ static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) 
         exchange.follow = gn_penalty_follow;
         exchange.book = gn_penalty_book;
     }
-    return gn_exchange_add(w, exchange, error);
+    w->coupled = q;
+    gneiss_status status = gn_exchange_add(w, exchange, error);
+    if (status != GNEISS_OK) w->coupled = NULL;
+    return status;
 }
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
@@ -519,7 +522,7 @@ static double not_its_own(const gn_world *w, const gn_coupled *q, size_t p) {
 }
 
 void gn_coupled_leave(gn_world *w, const int32_t *gone) {
-    gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(w);
     w->couple.whole = -fabs(w->couple.whole); /* to be looked for anew */
@@ -549,8 +552,8 @@ gneiss_status gn_coupled_again(gn_world *w, gneiss_error *error) {
         if (q) coupled_free(q);
         return status;
     }
-    coupled_free(w->exchange[0].context);
-    w->exchange[0].context = q;
+    coupled_free(w->coupled);
+    w->coupled = q;
     return gn_coupled_weigh(w, error);
 }
 
@@ -558,7 +561,7 @@ gneiss_status gn_coupled_weigh(gn_world *w, gneiss_error *error) {
     gn_fem_solid *b = gn_coupled_solid(w);
     gn_free(b->carried);
     b->carried = NULL;
-    GN_TRY(lump(w, w->exchange[0].context, error));
+    GN_TRY(lump(w, w->coupled, error));
     gn_fem_weigh(b);
     return GNEISS_OK;
 }
