@@ -68,15 +68,15 @@ static size_t material_of(const boxed *q, int32_t e) {
 
 /* Masses, volumes and the elements' moduli, of particles awake or not. */
 static void add_particles(boxed *q) {
-    const gn_world *w = q->world;
-    const gn_particles *a = &w->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_particles *a = &q->world->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(q->world);
     for (size_t p = 0; p < a->soa.count; p++) {
         const int32_t e = element_of(q, (int32_t)p);
         if (e < 0) continue;
         const size_t k = material_of(q, e);
         gn_zone_material *m = &q->figures->material[k];
-        q->mass[k] += 1.0 / (gn_is_asleep(w, p) ? gn_sleeper_of(w, p)->mass : a->vel[4 * p + 3]);
+        q->mass[k] += 1.0 / (gn_is_asleep(q->world, p) ? gn_sleeper_of(q->world, p)->mass
+                                                       : a->vel[4 * p + 3]);
         q->volume[k] += gn_ball_volume(b->dimension, a->pos[4 * p + 3]);
         m->modulus[1] += b->elements.lambda[e] + 2.0 * b->elements.mu[e];
         m->density[1] += b->density[b->elements.material[e]];
@@ -105,16 +105,15 @@ static void add_spring(double sum[STRAINS][STRAINS], const double l[3], double l
 
 /* Of a strain along one axis, the mean over the axes; springs count half for each end. */
 static void add_bonds(boxed *q) {
-    const gn_world *w = q->world;
-    const gn_contacts *list = &w->dem.prepared;
-    const double *start = w->dem.particles.start;
-    const int d = (int)w->scene.dimension;
+    const gn_contacts *list = &q->world->dem.prepared;
+    const double *start = q->world->dem.particles.start;
+    const int d = (int)q->world->scene.dimension;
     for (size_t c = 0; c < list->soa.count; c++) {
         const int32_t end[2] = {list->i[c], list->j[c]};
         const double kt = list->kt ? list->kt[c] : 0.0;
         double l[3], sum = 0.0;
         const double length2 =
-            gn_branch(w, start + 4 * (size_t)end[0], start + 4 * (size_t)end[1], l);
+            gn_branch(q->world, start + 4 * (size_t)end[0], start + 4 * (size_t)end[1], l);
         for (int a = 0; a < d; a++) {
             const double along = l[a] * l[a] / length2;
             sum += length2 * along * (list->kn[c] * along + kt * (1.0 - along)) / d;

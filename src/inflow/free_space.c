@@ -80,10 +80,10 @@ static gneiss_status make_cells(gn_room *r, const double lower[3], const double 
 /* A sphere and those of its images that come within `reach` of the box. */
 static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
                              const double upper[3], double reach, gneiss_error *error) {
-    const gn_world *w = r->world;
     int64_t least[3] = {0}, most[3] = {0};
-    for (int a = 0; a < (int)w->scene.dimension; a++) {
-        double wide = reach + x[3], period = w->effects & GN_FX_PERIODIC ? w->period[a] : 0.0;
+    for (int a = 0; a < (int)r->world->scene.dimension; a++) {
+        double wide = reach + x[3],
+               period = r->world->effects & GN_FX_PERIODIC ? r->world->period[a] : 0.0;
         if (period > 0.0) {
             least[a] = (int64_t)ceil((lower[a] - wide - x[a]) / period);
             most[a] = (int64_t)floor((upper[a] + wide - x[a]) / period);
@@ -96,9 +96,9 @@ static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
             for (int64_t k = least[2]; k <= most[2]; k++) {
                 if (r->count == r->space) GN_TRY(reserve(r, 2 * r->space + 64, error));
                 double *image = r->sphere + 4 * r->count++;
-                image[0] = x[0] + (double)i * w->period[0];
-                image[1] = x[1] + (double)j * w->period[1];
-                image[2] = x[2] + (double)k * w->period[2];
+                image[0] = x[0] + (double)i * r->world->period[0];
+                image[1] = x[1] + (double)j * r->world->period[1];
+                image[2] = x[2] + (double)k * r->world->period[2];
                 image[3] = x[3];
                 r->most = fmax(r->most, x[3]);
             }
@@ -162,12 +162,11 @@ static bool meets_surface(const gn_world *w, const gn_surface *f, const double *
 }
 
 bool gn_room_free(const gn_room *r, const double s[4]) {
-    const gn_world *w = r->world;
-    for (size_t k = 0; k < w->scene.wall_count; k++)
-        if (gn_wall_distance(&w->boundary.walls[k], s) < s[3] * (1.0 + apart)) return false;
+    for (size_t k = 0; k < r->world->scene.wall_count; k++)
+        if (gn_wall_distance(&r->world->boundary.walls[k], s) < s[3] * (1.0 + apart)) return false;
     if (meets_particle(r, s)) return false;
-    for (size_t k = 0; k < w->boundary.surface_count; k++)
-        if (meets_surface(w, &w->boundary.surfaces[k], s)) return false;
+    for (size_t k = 0; k < r->world->boundary.surface_count; k++)
+        if (meets_surface(r->world, &r->world->boundary.surfaces[k], s)) return false;
     return true;
 }
 

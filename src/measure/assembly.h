@@ -10,7 +10,8 @@
 
 /* From the centre of particle i to that of j, through the nearest image in a periodic box; z = 0 in
  * 2D. Returns its length. */
-static inline double gn_branch(const gn_assembly *assembly, size_t i, size_t j, double l[3]) {
+static inline double gn_assembly_branch(const gn_assembly *assembly, size_t i, size_t j,
+                                        double l[3]) {
     const double *pos = assembly->particles->pos;
     double square = 0;
     l[2] = 0;

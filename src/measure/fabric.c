@@ -41,7 +41,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
     for (size_t k = 0; k < pair_count; k++) {
         size_t i = (size_t)pairs[2 * k], j = (size_t)pairs[2 * k + 1];
         if (gn_particle_removed(particles, i) || gn_particle_removed(particles, j)) continue;
-        double l[3], length = gn_branch(assembly, i, j, l);
+        double l[3], length = gn_assembly_branch(assembly, i, j, l);
         double reach = particles->pos[4 * i + 3] + particles->pos[4 * j + 3];
         if (length - reach > tolerance * reach) continue;
         g.contacts++;

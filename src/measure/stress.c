@@ -15,7 +15,7 @@ static contact contact_at(const gn_assembly *assembly, const gn_contacts *list, 
     contact x = {.i = (size_t)list->i[c], .j = (size_t)list->j[c]};
     const double *row = gn_contacts_row(list) + c * (size_t)gn_contacts_row_width(list);
     for (int a = 0; a < assembly->dimension; a++) x.f[a] = row[a];
-    x.length = gn_branch(assembly, x.i, x.j, x.l);
+    x.length = gn_assembly_branch(assembly, x.i, x.j, x.l);
     /* Coincident centres have no normal and their force no arm. */
     for (int a = 0; a < 3; a++) x.n[a] = x.length > 0 ? x.l[a] / x.length : 0;
     return x;

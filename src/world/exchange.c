@@ -1,6 +1,7 @@
 #include "world/exchange.h"
 
 #include "base/memory.h"
+#include "world/world.h"
 
 #include <string.h>
 
