@@ -84,7 +84,7 @@ bool bench_world_use(bench_world *b, int threads, const char *isa) {
         if (strcmp(gn_isa_name(k), isa) == 0) b->world.scene.isa = k;
     b->world.scene.threads = threads;
     gneiss_error error;
-    return gn_world_prepare(&b->world, &error) == GNEISS_OK;
+    return gn_world_prepare(&b->world.ctx, &b->world.dem, &b->world.box, &error) == GNEISS_OK;
 }
 
 bool bench_world_steps(bench_world *b, int steps, char message[BENCH_MESSAGE_SIZE]) {
@@ -126,7 +126,7 @@ bench_numbers bench_world_numbers(const bench_world *b) {
     n.bond_bytes = gn_record_bytes(&gn_contact_record, w->dem.bonds.soa.effects);
     n.pair_bytes = gn_record_bytes(&gn_contact_record, w->dem.pairs.soa.effects);
     n.particle_bytes = gn_record_bytes(&gn_particle_record, w->effects);
-    n.world_bytes = gn_world_bytes(w);
+    n.world_bytes = gn_world_bytes(&w->ctx, &w->dem, &w->boundary, &w->solids);
     n.contact_steps = w->dem.contact_steps;
     n.steps = w->step;
     n.rebuilds = w->dem.verlet.rebuilds;
@@ -149,7 +149,7 @@ static const gn_contacts *longer_list(const gn_world *w) {
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_contact_args a = gn_dem_contact_args(w, longer_list(w), false);
+    gn_contact_args a = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, longer_list(w), false);
     a.dt = 0.0; /* the state stands still */
     gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bond_kernel : w->dem.pair_kernel;
     size_t length = a.partials->length, last = blocks * length;
@@ -164,7 +164,7 @@ size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
 
 size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_motion_args a = gn_dem_motion_args(w, false);
+    gn_motion_args a = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, false);
     a.dt = a.dt_past = 0.0;
     size_t last = blocks * GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;

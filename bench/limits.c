@@ -51,8 +51,8 @@ static chain_loop *widest(int single) {
 
 #define FMADD_F64(a, x, y) vfmaq_f64(y, a, x)
 #define FMADD_F32(a, x, y) vfmaq_f32(y, a, x)
-CHAIN_LOOP(double128, , float64x2_t, 2, vdupq_n_f64, FMADD_F64, "+w")
-CHAIN_LOOP(single128, , float32x4_t, 4, vdupq_n_f32, FMADD_F32, "+w")
+CHAIN_LOOP(double128, float64x2_t, 2, vdupq_n_f64, FMADD_F64, "+w")
+CHAIN_LOOP(single128, float32x4_t, 4, vdupq_n_f32, FMADD_F32, "+w")
 
 static chain_loop *widest(int single) {
     return single ? single128 : double128;

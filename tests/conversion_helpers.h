@@ -88,17 +88,17 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
 
 /* Of what is there: elements, as long as all particles sleep. */
 static inline void set_elements(gn_world *w, field *at, const void *of) {
-    set_field(&w->elements[0]->solid.nodes, at, of);
-    gn_fem_moved(&w->elements[0]->solid);
-    gn_fem_to_single(&w->elements[0]->solid);
+    set_field(&w->solids.elements[0]->solid.nodes, at, of);
+    gn_fem_moved(&w->solids.elements[0]->solid);
+    gn_fem_to_single(&w->solids.elements[0]->solid);
 }
 
 /* Converts the elements of which all nodes start between two corners. */
 static inline gneiss_status convert_box(gn_world *w, const double low[3], const double high[3],
                                         gneiss_error *error) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = &w->solids.elements[0]->solid;
     uint8_t *kind = calloc(b->elements.soa.count + 1, 1);
-    gneiss_status status = gn_conversion_kinds(w, kind, error);
+    gneiss_status status = gn_conversion_kinds(&w->ctx, &w->solids, kind, error);
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool in = kind[e] == GN_FRONT_READY;
         for (int a = 0; a <= b->dimension; a++)
@@ -125,12 +125,12 @@ static inline bool is_awake(const gn_world *w, size_t p) {
 }
 
 static inline bool is_tied(const gn_world *w, size_t p) {
-    return gn_coupled_has(w->coupled, w->dem.particles.id[p]);
+    return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
 
 /* Those of zones with slaved spins have no inertia. */
 static inline bool spins_freely(const gn_world *w, size_t p) {
-    const gn_coupled *q = w->coupled;
+    const gn_coupled *q = w->zones.coupled;
     return !q->turn || !is_tied(w, p);
 }
 
@@ -164,7 +164,7 @@ static inline void add_points(const gn_world *w, const gn_particles *q, bool par
 static inline whole whole_of(const gn_world *w) {
     whole s = {0};
     add_points(w, &w->dem.particles, true, &s);
-    add_points(w, &w->elements[0]->solid.nodes, false, &s);
+    add_points(w, &w->solids.elements[0]->solid.nodes, false, &s);
     return s;
 }
 

@@ -11,7 +11,7 @@
 #include "world/exchange.h"
 
 static double fastest(const gn_world *w) {
-    const gn_particles *of[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    const gn_particles *of[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
     double most = 0.0;
     for (int k = 0; k < 2; k++)
         for (size_t p = 0; p < of[k]->soa.count; p++) {
@@ -35,26 +35,26 @@ int main(int count, char **argument) {
     if (count < 2) return 2;
     gneiss_status status = gn_scene_load(argument[1], NULL, 0, &scene, &error);
     if (status == GNEISS_OK) status = gn_world_create(&scene, &w, &error);
-    while (status == GNEISS_OK && w.time < w.scene.end && !*w.halt) {
-        const uint64_t every = w.scene.couple.convert.every;
-        const size_t elements = gn_conversion_elements(&w);
-        const bool may = w.step > 0 && w.step % every == 0;
-        const double before = may ? fastest(&w) : 0.0, booked = w.energy.conversion;
+    while (status == GNEISS_OK && w.ctx.time < w.ctx.scene.end && !*w.outcome.halt) {
+        const uint64_t every = w.ctx.scene.couple.convert.every;
+        const size_t elements = gn_conversion_elements(&w.solids);
+        const bool may = w.ctx.step > 0 && w.ctx.step % every == 0;
+        const double before = may ? fastest(&w) : 0.0, booked = w.ledger.energy.conversion;
         if (may) status = gn_conversion_look(&w, &error);
-        if (status == GNEISS_OK && gn_conversion_elements(&w) != elements) {
-            const double held = there(&w.reading), after = fastest(&w);
+        if (status == GNEISS_OK && gn_conversion_elements(&w.solids) != elements) {
+            const double held = there(&w.ledger.reading), after = fastest(&w);
             if (count > 2)
-                printf("step %llu: %g -> %g m/s, %g of %g J\n", (unsigned long long)w.step, before,
-                       after, w.energy.conversion - booked, held);
+                printf("step %llu: %g -> %g m/s, %g of %g J\n", (unsigned long long)w.ctx.step,
+                       before, after, w.ledger.energy.conversion - booked, held);
             faster = fmax(faster, after / before);
-            made = fmax(made, (booked - w.energy.conversion) / held);
+            made = fmax(made, (booked - w.ledger.energy.conversion) / held);
             times += 1.0;
         }
         if (status == GNEISS_OK)
-            status = gn_world_step(&w, w.step == 0 || w.step % every == every - 1, &error);
+            status = gn_world_step(&w, w.ctx.step == 0 || w.ctx.step % every == every - 1, &error);
     }
     if (status == GNEISS_OK) status = gn_world_step(&w, true, &error);
-    printf("%.3g %.3g %.0f %.3g %s\n", faster, made, times, gn_energy_residual(&w.reading),
+    printf("%.3g %.3g %.0f %.3g %s\n", faster, made, times, gn_energy_residual(&w.ledger.reading),
            status == GNEISS_OK ? "" : error.message);
     gn_world_free(&w);
     return status != GNEISS_OK;

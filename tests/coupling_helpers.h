@@ -83,7 +83,7 @@ static inline gn_world *strip_of(const strip *s) {
 
 /* Whether a particle is one of a zone. */
 static inline bool tied_by_zone(const gn_world *w, size_t p) {
-    return gn_coupled_has(w->coupled, w->dem.particles.id[p]);
+    return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
 
 typedef void field(const double *x, const void *of, double u[3], double v[3]);
@@ -102,8 +102,8 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
 /* Of all points of a world. */
 static inline void set_fields(gn_world *w, field *at, const void *of) {
     set_field(&w->dem.particles, at, of);
-    set_field(&w->elements[0]->solid.nodes, at, of);
-    gn_fem_moved(&w->elements[0]->solid);
+    set_field(&w->solids.elements[0]->solid.nodes, at, of);
+    gn_fem_moved(&w->solids.elements[0]->solid);
 }
 
 static inline void stir(const double *x, const void *of, double u[3], double v[3]) {

@@ -27,7 +27,8 @@ static gn_world *made(int dimension, const char *specimen, const char *law, cons
 
 static gn_area_check check_of(const gn_world *w) {
     gn_area_check check;
-    assert_int_equal(gn_areas_check(w, &check, NULL), GNEISS_OK);
+    assert_int_equal(gn_areas_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &check, NULL),
+                     GNEISS_OK);
     return check;
 }
 
@@ -84,7 +85,7 @@ static void sections_at_a_skin_are_those_inside(void **state) {
         most = (double)lattices[k].dimension * s[0] * s[1] * s[2];
         /* Volumes of the cells; that of the world is a hull of points on the spheres. */
         gn_area_check check = check_of(w);
-        double all = (check.filled + check.free) * lattices[k].dimension * w->volume;
+        double all = (check.filled + check.free) * lattices[k].dimension * w->ctx.volume;
         assert_close(all, most, 1e-6);
         world_end(w);
     }
@@ -259,7 +260,7 @@ static void a_bar_breaks_at_its_strain(void **state) {
                              way ? "vx: 0, vy: 0.5" : "vx: 0.5, vy: 0", dt);
         double strain = way ? tau / (beta * shear) : sigma / (alpha * young);
         double time = strain * distance / speed;
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 2.0 * time) run_steps(w, 1);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.time < 2.0 * time) run_steps(w, 1);
         assert_int_equal(w->dem.bonds.cause[0], way ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
         /* The turn of the normal tilts the path by at most half of the strain, squared. */
         assert_near(w->dem.bonds.broken_time[0], time, 2.0 * dt + strain * strain * time);
@@ -275,7 +276,7 @@ static void a_bar_breaks_when_one_end_turns(void **state) {
     for (int dimension = 2; dimension <= 3; dimension++) {
         gn_world *w = driven(dimension, "{stiffness: polyhedron}", "vx: 0, vy: 0", spin, dt);
         double time = tau / (beta * young / 2.4) * distance / (arm * spin);
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 2.0 * time) run_steps(w, 1);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.time < 2.0 * time) run_steps(w, 1);
         assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
         assert_near(w->dem.bonds.broken_time[0], time, 2.0 * dt);
         world_end(w);
@@ -312,7 +313,7 @@ static void a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure(void **
                                   0.0, dt);
         double pressure = alpha * young * 6.3505e-6 / distance;
         double wait = (tau + friction[k] * pressure) / (beta * shear) * distance / 0.5;
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 6.35e-6 + 2.0 * wait)
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.time < 6.35e-6 + 2.0 * wait)
             run_steps(w, 1);
         assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
         assert_near(w->dem.bonds.broken_time[0], 6.351e-6 + wait, 0.01 * wait);
@@ -373,7 +374,7 @@ static void stiffness_of(const gn_world *w, double volume, double c[3][3]) {
     memset(c, 0, 9 * sizeof(double));
     const gn_contacts *k = &w->dem.bonds;
     for (size_t m = 0; m < k->soa.count; m++) {
-        double n[3], length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * (int64_t)k->i[m],
+        double n[3], length = sqrt(gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)k->i[m],
                                              w->dem.particles.pos + 4 * (int64_t)k->j[m], n));
         for (int a = 0; a < 3; a++) n[a] /= length;
         for (int a = 0; a < 3; a++)
@@ -393,7 +394,7 @@ static void the_hexagonal_lattice_is_that_of_tavarez_and_plesha(void **state) {
     for (int k = 0; k < 2; k++) {
         gn_world *w = periodic(&lattices[1], laws[k]);
         double c[3][3], rho = ratio_of_springs();
-        stiffness_of(w, w->volume, c);
+        stiffness_of(w, w->ctx.volume, c);
         assert_close(c[0][0], c[1][1], 1e-12);
         double nu = c[0][1] / c[0][0], e = c[0][0] * (1.0 - nu * nu);
         assert_close(w->dem.bonds.kn[0], e / (sqrt(3.0) * (1.0 - nu)), 1e-12);
@@ -420,7 +421,7 @@ static void a_contracted_packing_has_one_stress_in_every_bond(void **state) {
             for (int a = 0; a < 3; a++) w->dem.particles.pos[4 * p + a] *= 1.0 - strain;
         double filled = check_of(w).filled, want = alpha * young * strain, trace = 0.0;
         measured_step(w);
-        for (int a = 0; a < dimension; a++) trace -= w->stress[4 * a];
+        for (int a = 0; a < dimension; a++) trace -= w->ledger.stress[4 * a];
         assert_close(trace / dimension, want * filled, 1e-5); /* strains of 1e-6 are not small */
         for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
             gn_law_held h = gn_law_linear.held(&w->dem.bonds, c, w->dem.bonds.length0[c],
@@ -439,7 +440,7 @@ static void a_packing_has_the_modulus_of_uniform_strain_along_every_axis(void **
         made(3, "{box: {size: [0.02, 0.02, 0.02]}, particles: 600}", "{stiffness: polyhedron}", "");
     double c[3][3], rho = ratio_of_springs(), scatter = 4.0 / sqrt((double)w->dem.bonds.soa.count);
     double want = alpha * young * (2.0 + 3.0 * rho) / (4.0 + rho) * check_of(w).filled;
-    stiffness_of(w, w->volume, c);
+    stiffness_of(w, w->ctx.volume, c);
     for (int a = 0; a < 3; a++) {
         int b = (a + 1) % 3, d = (a + 2) % 3;
         double minor = c[b][b] * c[d][d] - c[b][d] * c[b][d];

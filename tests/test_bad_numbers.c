@@ -37,7 +37,7 @@ static void a_row_of_the_history_that_is_not_finite_stops_the_run(void **state) 
     gneiss_error found = {0};
     start(*state, &run);
     ok(gn_run_steps(&run, 1, error));
-    run.world.energy.work_applied = NAN;
+    run.world.ledger.energy.work_applied = NAN;
     assert_int_equal(gn_run_steps(&run, 1, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "step 1,"));
     assert_non_null(strstr(found.message, "history column energy_work_applied"));
@@ -90,7 +90,7 @@ static void a_checkpoint_holds_finite_numbers(void **state) {
     assert_int_equal(gn_checkpoint_write(&run, f->path, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "particles/ref"));
     run.world.dem.particles.ref[1] = 0.0;
-    run.world.energy.friction = NAN;
+    run.world.ledger.energy.friction = NAN;
     assert_int_equal(gn_checkpoint_write(&run, f->path, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "world_energy"));
     gn_run_free(&run);

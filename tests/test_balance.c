@@ -20,11 +20,11 @@ static double end_and_number(const char *scene_text, bool *balanced, size_t *num
     gneiss_error error = {0};
     assert_ok(gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
     assert_ok(gn_run_create(&scene, &run, &error), &error);
-    while (!run.finished && run.world.time < 0.21)
+    while (!run.finished && run.world.ctx.time < 0.21)
         assert_ok(gn_run_advance(&run, 1.0, NULL, &error), &error);
     *balanced = strstr(run.stop_reason, "unbalanced") != NULL;
-    const double time = run.world.time;
-    *number = gn_world_present(&run.world);
+    const double time = run.world.ctx.time;
+    *number = gn_world_present(&run.world.dem);
     gn_run_free(&run);
     return time;
 }
@@ -138,8 +138,8 @@ static void the_ratio_that_is_reported_is_bounded(void **state) {
         world_of("%s", GRAVITY "specimen: {particles: [[0, 0, 0, 1 mm], [1.9999999999e-3, "
                                "0, 0, 1 mm]], group: 0}\ntime: {end: 1}\n");
     measured_step(w);
-    assert_true(w->balance.ratio > 1000.0);
-    assert_near(w->unbalanced, 1000.0, 0.0);
+    assert_true(w->ledger.balance.ratio > 1000.0);
+    assert_near(w->ledger.unbalanced, 1000.0, 0.0);
     world_end(w);
 }
 

@@ -95,7 +95,7 @@ static void a_free_body_falls_exactly(void **state) {
     const double g[3] = {1, 2, -10}, v[3] = {3, 0, 4};
     for (int a = 0; a < 3; a++)
         assert_close(w->boundary.bodies[0].position[a], 0.5 + v[a] + 0.5 * g[a], 1e-12);
-    assert_true(fabs(gn_energy_residual(&w->reading)) < 1e-12);
+    assert_true(fabs(gn_energy_residual(&w->ledger.reading)) < 1e-12);
     world_end(w);
 }
 
@@ -111,7 +111,7 @@ static void a_channel_may_be_prescribed(void **state) {
     assert_close(b->position[1], 0.5 + 1.0, 1e-12);
     assert_close(b->position[2], 0.5 + 0.5, 1e-12);
     assert_close(2.0 * atan2(b->turn[3], b->turn[0]), 2.0, 1e-12);
-    assert_true(fabs(gn_energy_residual(&w->reading)) < 1e-12);
+    assert_true(fabs(gn_energy_residual(&w->ledger.reading)) < 1e-12);
     world_end(w);
 }
 
@@ -257,7 +257,7 @@ static momentum momentum_of(const gn_world *w) {
         for (int a = 0; a < 3; a++) m.angular[a] += o[a] / o[3];
         m.angular_size += length3(o) / o[3];
     }
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];
         add_turn(&m, b->position, b->velocity, b->mass);
         for (int a = 0; a < 3; a++) m.angular[a] += b->momentum[a];
@@ -395,7 +395,7 @@ static void the_limit_knows_of_free_bodies(void **state) {
         gn_world *w = bed(damping[k], "step: auto");
         double particles = w->dem.stable;
         assert_true(w->boundary.surface_rate * particles > 0.5);
-        assert_true(w->dt < 0.9 * particles);
+        assert_true(w->ctx.dt < 0.9 * particles);
         measured_step(w);
         double start = fastest(w), most = 0.0;
         for (int n = 0; n < 20000; n++) {
@@ -423,9 +423,9 @@ static uint64_t swarm_hash(int threads, int64_t steps) {
     snprintf(more, sizeof more,
              "damping: {contact: {restitution: 0.6}}\ntime: {step: 5e-7, end: 1}");
     gn_world *w = swarm(more);
-    assert_int_equal(gn_world_use_threads(w, threads, NULL), GNEISS_OK);
+    assert_int_equal(gn_world_use_threads(&w->ctx, &w->dem, threads, NULL), GNEISS_OK);
     run_steps(w, steps);
-    uint64_t hash = gn_world_hash(w);
+    uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     world_end(w);
     return hash;
 }
@@ -471,9 +471,13 @@ static void a_resumed_run_gives_the_same_bits(void **state) {
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     run_steps(&resumed.world, 6000 - 2777);
     assert_true(straight.world.dem.verlet.rebuilds > 2);
-    assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
-    assert_true(straight.world.dt == resumed.world.dt);
-    assert_true(memcmp(&straight.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
+    assert_true(gn_world_hash(&straight.world.ctx, &straight.world.dem, &straight.world.boundary,
+                              &straight.world.solids, &straight.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
+    assert_true(straight.world.ctx.dt == resumed.world.ctx.dt);
+    assert_true(memcmp(&straight.world.ledger.energy, &resumed.world.ledger.energy,
+                       sizeof(gn_energy)) == 0);
     gn_run_free(&straight);
     gn_run_free(&stopped);
     gn_run_free(&resumed);
@@ -579,7 +583,7 @@ static void closed_parts_in_others_are_counted_as_cavities(void **state) {
         gn_world *w = world_of("%sbodies: [{name: b, surface: %s, stiffness: 1, free: true, "
                                "density: 10}]\ntime: {step: 1e-3, end: 1}\n",
                                head, path);
-        assert_int_equal(gn_body_cavities(&w->scene, 0), inner);
+        assert_int_equal(gn_body_cavities(&w->ctx.scene, 0), inner);
         assert_close(w->boundary.bodies[0].mass, inner ? 9.73 : 10.0, 1e-12);
         world_end(w);
         unlink(path);

@@ -22,7 +22,7 @@ static gn_rigid *body(gn_world *w, size_t k) {
 
 static double run_to(gn_world *w, double time) {
     double worst = 0.0;
-    while (w->time < time) {
+    while (w->ctx.time < time) {
         gn_energy e = measured_step(w);
         worst = fmax(worst, fabs(gn_energy_residual(&e)));
     }
@@ -64,13 +64,13 @@ static void bodies_move_as_by_the_linear_law(void **state) {
             measured_step(h);
             measured_step(l);
         }
-        for (size_t k = 0; k < h->scene.body_count; k++) {
+        for (size_t k = 0; k < h->ctx.scene.body_count; k++) {
             assert_memory_equal(body(h, k)->position, body(l, k)->position, 3 * sizeof(double));
             assert_memory_equal(body(h, k)->momentum, body(l, k)->momentum, 3 * sizeof(double));
         }
         assert_true(memcmp(start, body(h, 0)->momentum, sizeof start) != 0); /* they met */
-        assert_true(h->reading.friction > 0.0 && h->reading.contact_damping > 0.0);
-        assert_near(gn_energy_residual(&h->reading), 0.0, 1e-3);
+        assert_true(h->ledger.reading.friction > 0.0 && h->ledger.reading.contact_damping > 0.0);
+        assert_near(gn_energy_residual(&h->ledger.reading), 0.0, 1e-3);
         world_end(h);
         world_end(l);
     }
@@ -119,9 +119,9 @@ static void friction_is_that_of_materials(void **state) {
             "free: true, density: 2000}]\ntime: {end: 1}\n",
             head, 10 * sin(slope), -10 * cos(slope), other[k], mine[k]);
         run_to(w, 0.1);
-        double before = body(w, 0)->velocity[0], begin = w->time;
+        double before = body(w, 0)->velocity[0], begin = w->ctx.time;
         assert_true(run_to(w, 0.3) < 1e-3);
-        double pull = (body(w, 0)->velocity[0] - before) / (w->time - begin);
+        double pull = (body(w, 0)->velocity[0] - before) / (w->ctx.time - begin);
         if (mu[k] < 0.2)
             assert_close(pull, 10 * (sin(slope) - mu[k] * cos(slope)), 0.01);
         else
@@ -238,7 +238,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = grains_run(3), *stopped = grains_run(1);
     double held = 0.0; /* what there is to carry over */
-    while (held == 0.0 && stopped->world.step < 90000) {
+    while (held == 0.0 && stopped->world.ctx.step < 90000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;
         for (size_t c = 0; c < q->count; c++) held += length3(q->pair[c].shear);

@@ -12,7 +12,7 @@ static gn_rigid *body(gn_world *w, size_t k) {
 /* Steps, all measured, up to a time; the largest residual. */
 static double run_to(gn_world *w, double time) {
     double worst = 0.0;
-    while (w->time < time) {
+    while (w->ctx.time < time) {
         gn_energy e = measured_step(w);
         worst = fmax(worst, fabs(gn_energy_residual(&e)));
     }
@@ -22,7 +22,7 @@ static double run_to(gn_world *w, double time) {
 /* Linear and angular momentum about the origin of all bodies, at the half step. */
 static void momentum_of(const gn_world *w, double p[3], double l[3]) {
     for (int a = 0; a < 3; a++) p[a] = l[a] = 0.0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];
         double turn[3];
         cross3(b->position, b->velocity, turn);
@@ -127,9 +127,9 @@ static collision collide(uint64_t seed, double friction, double restitution) {
     gn_world *w = world_of("%sdamping: {contact: {restitution: %g}}\nbodies:\n%stime: {end: 1}\n",
                            head3, restitution, lines->s);
     momentum_of(w, p[0], l[0]);
-    while (w->time < 0.3) {
+    while (w->ctx.time < 0.3) {
         gn_energy e = measured_step(w);
-        if (w->step == 1) start = e.kinetic + e.rotational;
+        if (w->ctx.step == 1) start = e.kinetic + e.rotational;
         c.residual = fmax(c.residual, fabs(gn_energy_residual(&e)));
         c.met = c.met || e.elastic_wall > 0.0;
         c.change = (e.kinetic + e.rotational) / start - 1.0;
@@ -272,7 +272,7 @@ static void a_sliding_cube_stops_by_friction(void **state) {
         const gn_rigid *b = body(w, 1);
         gn_rigid_orientation(b, q);
         if (k == 0) assert_close(b->position[0], path, 1e-3);
-        if (k == 0) assert_close(w->reading.friction, 0.5, 0.01);
+        if (k == 0) assert_close(w->ledger.reading.friction, 0.5, 0.01);
         if (k == 1) assert_close(b->position[0] + 0.6, path, 2e-3);
         if (k < 2) assert_near(b->velocity[0], -k, 1e-6);
         /* I = m a^2/6, M = mu m g a 0.3826 for a square that presses alike everywhere. */
@@ -330,9 +330,12 @@ static void what_meets_no_bodies_is_known(void **state) {
                            box("c", size, (const double[3]){3, 0, 0.15}, flat, "stiffness: 2e6"));
     gn_bodies_overlap o;
     gneiss_error error = {0};
-    assert_true(gn_bodies_meet(w, 0, 1) && gn_bodies_meet(w, 3, 1) && !gn_bodies_meet(w, 3, 3));
-    assert_true(gn_body_misses_bodies(w, 2) && !gn_body_misses_bodies(w, 0));
-    assert_ok(gn_bodies_overlap_of(w, 0, 1, &o, &error), &error);
+    assert_true(gn_bodies_meet(&w->ctx, &w->boundary, 0, 1) &&
+                gn_bodies_meet(&w->ctx, &w->boundary, 3, 1) &&
+                !gn_bodies_meet(&w->ctx, &w->boundary, 3, 3));
+    assert_true(gn_body_misses_bodies(&w->ctx, &w->boundary, 2) &&
+                !gn_body_misses_bodies(&w->ctx, &w->boundary, 0));
+    assert_ok(gn_bodies_overlap_of(&w->ctx, &w->boundary, 0, 1, &o, &error), &error);
     assert_close(o.depth, 1e-3, 0.02);
     assert_close(o.force, 1e3, 0.05); /* near the sides those are nearer */
     world_end(w);
@@ -443,7 +446,7 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     (void)state;
     gn_run *straight = pile_run(3), *stopped = pile_run(1);
     double held = 0.0; /* what there is to carry over */
-    while (held == 0.0 && stopped->world.step < 9000) {
+    while (held == 0.0 && stopped->world.ctx.step < 9000) {
         run_steps(&stopped->world, 7);
         const gn_body_pairs *q = &stopped->world.boundary.pairs;
         for (size_t c = 0; c < q->count; c++)
@@ -459,7 +462,7 @@ static void blocks_come_to_rest_on_each_other(void **state) {
     pile(lines, 1);
     gn_world *w = world_of("%s", lines->s);
     double worst = run_to(w, 1.0), weight = 0.0, speed = 0.0, lowest = 1.0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         weight += 10.0 * body(w, k)->mass;
         speed = fmax(speed, length3(body(w, k)->velocity));
         lowest = fmin(lowest, body(w, k)->position[2]);

@@ -24,13 +24,13 @@ static const gn_rigid *body(const gn_world *w) {
 /* m over the smallest radius, of the farthest vertex; rad: the most in any step of the run. */
 static void farthest(gn_world *w, double *path, double *turn) {
     *path = *turn = 0.0;
-    while (w->time < w->scene.end) {
+    while (w->ctx.time < w->ctx.scene.end) {
         run_steps(w, 1);
-        for (size_t k = 0; k < w->scene.body_count; k++) {
+        for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
             const gn_rigid *b = &w->boundary.bodies[k];
             double spin = length3(b->spin), speed = length3(b->velocity) + spin * b->reach;
-            *path = fmax(*path, w->dt_past * speed / w->dem.radius_min);
-            *turn = fmax(*turn, w->dt_past * spin);
+            *path = fmax(*path, w->ctx.dt_past * speed / w->dem.radius_min);
+            *turn = fmax(*turn, w->ctx.dt_past * spin);
         }
     }
 }
@@ -63,7 +63,7 @@ static void no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius(void **
         gn_world *w = world_of("%s", moving[k]);
         farthest(w, &path, &turn);
         print_message("# %zu: %.3g of the radius, %.3g rad, %lld steps\n", k, path, turn,
-                      (long long)w->step);
+                      (long long)w->ctx.step);
         assert_true(path <= 0.25 * (1.0 + 1e-12));
         assert_true(turn <= 0.25 * (1.0 + 1e-12));
         world_end(w);
@@ -94,10 +94,11 @@ static void a_fast_gate_keeps_the_ledger(void **state) {
 static void a_long_fall_is_exact(void **state) {
     (void)state;
     gn_world *w = world_of("%s", moving[0]);
-    while (w->time < w->scene.end) measured_step(w);
-    assert_true(w->dt_lowered > 1);
-    assert_close(body(w)->start[2] - body(w)->position[2], 0.5 * 9.81 * w->time * w->time, 1e-12);
-    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-11);
+    while (w->ctx.time < w->ctx.scene.end) measured_step(w);
+    assert_true(w->ctx.dt_lowered > 1);
+    assert_close(body(w)->start[2] - body(w)->position[2], 0.5 * 9.81 * w->ctx.time * w->ctx.time,
+                 1e-12);
+    assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-11);
     world_end(w);
 }
 
@@ -120,8 +121,12 @@ static void a_resumed_run_lowers_its_step_alike(void **state) {
         assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
         assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
         run_until(&resumed.world, 0.45);
-        assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
-        assert_true(straight.world.dt_lowered == resumed.world.dt_lowered);
+        assert_true(gn_world_hash(&straight.world.ctx, &straight.world.dem,
+                                  &straight.world.boundary, &straight.world.solids,
+                                  &straight.world.box) ==
+                    gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                                  &resumed.world.solids, &resumed.world.box));
+        assert_true(straight.world.ctx.dt_lowered == resumed.world.ctx.dt_lowered);
         for (int n = 0; n < 2; n++) gn_run_free(runs[n]);
         gn_run_free(&resumed);
         unlink(saved);
@@ -142,9 +147,9 @@ static void a_body_alone_has_a_step(void **state) {
         double path, turn;
         gn_world *w =
             world_of("%sbodies: [{name: b, " BLOCK ", %s}]\ntime: {end: 1}\n", head3, motions[k]);
-        assert_true(w->dt <= 0.01);
+        assert_true(w->ctx.dt <= 0.01);
         farthest(w, &path, &turn);
-        assert_true(w->step >= 100 && path <= 0.25 && turn <= 0.25);
+        assert_true(w->ctx.step >= 100 && path <= 0.25 && turn <= 0.25);
         world_end(w);
     }
     /* What only falls. */
@@ -152,7 +157,7 @@ static void a_body_alone_has_a_step(void **state) {
                            ", free: true, density: 2500}]\ntime: {end: 1}\n",
                            head3);
     run_until(w, 0.99);
-    assert_close(body(w)->start[2] - body(w)->position[2], 5.0 * w->time * w->time, 1e-11);
+    assert_close(body(w)->start[2] - body(w)->position[2], 5.0 * w->ctx.time * w->ctx.time, 1e-11);
     world_end(w);
     text *t = calloc(1, sizeof *t);
     add(t, "%sbodies: [{name: b, " BLOCK "}]\ntime: {end: 1}\n", head3);
@@ -193,18 +198,18 @@ static double apart(const gn_rigid *a, const gn_rigid *b, double *spin) {
 static void turns(const double size[3], const double spin[3], const char *more, double turn,
                   double part, double *angle_off, double *spin_off) {
     gn_world *w = spinning(size, spin, more, 0.0);
-    double scale = turn / w->dt / length3(spin), fast[3], momentum[3];
+    double scale = turn / w->ctx.dt / length3(spin), fast[3], momentum[3];
     for (int k = 0; k < 3; k++) fast[k] = scale * spin[k];
     world_end(w);
     w = spinning(size, fast, more, 0.0);
-    gn_world *fine = spinning(size, fast, more, w->dt);
+    gn_world *fine = spinning(size, fast, more, w->ctx.dt);
     memcpy(momentum, body(w)->momentum, sizeof momentum);
     const int64_t parts = turn > part ? (int64_t)(turn / part) + 1 : 1,
                   many = part > turn ? (int64_t)(part / turn) : 1;
-    while (w->time < 10.0 * 2.0 * pi / length3(fast)) {
-        double start = w->time;
+    while (w->ctx.time < 10.0 * 2.0 * pi / length3(fast)) {
+        double start = w->ctx.time;
         run_steps(w, many);
-        fine->scene.step = fine->dt = (w->time - start) / (double)parts;
+        fine->ctx.scene.step = fine->ctx.dt = (w->ctx.time - start) / (double)parts;
         run_steps(fine, parts);
     }
     for (int k = 0; k < 3; k++) assert_true(body(w)->momentum[k] == momentum[k]);

@@ -76,14 +76,14 @@ static void a_body_rebounds_with_the_restitution(void **state) {
             gn_world *w = bouncing(shape == 2 ? 2 : 3, rotation[shape], wanted[k % 3],
                                    k < 3 ? "end: 1" : "step: 1e-5, end: 1");
             double impulse = 0.0;
-            for (int n = 0; n < 20000 && w->time < 0.05; n++) {
+            for (int n = 0; n < 20000 && w->ctx.time < 0.05; n++) {
                 measured_step(w);
-                impulse -= 0.5 * (w->dt + w->dt_past) * w->boundary.walls[0].force[up];
+                impulse -= 0.5 * (w->ctx.dt + w->ctx.dt_past) * w->boundary.walls[0].force[up];
             }
             assert_near(body(w)->velocity[up], wanted[k % 3], 0.01);
             assert_close(impulse, 2.0 * (body(w)->velocity[up] + 1.0), 0.02);
             assert_near(length3(body(w)->spin), 0.0, 1e-9);
-            if (k >= 3) assert_near(gn_energy_residual(&w->reading), 0.0, 1e-3);
+            if (k >= 3) assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-3);
             world_end(w);
         }
 }
@@ -116,12 +116,13 @@ static void the_ledger_closes_while_a_block_tumbles(void **state) {
     assert_true(smooth[0] < 1e-3 && smooth[1] < 0.3 * smooth[0]);
     gn_world *w = tumbling(0.3, 2.5e-5, "");
     double rough = worst_residual(w, 80000);
-    assert_true(w->reading.friction > 0.02 * gn_energy_scale(&w->reading));
+    assert_true(w->ledger.reading.friction > 0.02 * gn_energy_scale(&w->ledger.reading));
     world_end(w);
     w = tumbling(0.3, 2.5e-5, "damping: {contact: {restitution: 0.5}}\n");
     double damped = worst_residual(w, 80000);
-    assert_true(w->reading.contact_damping > 0.02 * gn_energy_scale(&w->reading));
-    assert_true(w->reading.kinetic < 1e-6 * gn_energy_scale(&w->reading)); /* it rests */
+    assert_true(w->ledger.reading.contact_damping > 0.02 * gn_energy_scale(&w->ledger.reading));
+    assert_true(w->ledger.reading.kinetic <
+                1e-6 * gn_energy_scale(&w->ledger.reading)); /* it rests */
     double weight = body(w)->mass * 9.81;
     assert_close(-w->boundary.walls[0].force[2] - w->boundary.walls[2].force[2], weight, 1e-3);
     world_end(w);
@@ -141,7 +142,7 @@ static void a_rocking_block_keeps_its_energy(void **state) {
         "time: {end: 9}\n",
         head2);
     double worst = 0.0, least = 1.0, start = 4.0 * 9.81 * 0.1;
-    while (w->time < 2.0) {
+    while (w->ctx.time < 2.0) {
         gn_energy e = measured_step(w);
         double off = gn_energy_stored(&e) - e.stored_at_start - e.work_gravity + e.friction;
         worst = fmax(worst, fabs(off));
@@ -182,14 +183,14 @@ static void a_box_slides_when_the_slope_is_beyond_friction(void **state) {
             double slope = k ? 0.52 : 0.48, turn = atan(slope);
             gn_world *w = on_slope(dimension, slope, 0.5, 0.05);
             run_until(w, 0.1);
-            double before = body(w)->velocity[0], begin = w->time;
+            double before = body(w)->velocity[0], begin = w->ctx.time;
             run_until(w, 0.3);
-            double pull = (body(w)->velocity[0] - before) / (w->time - begin);
+            double pull = (body(w)->velocity[0] - before) / (w->ctx.time - begin);
             if (k)
                 assert_close(pull, 9.81 * (sin(turn) - 0.5 * cos(turn)), 0.01);
             else
                 assert_near(body(w)->velocity[0], 0.0, 1e-6);
-            assert_near(gn_energy_residual(&w->reading), 0.0, 1e-3);
+            assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-3);
             world_end(w);
         }
 }
@@ -241,7 +242,7 @@ static void the_work_of_a_moving_wall_is_in_the_ledger(void **state) {
         "time: {step: 1e-5, end: 9}\n",
         head3);
     double worst = worst_residual(w, 20000);
-    assert_true(w->reading.work_walls > 0.1);
+    assert_true(w->ledger.reading.work_walls > 0.1);
     assert_true(worst < 1e-3);
     world_end(w);
 }
@@ -307,7 +308,7 @@ static double random_fall(uint64_t seed) {
         shape, turn[0], turn[1], turn[2], stiffness, density, uniform(&at, -1, 1), spin[0], spin[1],
         spin[2]);
     double worst = 0.0, end = 8.0 * sqrt(0.4 / gravity);
-    while (w->time < end && w->step < 40000) {
+    while (w->ctx.time < end && w->ctx.step < 40000) {
         gn_energy e = measured_step(w);
         worst = fmax(worst, fabs(gn_energy_residual(&e)));
     }
@@ -338,7 +339,7 @@ static void a_passive_wall_takes_a_body_as_it_is(void **state) {
             "bodies: [{name: b, box: {size: [0.1, 0.1, 0.1]}, stiffness: 2e6, free: true, density: "
             "2000}]\ntime: {end: 1}\n",
             head3, passive ? ", passive: true" : "");
-        gn_body_overlap o = gn_body_walls_overlap(w, 0, 0);
+        gn_body_overlap o = gn_body_walls_overlap(&w->ctx, &w->boundary, 0, 0);
         assert_true(o.vertices == 4);
         assert_close(o.deepest, 1e-3, 1e-9);
         assert_near(o.force, passive ? 0.0 : 1e3, 1e-6);
@@ -406,11 +407,18 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     assert_true(held > 0.0); /* there is something to carry over */
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
-    assert_true(gn_world_hash(&stopped.world) == gn_world_hash(&resumed.world));
+    assert_true(gn_world_hash(&stopped.world.ctx, &stopped.world.dem, &stopped.world.boundary,
+                              &stopped.world.solids, &stopped.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
     run_steps(&resumed.world, 4000 - 2777);
     assert_true(straight.world.dem.verlet.rebuilds > 2);
-    assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
-    assert_true(memcmp(&straight.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
+    assert_true(gn_world_hash(&straight.world.ctx, &straight.world.dem, &straight.world.boundary,
+                              &straight.world.solids, &straight.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
+    assert_true(memcmp(&straight.world.ledger.energy, &resumed.world.ledger.energy,
+                       sizeof(gn_energy)) == 0);
     gn_run_free(&straight);
     gn_run_free(&stopped);
     gn_run_free(&resumed);
@@ -456,7 +464,7 @@ static void particles_lie_on_a_body_that_lies_on_walls(void **state) {
     double worst = worst_residual(w, 12000);
     const gn_rigid *b = body(w);
     print_message("# poured: residual %.3g, speed %.3g m/s, step %.3g s\n", worst,
-                  length3(b->velocity), w->dt);
+                  length3(b->velocity), w->ctx.dt);
     assert_true(worst < 1e-3);
     assert_true(b->position[2] > 3.9e-3 && b->position[2] < 5e-3);
     assert_true(-b->force[0] > -1.0);

@@ -155,8 +155,8 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
 /* Steps until the bond breaks; what the ledger has then, and how much was released. */
 static int64_t steps_to_break(gn_world *w, gn_energy *e) {
     measured_step(w);
-    while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) run_steps(w, 1);
-    int64_t steps = w->step - 1; /* the instant at which it broke */
+    while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
+    int64_t steps = w->ctx.step - 1; /* the instant at which it broke */
     assert_close(w->dem.bonds.broken_time[0], (double)steps * 1e-8, 1e-9);
     *e = measured_step(w);
     assert_true(e->elastic_bending == 0.0);
@@ -273,9 +273,9 @@ static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
         measured_step(w);
         run_steps(w, (int64_t)(0.9 * exact));
         assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) run_steps(w, 1);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
         assert_int_equal(w->dem.bonds.cause[0], b > a ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
-        assert_near((double)(w->step - 1), ceil(exact), 1.0 + 2.0 * tilt * exact);
+        assert_near((double)(w->ctx.step - 1), ceil(exact), 1.0 + 2.0 * tilt * exact);
         e = measured_step(w);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-9);
         world_end(w);
@@ -294,7 +294,7 @@ static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
             driven_by(couplings[k % 3], ", bond_friction: 0.6", 3, 217.3, pull[k / 3], 331.9, 0.0);
         double last = 0.0;
         run_steps(w, 1);
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) {
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) {
             const gn_contacts *b = &w->dem.bonds;
             const gn_law *law = gn_law_of(b->soa.effects);
             const double *at = w->dem.particles.pos;
@@ -304,7 +304,7 @@ static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
             last = law->criterion(b, 0, kn * u, m.normal, m.shear);
             run_steps(w, 1);
         }
-        int64_t steps = w->step;
+        int64_t steps = w->ctx.step;
         assert_in_range(steps, 500, 99999);
         assert_near(last, 1.0, 2.0 / (double)steps);
         world_end(w);
@@ -321,7 +321,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
                      *s = w->dem.particles.spin + 4 * p;
         double l[3], middle[3];
         /* Where it was half a step ago, when it had that velocity. */
-        for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->dt_past * v[a];
+        for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->ctx.dt_past * v[a];
         cross3(middle, v, l);
         for (int a = 0; a < 3; a++) {
             momentum[a] += v[a] / v[3];
@@ -486,7 +486,7 @@ static double growth(int dimension, double times, double dt, int64_t steps) {
             break;
         }
         if (!measure) continue;
-        double stored = gn_energy_stored(&w->reading);
+        double stored = gn_energy_stored(&w->ledger.reading);
         if (k == 0) start = stored;
         largest = isfinite(stored) ? fmax(largest, stored / start) : INFINITY;
     }
@@ -501,7 +501,7 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
     for (int dimension = 2; dimension <= 3; dimension++, before = INFINITY)
         for (double times = 0.5; times < 5.0; times *= 2.5) {
             gn_world *w = shaken(dimension, times, 0.0);
-            double limit = w->stable;
+            double limit = w->ctx.stable;
             world_end(w);
             assert_true(limit < before);
             before = limit;
@@ -551,7 +551,8 @@ static void bits_are_the_same_for_any_number_of_threads(void **state) {
                 gn_world *w = world_of(
                     "%s", thrown_text(dimension, 3e6, 4.0, threads, mixed ? "mixed" : "double"));
                 run_steps(w, 1200);
-                hash[threads - 1] = gn_world_hash(w);
+                hash[threads - 1] =
+                    gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
                 assert_true(w->dem.broken_tension > 5 && w->dem.broken_shear > 5);
                 world_end(w);
             }
@@ -659,10 +660,16 @@ static void a_resumed_run_has_the_same_bits(void **state) {
         ok(gn_run_steps(&whole, 300, &error), &error);
         ok(gn_checkpoint_write(&whole, path, &error), &error);
         ok(gn_run_load(path, NULL, 0, &run, &error), &error);
-        assert_true(gn_world_hash(&run.world) == gn_world_hash(&whole.world));
+        assert_true(gn_world_hash(&run.world.ctx, &run.world.dem, &run.world.boundary,
+                                  &run.world.solids, &run.world.box) ==
+                    gn_world_hash(&whole.world.ctx, &whole.world.dem, &whole.world.boundary,
+                                  &whole.world.solids, &whole.world.box));
         ok(gn_run_steps(&whole, 300, &error), &error);
         ok(gn_run_steps(&run, 300, &error), &error);
-        assert_true(gn_world_hash(&run.world) == gn_world_hash(&whole.world));
+        assert_true(gn_world_hash(&run.world.ctx, &run.world.dem, &run.world.boundary,
+                                  &run.world.solids, &run.world.box) ==
+                    gn_world_hash(&whole.world.ctx, &whole.world.dem, &whole.world.boundary,
+                                  &whole.world.solids, &whole.world.box));
         gn_run_free(&whole);
         gn_run_free(&run);
         unlink(path);
@@ -712,7 +719,8 @@ static void thin_beams_are_no_beams(void **state) {
             k ? "radius_multiplier: 1e-9, moment_share: 0" : "enabled: on");
         run_steps(w[k], 100);
     }
-    assert_true(w[1]->effects & GN_FX_BOND_MOMENTS && !(w[0]->effects & GN_FX_BOND_MOMENTS));
+    assert_true(w[1]->ctx.effects & GN_FX_BOND_MOMENTS &&
+                !(w[0]->ctx.effects & GN_FX_BOND_MOMENTS));
     assert_int_equal(w[0]->dem.broken_tension, w[1]->dem.broken_tension);
     assert_int_equal(w[0]->dem.broken_shear, w[1]->dem.broken_shear);
     assert_true(w[0]->dem.broken_tension > 0);
@@ -756,7 +764,7 @@ static void bits_are_the_same_for_any_width_of_vectors(void **state) {
                          2 + k / 2, k / 2 ? "fcc" : "hexagonal", k / 2 ? "[3, 2, 2]" : "[4, 3]",
                          set ? "auto" : "scalar", k % 2 ? "mixed" : "double");
             run_steps(w, 40);
-            hash[set] = gn_world_hash(w);
+            hash[set] = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
             world_end(w);
         }
         assert_int_equal(hash[0], hash[1]);

@@ -46,7 +46,7 @@ static double gain(const char *floor, double weight, int bounces) {
                            "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\n",
                            head, floor, g, 2.0 * bounces * period);
     double start = energy_in_flight(w);
-    while (w->time < bounces * period) run_steps(w, 1);
+    while (w->ctx.time < bounces * period) run_steps(w, 1);
     double end = energy_in_flight(w);
     world_end(w);
     return end / start - 1.0;
@@ -128,7 +128,7 @@ static double column_gain(int count, double wall) {
         4000.0 * pi / w0);
     gn_world *w = world_of("%s", t.s);
     double start = energy_in_flight(w);
-    while (w->time < 200.0 * pi / w0) run_steps(w, 1);
+    while (w->ctx.time < 200.0 * pi / w0) run_steps(w, 1);
     double end = energy_in_flight(w);
     world_end(w);
     return end / start - 1.0;
@@ -176,17 +176,18 @@ static void a_change_of_the_step_is_in_the_ledger(void **state) {
     for (int k = 0; k < 60; k++) {
         gn_energy e = measured_step(w);
         assert_near(gn_energy_residual(&e), 0.0, 1e-6); /* linear to strains of 1e-5 */
-        if (k % 7 == 3) w->dt *= k % 2 ? 0.8 : 1.2;
-        double past = w->dt_past, now = w->dt;
+        if (k % 7 == 3) w->ctx.dt *= k % 2 ? 0.8 : 1.2;
+        double past = w->ctx.dt_past, now = w->ctx.dt;
         memcpy(v, vel, sizeof v);
         memcpy(s, spin, sizeof s);
         measured_step(w);
         double kick = 0.5 * (past + now), forces = load_square(v, vel, 3, kick),
                moments = load_square(s, spin, 3, kick);
         expected += (forces + moments) * (past * past - now * now) / 8.0;
-        assert_near(w->energy.step_change, expected, 1e-10 * w->energy.stored_at_start);
+        assert_near(w->ledger.energy.step_change, expected,
+                    1e-10 * w->ledger.energy.stored_at_start);
     }
-    assert_true(fabs(expected) > 1e-3 * w->energy.stored_at_start);
+    assert_true(fabs(expected) > 1e-3 * w->ledger.energy.stored_at_start);
     world_end(w);
 }
 
@@ -211,11 +212,11 @@ static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
                 "time: {end: 1}\n",
                 wall, 2.0 * radius * count + gap, wall, v);
             gn_world *w = world_of("%s", t.s);
-            while (v * w->time < 2.0 * gap) run_steps(w, 1);
+            while (v * w->ctx.time < 2.0 * gap) run_steps(w, 1);
             double row = 1.0 / ((count - 1) / stiffness + 2.0 / wall), found = 0.0, wanted = 0.0;
-            for (; v * w->time < 2.5 * gap; run_steps(w, 1)) {
+            for (; v * w->ctx.time < 2.5 * gap; run_steps(w, 1)) {
                 found += 0.5 * (w->boundary.walls[1].force[2] - w->boundary.walls[0].force[2]);
-                wanted += row * (v * w->time - gap);
+                wanted += row * (v * w->ctx.time - gap);
             }
             gn_energy e = measured_step(w);
             assert_near(found / wanted, 1.0, 0.01);
@@ -240,7 +241,7 @@ static double damped_residual(const char *target, const char *others, const char
             head, target, radius + gap, others, speed(), sets, restitution);
         double end = 12.0 / frequency() + gap / speed();
         gn_energy e = {0};
-        while (w->time < end) e = measured_step(w);
+        while (w->ctx.time < end) e = measured_step(w);
         most = fmax(most, fabs(gn_energy_residual(&e)));
         world_end(w);
     }
@@ -277,7 +278,7 @@ static double wedge_gain(double angle) {
                            "[0, 0, -1], stiffness: 1e5}]\n",
                            head, 0.1 * speed(), speed(), low, s, c, 1.001 * low, s, c);
     double start = energy_in_flight(w);
-    while (w->time < 1000.0 / frequency()) run_steps(w, 1);
+    while (w->ctx.time < 1000.0 / frequency()) run_steps(w, 1);
     double end = energy_in_flight(w);
     world_end(w);
     return end / start - 1.0;

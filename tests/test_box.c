@@ -34,11 +34,11 @@ static void a_lattice_follows_a_uniform_strain_as_a_whole(void **state) {
     (void)state;
     gn_world *w = crystal(0, 0, 0, "x: {rate: -5}, y: {rate: -5}, z: {rate: -5}", "");
     run_steps(w, 1000);
-    double edge = w->period[0] / 3.0, d = edge / sqrt(2.0);
+    double edge = w->ctx.period[0] / 3.0, d = edge / sqrt(2.0);
     gn_energy e = measured_step(w);
     double stress = 8.0 * 1e5 * (2e-3 - d) * d / (edge * edge * edge);
     assert_true(edge < 0.995 * SIDE / 3.0);
-    for (int a = 0; a < 3; a++) assert_near(-w->stress[4 * a], stress, 1e-9 * stress);
+    for (int a = 0; a < 3; a++) assert_near(-w->ledger.stress[4 * a], stress, 1e-9 * stress);
     assert_near(speed_most(w), 0.0, 1e-9);
     /* Trapezoids of a force that grows in proportion are exact but for the turn of lengths in a
      * step, 1e-5 of itself squared. */
@@ -56,8 +56,10 @@ static void there_is_no_seam(void **state) {
     run_steps(b, 300);
     measured_step(a);
     measured_step(b);
-    for (int k = 0; k < 9; k++) assert_near(a->stress[k], b->stress[k], 1e-7 * fabs(a->stress[0]));
-    assert_near(a->energy.friction, b->energy.friction, 1e-7 * a->energy.friction);
+    for (int k = 0; k < 9; k++)
+        assert_near(a->ledger.stress[k], b->ledger.stress[k], 1e-7 * fabs(a->ledger.stress[0]));
+    assert_near(a->ledger.energy.friction, b->ledger.energy.friction,
+                1e-7 * a->ledger.energy.friction);
     world_end(a);
     world_end(b);
 }
@@ -75,9 +77,9 @@ static void a_free_particle_keeps_its_speed_in_units_of_the_box(void **state) {
     const double action[3] = {3 * 10e-3, -2 * 11e-3, 1 * 12e-3};
     run_steps(w, 10000);
     gn_energy e = measured_step(w);
-    assert_true(w->period[0] < 0.0083 && w->period[1] > 0.013);
+    assert_true(w->ctx.period[0] < 0.0083 && w->ctx.period[1] > 0.013);
     for (int a = 0; a < 3; a++)
-        assert_near(vel_of(w, 0)[a] * w->period[a], action[a], 1e-11 * fabs(action[a]));
+        assert_near(vel_of(w, 0)[a] * w->ctx.period[a], action[a], 1e-11 * fabs(action[a]));
     assert_near(gn_energy_residual(&e), 0.0, 1e-12);
     world_end(w);
 }
@@ -105,7 +107,8 @@ static void stress_is_held(const char *relaxation, const char *more) {
     double moving = speed_most(w);
     for (int k = 0; k < 500; k++) {
         gn_energy e = measured_step(w);
-        for (int a = 0; a < 3; a++) assert_near(-w->stress[4 * a], wanted[a], 0.01 * wanted[a]);
+        for (int a = 0; a < 3; a++)
+            assert_near(-w->ledger.stress[4 * a], wanted[a], 0.01 * wanted[a]);
         assert_near(gn_energy_residual(&e), 0.0, 0.01);
     }
     assert_true(moving < 1e-3 && speed_most(w) < 1e-3);
@@ -142,12 +145,12 @@ static void a_stress_is_held_while_another_side_moves_on(void **state) {
                  share, share, -rate);
         gn_world *w =
             crystal(0, 0, 0, sides, "}\ndamping: {background: {model: viscous, coefficient: 3000}");
-        while (w->time < 25e-3) run_steps(w, 100);
+        while (w->ctx.time < 25e-3) run_steps(w, 100);
         measured_step(w);
-        const double taken = fmin(share, gn_servo_share(w)),
-                     droop = rate / 3.0 * w->dt * w->box.spring[0] / (taken * w->volume);
+        const double taken = fmin(share, gn_servo_share(&w->ctx, &w->dem)),
+                     droop = rate / 3.0 * w->ctx.dt * w->box.spring[0] / (taken * w->ctx.volume);
         for (int a = 0; a < 2; a++) {
-            double missing = fabs(w->stress[4 * a] + 5e4);
+            double missing = fabs(w->ledger.stress[4 * a] + 5e4);
             if (missing > 0.02 * droop + 2.0)
                 fail_msg("relaxation %g: 50 kPa missed by %g Pa, by the share alone %g", share,
                          missing, droop);
@@ -198,7 +201,7 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     const double *residual = gn_history_column(h, "energy_residual"),
                  *strain = gn_history_column(h, "strain"), *box = gn_history_column(h, "box_z"),
                  *xx = gn_history_column(h, "stress_xx");
-    size_t last = h->row_count - 1, loaded = (size_t)run->world.stages[2].row;
+    size_t last = h->row_count - 1, loaded = (size_t)run->world.stages.state[2].row;
     for (size_t r = 0; r < h->row_count; r++) assert_near(residual[r], 0.0, 0.01);
     assert_true(run->world.dem.broken_tension + run->world.dem.broken_shear > 0);
     /* 10 ms at -2 1/s. */
@@ -210,9 +213,9 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     for (size_t r = loaded; r <= last; r++) sum -= xx[r] / (double)(last + 1 - loaded);
     assert_near(sum, 5e4, 5e3);
     double left = 1.0;
-    for (int a = 0; a < 3; a++) left *= run->world.period[a] / 8.66e-3;
+    for (int a = 0; a < 3; a++) left *= run->world.ctx.period[a] / 8.66e-3;
     assert_near(strain[last], 1.0 - left, 1e-4);
-    assert_int_equal(run->world.stage, 2);
+    assert_int_equal(run->world.stages.now, 2);
     run_end(run);
 }
 
@@ -268,8 +271,9 @@ static void bonded_discs_are_held_while_they_are_torn(void **state) {
 static uint64_t hash_after(const char *scene, int64_t count) {
     gn_run *run = run_of("%s", scene);
     steps(run, count);
-    uint64_t hash = gn_world_hash(&run->world);
-    assert_int_equal(run->world.stage, 2); /* all of them were gone through */
+    uint64_t hash = gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                                  &run->world.solids, &run->world.box);
+    assert_int_equal(run->world.stages.now, 2); /* all of them were gone through */
     run_end(run);
     return hash;
 }
@@ -300,7 +304,9 @@ static void a_resumed_box_has_the_same_bits(void **state) {
         run = calloc(1, sizeof *run);
         if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
     }
-    assert_true(gn_world_hash(&run->world) == hash_after(programme("threads: 1"), 5 * 1187));
+    assert_true(gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                              &run->world.solids,
+                              &run->world.box) == hash_after(programme("threads: 1"), 5 * 1187));
     run_end(run);
     unlink(path);
 }
@@ -324,7 +330,7 @@ static void along_an_open_axis_there_are_no_images(void **state) {
         run_steps(w, 10);
         assert_true((vel_of(w, 0)[1] > 0.0) == (k % 2 == 0));
         assert_true(vel_of(w, 2)[0] < 0.0 && vel_of(w, 3)[0] > 0.0);
-        assert_near(w->volume, k % 2 ? 10e-3 * 11.3e-3 : 1e-4, 1e-15);
+        assert_near(w->ctx.volume, k % 2 ? 10e-3 * 11.3e-3 : 1e-4, 1e-15);
         world_end(w);
     }
 }

@@ -83,7 +83,8 @@ static void collisions_keep_momentum(int dimension) {
     assert_true(e.contact_damping > 0.05 * kinetic);
     /* A contact that opens or closes within a step leaves 1/2 k (v dt)^2 unbooked. */
     double v = 10.0, events = 100.0; /* no more than that */
-    assert_true(fabs(gn_energy_residual(&e)) * kinetic <= events * 0.5 * 2e6 * pow(v * w->dt, 2));
+    assert_true(fabs(gn_energy_residual(&e)) * kinetic <=
+                events * 0.5 * 2e6 * pow(v * w->ctx.dt, 2));
     world_end(w);
 }
 
@@ -216,9 +217,9 @@ static void slide_then_roll(int dimension) {
     double sign = dimension == 3 ? 1.0 : -1.0;
     double swing = mu * g / sqrt((1.0 + 1.0 / inertia) * kn / m), overlap = m * g / kn / r;
     double began = -1.0, worst = 0.0;
-    while (w->time < 2.0 * transition) {
+    while (w->ctx.time < 2.0 * transition) {
         measured_step(w);
-        double t = w->time - 0.5 * w->dt, v = vel_of(w, 0)[0];
+        double t = w->ctx.time - 0.5 * w->ctx.dt, v = vel_of(w, 0)[0];
         double slip = v - sign * spin_of(w, 0)[axis] * r * (1.0 - overlap);
         if (began < 0.0 && slip <= 0.0) began = t;
         /* The spring takes mu m g/k_t of sliding to stretch: the friction starts that much later.
@@ -228,8 +229,9 @@ static void slide_then_roll(int dimension) {
         else
             assert_near(v, rolling, 2.0 * swing + overlap);
     }
-    assert_true(worst <= mu * g * (mu * m * g / kn / v0 + w->dt));
-    double late = 2.0 / sqrt((1.0 + 1.0 / inertia) * kn / m) + mu * m * g / kn / v0 + 2.0 * w->dt;
+    assert_true(worst <= mu * g * (mu * m * g / kn / v0 + w->ctx.dt));
+    double late =
+        2.0 / sqrt((1.0 + 1.0 / inertia) * kn / m) + mu * m * g / kn / v0 + 2.0 * w->ctx.dt;
     assert_near(began, transition, late);
     /* What friction took is what sliding lost: 1/2 m v0^2 - 1/2 (m + I/r^2) rolling^2. */
     gn_energy e = measured_step(w);

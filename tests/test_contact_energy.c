@@ -51,9 +51,9 @@ static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state)
     gn_world *w = bonded_pair(fine / omega, more);
     double damped = sqrt(omega * omega - 0.25 * a * a), worst = 0.0;
     measured_step(w);
-    while (w->time < 40.0 / omega) {
+    while (w->ctx.time < 40.0 / omega) {
         run_steps(w, 1);
-        double t = w->time, want = v / damped * exp(-0.5 * a * t) * sin(damped * t);
+        double t = w->ctx.time, want = v / damped * exp(-0.5 * a * t) * sin(damped * t);
         double phase = omega * t * fine * fine / 24.0 + fine * fine;
         double off = fabs(pos_of(w, 1)[0] - 2e-3 - want) / (v / damped * exp(-0.5 * a * t));
         worst = fmax(worst, off / phase);
@@ -85,7 +85,7 @@ static void nonviscous_damping_slows_a_push_by_its_fraction(void **state) {
     for (int k = 0; k < 2; k++) {
         gn_world *w = pushed_sphere(kinds[k], 0.4);
         int64_t steps = 10000;
-        double F[2] = {3e-3, -4e-3}, dt = w->dt;
+        double F[2] = {3e-3, -4e-3}, dt = w->ctx.dt;
         measured_step(w);
         run_steps(w, steps - 1);
         for (int a = 0; a < 2; a++) {
@@ -168,7 +168,7 @@ static void an_applied_force_is_shared_by_mass(void **state) {
                  "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
                  "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 10000);
-    double want = 0.5 * 9e-3 / (9.0 * m0) * pow(w->time, 2);
+    double want = 0.5 * 9e-3 / (9.0 * m0) * pow(w->ctx.time, 2);
     assert_close(pos_of(w, 0)[1], want, 2.2e-16 * 4e4);
     assert_close(pos_of(w, 1)[1], want, 2.2e-16 * 4e4);
     world_end(w);
@@ -227,13 +227,13 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
                  "servo: {force: [[0, 5], [5e-3, 5], [6e-3, 8]], max_velocity: 0.05}}\n"
                  "time: {step: 2e-7, end: 1}\nrun: {threads: 1}\n");
     int64_t late = 0;
-    while (w->time < 12e-3) {
+    while (w->ctx.time < 12e-3) {
         run_steps(w, 1);
         assert_true(fabs(w->boundary.walls[1].velocity[2]) <= 0.05 * (1.0 + 1e-12));
         double force = w->boundary.walls[1].force[2]; /* of the sphere on the wall: up */
-        if (w->time > 3e-3 && w->time < 5e-3) assert_close(force, 5.0, 1e-6);
-        if (w->time > 9e-3) assert_close(force, 8.0, 1e-6);
-        late += w->time > 9e-3;
+        if (w->ctx.time > 3e-3 && w->ctx.time < 5e-3) assert_close(force, 5.0, 1e-6);
+        if (w->ctx.time > 9e-3) assert_close(force, 8.0, 1e-6);
+        late += w->ctx.time > 9e-3;
     }
     assert_true(late > 1000);
     assert_close(w->boundary.walls[0].force[2], -8.0, 1e-6); /* the floor carries the same */

@@ -90,7 +90,7 @@ static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
     assert_near(least, -0.5, 0.0);
     assert_near(most, 1.0, 0.0);
     assert_true(back > 0.3 * furthest); /* until the opening is what it should be by then */
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 0.01);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 0.01);
     run_end(run);
 }
 
@@ -98,13 +98,13 @@ static void a_scene_without_control_is_not_touched(void **state) {
     (void)state;
     gn_run *run = run_of("%s", chain(softens, ratio, "", "threads: 1"));
     assert_null(gn_history_column(&run->history, "control"));
-    assert_near(gn_control_of(&run->world, "left", 0), 1.0, 0.0);
+    assert_near(gn_control_of(&run->world.ctx, "left", 0), 1.0, 0.0);
     run_end(run);
     run = run_of("%s", chain(softens, ratio, control, "threads: 1"));
-    run->world.machine.factor = 0.25;
-    assert_near(gn_control_of(&run->world, "left", 0), 0.25, 0.0);
-    assert_near(gn_control_of(&run->world, "left", 1), 1.0, 0.0); /* across */
-    assert_near(gn_control_of(&run->world, "here", 0), 1.0, 0.0); /* no end */
+    run->world.ctx.machine.factor = 0.25;
+    assert_near(gn_control_of(&run->world.ctx, "left", 0), 0.25, 0.0);
+    assert_near(gn_control_of(&run->world.ctx, "left", 1), 1.0, 0.0); /* across */
+    assert_near(gn_control_of(&run->world.ctx, "here", 0), 1.0, 0.0); /* no end */
     run_end(run);
 }
 
@@ -113,7 +113,7 @@ static void a_scene_without_control_is_not_touched(void **state) {
 static gn_world *machine_at(const char *scene_text, int64_t step, double factor) {
     gn_world *w = world_of("%s", scene_text);
     run_steps(w, step);
-    w->machine.factor = factor;
+    w->ctx.machine.factor = factor;
     run_steps(w, 1);
     return w;
 }
@@ -160,10 +160,10 @@ static void motions_of_elements_are_ends_that_follow(void **state) {
         3, -0.25);
     double before[3], after[3];
     gn_elements_travel(w, 1, before);
-    w->machine.factor = 0.5;
+    w->ctx.machine.factor = 0.5;
     run_steps(w, 1);
     gn_elements_travel(w, 1, after);
-    assert_near(after[0] - before[0], 0.5 * 4e-3 * w->dt, 1e-6 * 4e-3 * w->dt);
+    assert_near(after[0] - before[0], 0.5 * 4e-3 * w->ctx.dt, 1e-6 * 4e-3 * w->ctx.dt);
     world_end(w);
 }
 
@@ -171,7 +171,8 @@ static uint64_t hash_after(const char *scene, int64_t count) {
     gneiss_error error = {0};
     gn_run *run = run_of("%s", scene);
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    uint64_t hash = gn_world_hash(&run->world);
+    uint64_t hash = gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                                  &run->world.solids, &run->world.box);
     run_end(run);
     return hash;
 }
@@ -198,7 +199,8 @@ static void threads_and_a_break_do_not_matter(void **state) {
             run = calloc(1, sizeof *run);
             if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
         }
-        assert_true(gn_world_hash(&run->world) == hash);
+        assert_true(gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                                  &run->world.solids, &run->world.box) == hash);
         run_end(run);
     }
     unlink(path);

@@ -35,7 +35,7 @@ static void assert_no_force(const gn_world *w) {
         for (size_t c = 0; c < lists[l]->soa.count; c++) {
             const gn_contacts *k = lists[l];
             double d[3], shear[3];
-            double length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * k->i[c],
+            double length = sqrt(gn_branch(&w->ctx, w->dem.particles.pos + 4 * k->i[c],
                                            w->dem.particles.pos + 4 * k->j[c], d));
             if (k->length0) assert_near(length, k->length0[c], rounding);
             if (k->shear) assert_near(shear_of(k, c, shear), 0.0, k->kn[c] * rounding);
@@ -60,7 +60,7 @@ static void convert_moving(const block *s) {
                 1e-11 * before.mass * 0.04 * 5.0);
     const double more = 0.5 * turned[3] * turned[3] * (after.inertia - before.inertia);
     assert_near(after.energy - before.energy, more, 1e-11 * before.energy);
-    assert_near(w->energy.conversion, -more, 1e-11 * before.energy);
+    assert_near(w->ledger.energy.conversion, -more, 1e-11 * before.energy);
     world_end(w);
 }
 
@@ -75,7 +75,7 @@ static void a_block_at_rest_becomes_particles_at_rest(void **state) {
     gn_world *w = block_of(&plate);
     convert(w, 8e-3, 12e-3, 0.0, 1.0);
     run_steps(w, 100);
-    const gn_particles *all[] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    const gn_particles *all[] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
     for (int k = 0; k < 2; k++)
         for (size_t p = 0; p < all[k]->soa.count; p++)
             for (size_t a = 0; a < 3; a++) {
@@ -99,7 +99,7 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
     const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
     size_t asleep = 0, mixed = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_asleep(w, p)) continue;
+        if (!gn_is_asleep(&w->dem, p)) continue;
         asleep++;
         mixed += !w->dem.still[p / GN_PARTICLE_BLOCK];
         for (size_t a = 0; a < 3; a++) {
@@ -108,11 +108,11 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
         }
     }
     assert_true(asleep > mixed && mixed > 0);
-    assert_int_equal(asleep + gn_world_present(w), q->soa.count);
+    assert_int_equal(asleep + gn_world_present(&w->dem), q->soa.count);
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++)
-            assert_false(gn_is_asleep(w, (size_t)lists[l]->i[c]) ||
-                         gn_is_asleep(w, (size_t)lists[l]->j[c]));
+            assert_false(gn_is_asleep(&w->dem, (size_t)lists[l]->i[c]) ||
+                         gn_is_asleep(&w->dem, (size_t)lists[l]->j[c]));
     world_end(w);
 }
 
@@ -122,12 +122,12 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
  * square of the strain and the rounding of places, and has its share of it. */
 static void assert_strained(const gn_world *w, const double gradient[9], double size) {
     const gn_contacts *k = &w->dem.bonds;
-    const double section = w->scene.dimension == 3 ? spacing * spacing : spacing;
+    const double section = w->ctx.scene.dimension == 3 ? spacing * spacing : spacing;
     size_t free = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
         const double *a = w->dem.particles.pos + 4 * k->i[c],
                      *b = w->dem.particles.pos + 4 * k->j[c];
-        double d[3], shear[3], length = sqrt(gn_branch(w, a, b, d));
+        double d[3], shear[3], length = sqrt(gn_branch(&w->ctx, a, b, d));
         const double part =
             0.5 * (w->dem.particles.blend[2 * k->i[c]] + w->dem.particles.blend[2 * k->j[c]]);
         shear_of(k, c, shear);
@@ -227,12 +227,12 @@ static void bounds_of(const gn_fem_solid *b, size_t e, double low[3], double hig
 
 /* About the element nearest to a place of those in which no particle starts. */
 static void find_empty(const gn_world *w, const double near[3], double low[3], double high[3]) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double least = INFINITY;
     size_t mesh;
     gn_free(gn_fem_places(b, &mesh));
     uint8_t *holds = calloc(mesh, 1);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) holds[gn_home_id(w, p)] = 1;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) holds[gn_home_id(&w->dem, p)] = 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double lower[3] = {0.0}, upper[3] = {0.0}, d2 = 0.0;
         bounds_of(b, e, lower, upper);
@@ -253,7 +253,7 @@ static void turn_alone(const double *x, const void *of, double u[3], double v[3]
 }
 
 static void assert_driven_go_on(const gn_world *w, double speed) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = &w->solids.elements[0]->solid;
     for (size_t n = 0; b->prescribed.count && n < b->nodes.soa.count; n++)
         if (b->nodes.slot[n] >= 0) assert_true(b->nodes.vel[4 * n] == speed);
 }
@@ -261,7 +261,7 @@ static void assert_driven_go_on(const gn_world *w, double speed) {
 /* m/s: the most that the velocity of a node changes by as the elements between two corners convert.
  */
 static double most_changed(gn_world *w, const double low[3], const double high[3]) {
-    const gn_particles *nodes = &w->elements[0]->solid.nodes;
+    const gn_particles *nodes = &w->solids.elements[0]->solid.nodes;
     const size_t count = nodes->soa.count;
     gneiss_error error = {0};
     double *before = malloc(4 * (count + 1) * sizeof *before), most = 0.0;
@@ -296,7 +296,7 @@ static void conversions_throw_nobody(void **state) {
             const double most = most_changed(w, low, high),
                          speed = sqrt(2.0 * before.energy / before.mass);
             if (!(most <= 0.1 * speed)) fail_msg("%d %d: %g of %g m/s", k, m, most, speed);
-            assert_true(fabs(gn_energy_residual(&w->reading)) < 1e-5);
+            assert_true(fabs(gn_energy_residual(&w->ledger.reading)) < 1e-5);
             measured_step(w);
         }
         world_end(w);
@@ -311,14 +311,15 @@ static void convert_small(const block *s, field *motion, const double near[3]) {
     measured_step(w);
     const whole before = whole_of(w);
     const double size = sqrt(2.0 * before.mass * before.energy);
-    const size_t elements = gn_conversion_elements(w);
+    const size_t elements = gn_conversion_elements(&w->solids);
     double low[3] = {0.0}, high[3] = {0.0}, worst = 0.0;
     find_empty(w, near, low, high);
     if (convert_box(w, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const whole after = whole_of(w);
-    assert_int_equal(w->halt[0], 0);
-    assert_true(gn_conversion_elements(w) < elements);
-    assert_true(gn_world_present(w) > 0 && gn_world_present(w) < w->dem.particles.soa.count);
+    assert_int_equal(w->outcome.halt[0], 0);
+    assert_true(gn_conversion_elements(&w->solids) < elements);
+    assert_true(gn_world_present(&w->dem) > 0 &&
+                gn_world_present(&w->dem) < w->dem.particles.soa.count);
     assert_near(after.mass, before.mass, 1e-12 * before.mass);
     for (int a = 0; a < 3; a++) assert_near(after.momentum[a], before.momentum[a], 1e-12 * size);
     assert_driven_go_on(w, 3.0);
@@ -359,7 +360,7 @@ static void small_elements_keep_mass_and_momentum(void **state) {
 /* --- where --- */
 
 static bool any_element_between(const gn_world *w, double from, double to) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = &w->solids.elements[0]->solid;
     bool found = false;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double centre = 0.0;
@@ -391,7 +392,7 @@ static void the_bound_of_what_is_left_is_that_of_all_elements(void **state) {
         block s = space ? cube : plate;
         s.distortion = space ? 0.15 : 0.24;
         gn_world *w = block_of(&s);
-        gn_element_model *q = w->elements[0];
+        gn_element_model *q = w->solids.elements[0];
         const double start = q->limit.bound;
         for (int k = 0; k < 6; k++) {
             const double from = 2e-3 * k, low = space ? 0.0 : 2e-3 * (k % 3);
@@ -425,13 +426,15 @@ static void the_limit_of_who_is_awake_is_that_of_all(void **state) {
         const block s = {.cells = {space ? 20 : 40, space ? 4 : 8, 4}, .space = space};
         gn_world *w = block_of(&s);
         convert(w, -1e-3, space ? 3e-3 : 9e-3, -1e-3, space ? 3e-3 : 9e-3);
-        assert_true(gn_world_present(w) >= 64 &&
-                    3 * gn_world_present(w) <= w->dem.particles.soa.count);
+        assert_true(gn_world_present(&w->dem) >= 64 &&
+                    3 * gn_world_present(&w->dem) <= w->dem.particles.soa.count);
         gn_step_limit all = {.bound = w->dem.limit.bound};
-        assert_int_equal(gn_dem_with_spectrum(w, false, find_with_all, &all, NULL), GNEISS_OK);
+        assert_int_equal(gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                              false, find_with_all, &all, NULL),
+                         GNEISS_OK);
         assert_true(w->dem.limit.iterations > 0 && w->dem.limit.iterations == all.iterations);
         assert_true(w->dem.limit.sharp == all.sharp && w->dem.limit.sharp_low == all.sharp_low);
-        assert_true(w->dt <= w->scene.safety * all.sharp);
+        assert_true(w->ctx.dt <= w->ctx.scene.safety * all.sharp);
         world_end(w);
     }
 }
@@ -452,14 +455,14 @@ static void a_corner_and_an_edge_convert(void **state) {
     for (int k = 0; k < 4; k++) {
         const double from = k % 2 ? 14e-3 : 0.0;
         gn_world *w = block_of(k / 2 ? &cube : &plate);
-        size_t elements = gn_conversion_elements(w);
+        size_t elements = gn_conversion_elements(&w->solids);
         if (k / 2)
             from > 0.0 ? convert(w, 8e-3, 12e-3, 0.0, 2e-3) : convert(w, 0.0, 2e-3, 0.0, 2e-3);
         else
             convert(w, from, from + 2e-3, 0.0, 2e-3);
-        assert_true(gn_conversion_elements(w) < elements);
-        assert_true(gn_conversion_elements(w) > 0);
-        assert_true(gn_world_present(w) > 0);
+        assert_true(gn_conversion_elements(&w->solids) < elements);
+        assert_true(gn_conversion_elements(&w->solids) > 0);
+        assert_true(gn_world_present(&w->dem) > 0);
         run_steps(w, 100);
         gn_energy e = measured_step(w);
         assert_near(gn_energy_stored(&e), 0.0, 1e-15);
@@ -475,8 +478,8 @@ static void all_of_a_body_can_convert(void **state) {
     measured_step(w);
     const whole before = whole_of(w);
     convert(w, 0.0, 30e-3, 0.0, 1.0);
-    assert_int_equal(gn_conversion_elements(w), 0);
-    assert_int_equal(gn_world_present(w), 30 * 16);
+    assert_int_equal(gn_conversion_elements(&w->solids), 0);
+    assert_int_equal(gn_world_present(&w->dem), 30 * 16);
     run_steps(w, 200);
     const whole after = whole_of(w);
     gn_energy e = measured_step(w);
@@ -514,9 +517,9 @@ static void elements_convert_where_their_stress_is_beyond_the_limit(void **state
         snprintf(limit, sizeof limit, "every: 2, stress: %g", wave * (reached ? 0.8 : 3.0));
         gn_world *w = block_of(&s);
         set_elements(w, part_ways, &speed);
-        while (w->time < 6e-3 / sqrt(modulus / density)) run_steps(w, 1);
-        assert_int_equal(gn_conversion_elements(w) < 2 * 30 * 8, reached);
-        assert_int_equal(gn_world_present(w) > 0, reached);
+        while (w->ctx.time < 6e-3 / sqrt(modulus / density)) run_steps(w, 1);
+        assert_int_equal(gn_conversion_elements(&w->solids) < 2 * 30 * 8, reached);
+        assert_int_equal(gn_world_present(&w->dem) > 0, reached);
         if (reached) assert_false(any_element_between(w, 14e-3, 16e-3));
         assert_true(any_element_between(w, 30e-3, 60e-3));
         world_end(w);
@@ -543,7 +546,7 @@ static void friction_of_a_limit_may_be_an_angle(void **state) {
     block s = plate;
     s.convert = "mohr_coulomb: {cohesion: 1 MPa, friction: 30 deg}";
     gn_world *w = block_of(&s);
-    assert_near(w->scene.couple.convert.friction, tan(pi / 6.0), 1e-15);
+    assert_near(w->ctx.scene.couple.convert.friction, tan(pi / 6.0), 1e-15);
     world_end(w);
 }
 
@@ -553,7 +556,7 @@ static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
     s.convert = "every: 10, stress: 1e30";
     gn_world *w = block_of(&s);
     convert(w, 2e-3, 4e-3, 0.0, 1.0);
-    size_t elements = gn_conversion_elements(w);
+    size_t elements = gn_conversion_elements(&w->solids);
     for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
         const size_t i = (size_t)w->dem.bonds.i[c];
         if (!is_tied(w, i) || w->dem.particles.blend[2 * i] < 0.3) continue;
@@ -562,8 +565,8 @@ static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
         break;
     }
     run_steps(w, 11);
-    assert_true(gn_conversion_elements(w) < elements);
-    assert_int_equal(gn_coupled_broken(w), 0);
+    assert_true(gn_conversion_elements(&w->solids) < elements);
+    assert_int_equal(gn_coupled_broken(&w->dem), 0);
     world_end(w);
 }
 
@@ -573,15 +576,15 @@ static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
 static void assert_halted(gn_world *w, const double low[3], const double high[3],
                           const char *words) {
     gneiss_error error = {0};
-    const size_t elements = gn_conversion_elements(w);
-    const uint64_t before = gn_world_hash(w);
+    const size_t elements = gn_conversion_elements(&w->solids);
+    const uint64_t before = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
-    if (!strstr(w->halt, words)) fail_msg("%s", w->halt);
-    assert_int_equal(gn_conversion_elements(w), elements);
-    assert_int_equal(gn_world_present(w), 0);
-    assert_true(gn_world_hash(w) == before);
-    for (size_t n = 0; n < w->elements[0]->solid.nodes.soa.count; n++)
-        assert_true(w->elements[0]->solid.nodes.blend[2 * n] == 1.0);
+    if (!strstr(w->outcome.halt, words)) fail_msg("%s", w->outcome.halt);
+    assert_int_equal(gn_conversion_elements(&w->solids), elements);
+    assert_int_equal(gn_world_present(&w->dem), 0);
+    assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == before);
+    for (size_t n = 0; n < w->solids.elements[0]->solid.nodes.soa.count; n++)
+        assert_true(w->solids.elements[0]->solid.nodes.blend[2 * n] == 1.0);
     run_steps(w, 10);
 }
 
@@ -621,7 +624,7 @@ static void what_reactions_jump_by_is_booked(void **state) {
         gn_energy e = measured_step(w);
         worst = fmax(worst, fabs(gn_energy_residual(&e)));
     }
-    assert_int_equal(w->halt[0], 0);
+    assert_int_equal(w->outcome.halt[0], 0);
     if (!(worst < 1e-5)) fail_msg("%g", worst);
     world_end(w);
 }
@@ -632,17 +635,17 @@ static void what_reactions_jump_by_is_booked(void **state) {
 static void assert_means(gn_world *w, const double gradient[9]) {
     double found[9], u[3] = {0.0}, v[3];
     const double x[3] = {0.5 * 25e-3, 0.5 * 15e-3, 0.0}; /* of particles from 10 to 15 mm */
-    gn_conversion_gradient(w, found);
+    gn_conversion_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, found);
     for (int k = 0; k < 9; k++) assert_near(found[k], gradient[k], 1e-14);
     gn_energy e = measured_step(w);
     (void)e;
     for (int a = 0; a < 2; a++)
         for (int c = 0; c < 2; c++)
-            assert_near(w->stress[3 * a + c],
+            assert_near(w->ledger.stress[3 * a + c],
                         0.5 * modulus * (gradient[3 * a + c] + gradient[3 * c + a]),
                         0.08 * modulus * 3e-6); /* outermost particles have bonds inwards alone */
     strain(x, gradient, u, v);
-    assert_near(gn_set_travel(w, 0, 0), u[0], 1e-3 * 3e-8);
+    assert_near(gn_set_travel(&w->ctx, &w->dem, &w->solids, 0, 0), u[0], 1e-3 * 3e-8);
 }
 
 static void means_are_those_of_elements_and_particles_together(void **state) {
@@ -689,22 +692,24 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
     for (int k = 0; k < 4; k++) {
         const char *precision = k % 2 ? "mixed" : "double";
         gn_run *a = busy_run(k / 2, 1, precision), *b = busy_run(k / 2, 2, precision);
-        const size_t elements = gn_conversion_elements(&a->world);
+        const size_t elements = gn_conversion_elements(&a->world.solids);
         run_steps(&a->world, 85);
         run_steps(&b->world, 85);
-        const size_t then = gn_conversion_elements(&a->world);
+        const size_t then = gn_conversion_elements(&a->world.solids);
         assert_true(then < elements);
         gn_run *const all[] = {a, b, resumed_of(a)};
         for (int r = 0; r < 3; r++) {
             gn_world *w = &all[r]->world;
             run_steps(w, 100);
             gn_energy e = measured_step(w);
-            assert_true(gn_conversion_elements(w) < then);
+            assert_true(gn_conversion_elements(&w->solids) < then);
             assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
-            assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
-            assert_memory_equal(&w->couple, &a->world.couple, sizeof w->couple);
+            assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
+                        gn_world_hash(&a->world.ctx, &a->world.dem, &a->world.boundary,
+                                      &a->world.solids, &a->world.box));
+            assert_memory_equal(&w->zones.state, &a->world.zones.state, sizeof w->zones.state);
         }
-        assert_true(a->world.couple.corrected.scale > 0.0);
+        assert_true(a->world.zones.state.corrected.scale > 0.0);
         for (int r = 0; r < 3; r++) run_end(all[r]);
     }
 }
@@ -723,7 +728,7 @@ static gn_run *turned_run(const block *s) {
     free(t);
     set_elements(&run->world, move_rigidly, turned);
     convert(&run->world, 0.0, 2e-3, 0.0, 2e-3);
-    assert_string_equal(run->world.halt, "");
+    assert_string_equal(run->world.outcome.halt, "");
     return run;
 }
 
@@ -744,7 +749,7 @@ static void a_run_tells_what_conversion_does_to_angular_momentum(void **state) {
     for (int k = 0; k < 2; k++) {
         gn_warnings list;
         gn_run *run = turned_run(&blocks[k]);
-        const gn_corrections *c = &run->world.couple.corrected;
+        const gn_corrections *c = &run->world.zones.state.corrected;
         const char *said = said_of(run, "conversion_missed", &list);
         double share = 0.0, inertia = 0.0;
         print_message("# %g of %g N m s, inertia %g: %s\n", c->most, c->scale, c->inertia,
@@ -808,23 +813,26 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     double gap[2];
     close(mkstemp(path));
     gn_run *run = busy_run(false, 1, "double"), *again = calloc(1, sizeof *again);
-    const double step = run->world.dt, end = 1000.0 * step;
-    run->world.scene.end = end;
+    const double step = run->world.ctx.dt, end = 1000.0 * step;
+    run->world.ctx.scene.end = end;
     run->history_interval = 1000 / ROWS;
     if (gn_run_steps(run, 500, &error) != GNEISS_OK) fail_msg("%s", error.message);
     if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
         gn_checkpoint_load(path, NULL, 0, again, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
-    again->world.scene.end = end;
+    again->world.ctx.scene.end = end;
     finish(run);
     finish(again);
-    assert_true(run->world.dt < 0.9 * step);
+    assert_true(run->world.ctx.dt < 0.9 * step);
     const size_t rows = rows_of(run, gap);
     assert_true(rows + 1 >= ROWS && rows <= ROWS + 1);
-    assert_close(gap[0], end / ROWS, 1.5 * run->world.dt * ROWS / end);
-    assert_close(gap[1], end / ROWS, 1.5 * run->world.dt * ROWS / end);
+    assert_close(gap[0], end / ROWS, 1.5 * run->world.ctx.dt * ROWS / end);
+    assert_close(gap[1], end / ROWS, 1.5 * run->world.ctx.dt * ROWS / end);
     assert_int_equal(again->history.row_count, rows);
-    assert_true(gn_world_hash(&again->world) == gn_world_hash(&run->world));
+    assert_true(gn_world_hash(&again->world.ctx, &again->world.dem, &again->world.boundary,
+                              &again->world.solids, &again->world.box) ==
+                gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                              &run->world.solids, &run->world.box));
     gn_run_free(run);
     gn_run_free(again);
     free(run);

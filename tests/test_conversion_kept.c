@@ -26,7 +26,7 @@ static double energy_after(gn_world *w, int steps) {
     double grown = 0.0;
     for (int k = 0; k < steps && isfinite(grown); k++)
         if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
-    if (isfinite(grown)) grown = gn_energy_stored(&w->reading) / start;
+    if (isfinite(grown)) grown = gn_energy_stored(&w->ledger.reading) / start;
     world_end(w);
     return grown;
 }
@@ -37,9 +37,10 @@ static void slaved_spins_of_new_zones_are_in_the_step(void **state) {
     (void)state;
     char time[96];
     gn_world *w = spun(NULL);
-    const double stable = w->stable, sides = fmin(w->dem.stable, gn_elements_stable(w));
+    const double stable = w->ctx.stable,
+                 sides = fmin(w->dem.stable, gn_elements_stable(&w->solids));
     assert_true(stable < 0.5 * sides);
-    assert_near(w->dt, w->scene.safety * stable, 1e-12 * stable);
+    assert_near(w->ctx.dt, w->ctx.scene.safety * stable, 1e-12 * stable);
     assert_near(energy_after(w, 2000), 1.0, 1e-4);
     snprintf(time, sizeof time, ", step: %.17g, on_unstable: warn", 0.99 * stable);
     assert_near(energy_after(spun(time), 2000), 1.0, 1e-4);
@@ -79,7 +80,7 @@ static void assert_kept(const block *s, field *motion, const double low[3], cons
     const double size = sqrt(2.0 * before.mass * before.energy);
     if (convert_box(w, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const whole after = whole_of(w);
-    assert_int_equal(w->halt[0], 0);
+    assert_int_equal(w->outcome.halt[0], 0);
     assert_near(after.mass, before.mass, 1e-12 * before.mass);
     for (int a = 0; a < 3; a++) {
         assert_near(after.moment[a], before.moment[a], 1e-12 * before.mass * 0.03);
@@ -87,9 +88,9 @@ static void assert_kept(const block *s, field *motion, const double low[3], cons
         assert_near(after.turning[a], before.turning[a],
                     (turning ? 1e-12 : 1e-3) * turning_scale(&before));
     }
-    assert_true(fabs(w->energy.conversion) < 0.05 * before.energy);
+    assert_true(fabs(w->ledger.energy.conversion) < 0.05 * before.energy);
     for (int k = 0; k < 5; k++) measured_step(w);
-    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-5);
+    assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-5);
     world_end(w);
 }
 
@@ -180,7 +181,7 @@ static gn_world *convert_and_sum(const block *s, field *motion, const void *of, 
         size[1] = fmax(size[1], sqrt(gn_dot3(was.turning, was.turning)));
         if (!s->space) size[1] = fmax(size[1], vibration);
     }
-    assert_string_equal(w->halt, "");
+    assert_string_equal(w->outcome.halt, "");
     return w;
 }
 
@@ -197,7 +198,7 @@ static void what_a_conversion_does_to_the_whole_body_is_summed_up(void **state) 
             double size[2] = {0.0};
             own sum;
             gn_world *w = convert_and_sum(&blocks[k], motions[m], &of, &sum, size);
-            const gn_corrections *c = &w->couple.corrected;
+            const gn_corrections *c = &w->zones.state.corrected;
             const whole now = whole_of(w);
             const double rounding = 1e-11 * sqrt(2.0 * now.mass * now.energy) * 0.03;
             print_message("# block %d, motion %d: %.3g of %.3g N m s, %.3g m, %.3g\n", k, m,
@@ -225,7 +226,7 @@ static void who_flies_and_turns_rigidly_keeps_its_spin(void **state) {
         double size[2] = {0.0};
         own sum;
         gn_world *w = convert_and_sum(&s, fly, &way, &sum, size);
-        const gn_corrections *c = &w->couple.corrected;
+        const gn_corrections *c = &w->zones.state.corrected;
         change[k] = c->turned[2];
         assert_true(fabs(c->inertia) > 1e-6);
         assert_near(c->turned[2] / c->scale, c->inertia, 1e-3 * fabs(c->inertia));
@@ -270,21 +271,23 @@ static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void
         gneiss_error error = {0};
         gn_world *w = packed();
         gradient[4 * axis] = size;
-        assert_int_equal(gn_conversion_measure(w, &f, &error), GNEISS_OK);
+        assert_int_equal(
+            gn_conversion_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &f, &error),
+            GNEISS_OK);
         quotient = f.material[0].modulus[0] / f.material[0].modulus[1];
         assert_near(f.material[0].modulus[1], m, 1e-9 * m);
         set_elements(w, strain, gradient);
         convert(w, 0.0, 1.0, 0.0, 1.0);
-        assert_int_equal(gn_conversion_elements(w), 0);
-        const double booked = w->energy.conversion;
+        assert_int_equal(gn_conversion_elements(&w->solids), 0);
+        const double booked = w->ledger.energy.conversion;
         measured_step(w);
-        stress += 0.5 * w->stress[4 * axis] / (m * size);
+        stress += 0.5 * w->ledger.stress[4 * axis] / (m * size);
         energy += 0.5 * (1.0 - booked / (0.5 * m * size * size * volume));
-        const gn_conversion_parts *p = &w->couple.parts;
+        const gn_conversion_parts *p = &w->zones.state.parts;
         alike += 0.5 * p->alike[1] / p->alike[0];
         assert_near(p->stiffness, booked, 1e-5 * fabs(booked));
         assert_near(sum_of(p), booked, 1e-12 * p->alike[0]);
-        assert_near(w->reading.conversion, booked, 1e-12 * fabs(booked));
+        assert_near(w->ledger.reading.conversion, booked, 1e-12 * fabs(booked));
         world_end(w);
     }
     print_message("# quotient of moduli %.4f, of stresses %.4f, of energies %.4f\n", quotient,
@@ -328,19 +331,19 @@ static void springs_of_another_stiffness_are_told_by_how_much(void **state) {
         gn_world *w = lattice_of(cases[k].stiffer, cases[k].kratio, "");
         set_elements(w, strain, cases[k].gradient);
         convert(w, 12e-3, 18e-3, 6e-3, 10e-3);
-        const gn_conversion_parts *p = &w->couple.parts;
+        const gn_conversion_parts *p = &w->zones.state.parts;
         print_message("# held %.6g times as much; stiffness %.3g, volume %.2g, uneven %.2g, "
                       "balance %.2g of %.3g J\n",
                       p->alike[1] / p->alike[0], p->stiffness, p->sampled, p->uneven, p->balance,
                       p->alike[0]);
         /* Volumes are parts of the hull of the discs, which is round at corners. */
-        const double hull = w->volume / (30e-3 * 16e-3);
+        const double hull = w->ctx.volume / (30e-3 * 16e-3);
         assert_near(p->alike[1] * hull, cases[k].alike * p->alike[0], 1e-5 * p->alike[0]);
         assert_near(p->stiffness, p->alike[0] - p->alike[1], 1e-12 * p->alike[0]);
         assert_near(p->uneven, 0.0, 1e-5 * p->alike[0]);
         assert_near(p->sampled, 0.0, 0.05 * p->alike[0]);
         assert_true(p->balance >= 0.0);
-        assert_near(sum_of(p), w->energy.conversion, 1e-12 * p->alike[0]);
+        assert_near(sum_of(p), w->ledger.energy.conversion, 1e-12 * p->alike[0]);
         world_end(w);
     }
 }
@@ -365,18 +368,19 @@ static void parts_of_what_is_booked_add_up(void **state) {
         set_elements(w, bend, k % 2 ? moving : still);
         run_steps(w, 1);
         convert(w, 12e-3, 16e-3, 6e-3, 16e-3);
-        const double first = w->energy.conversion;
-        assert_near(sum_of(&w->couple.parts), first, 1e-10 * fabs(first));
+        const double first = w->ledger.energy.conversion;
+        assert_near(sum_of(&w->zones.state.parts), first, 1e-10 * fabs(first));
         run_steps(w, 20);
         convert(w, 10e-3, 20e-3, 4e-3, 16e-3);
-        const gn_conversion_parts *p = &w->couple.parts;
+        const gn_conversion_parts *p = &w->zones.state.parts;
         print_message("# stiffness %.3g, volume %.2g, uneven %.2g, balance %.2g, motion %.2g, step "
                       "%.2g: %.3g J\n",
                       p->stiffness, p->sampled, p->uneven, p->balance, p->motion, p->step,
-                      w->energy.conversion);
-        assert_true(fabs(w->energy.conversion - first) > 0.1 * fabs(first));
-        assert_near(sum_of(p), w->energy.conversion, 1e-10 * fabs(w->energy.conversion));
-        assert_near(p->motion, w->couple.corrected.energy, 1e-12 * fabs(p->motion));
+                      w->ledger.energy.conversion);
+        assert_true(fabs(w->ledger.energy.conversion - first) > 0.1 * fabs(first));
+        assert_near(sum_of(p), w->ledger.energy.conversion,
+                    1e-10 * fabs(w->ledger.energy.conversion));
+        assert_near(p->motion, w->zones.state.corrected.energy, 1e-12 * fabs(p->motion));
         assert_true(p->uneven != 0.0 && (k < 2) == (p->balance != 0.0));
         world_end(w);
     }
@@ -396,12 +400,12 @@ static void those_around_go_along_and_what_the_body_has_is_kept(void **state) {
     set_elements(w, stretch, &flat);
     measured_step(w);
     const whole before = whole_of(w);
-    const size_t elements = gn_conversion_elements(w);
+    const size_t elements = gn_conversion_elements(&w->solids);
     assert_int_equal(convert_box(w, between[0], between[1], &error), GNEISS_OK);
     const whole now = whole_of(w);
-    print_message("# %zu elements gone\n", elements - gn_conversion_elements(w));
-    assert_string_equal(w->halt, "");
-    assert_true(elements - gn_conversion_elements(w) > 2);
+    print_message("# %zu elements gone\n", elements - gn_conversion_elements(&w->solids));
+    assert_string_equal(w->outcome.halt, "");
+    assert_true(elements - gn_conversion_elements(&w->solids) > 2);
     assert_near(now.mass, before.mass, 1e-12 * before.mass);
     const double size = sqrt(2.0 * before.mass * before.energy);
     for (int a = 0; a < 3; a++) assert_near(now.momentum[a], before.momentum[a], 1e-12 * size);
@@ -416,12 +420,13 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
     gn_world *w = block_of(&fine);
     set_elements(w, stretch, &flat);
     measured_step(w);
-    const size_t elements = gn_conversion_elements(w);
-    const uint64_t hash = gn_world_hash(w);
+    const size_t elements = gn_conversion_elements(&w->solids);
+    const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     assert_int_equal(convert_box(w, between[0], between[1], &error), GNEISS_OK);
-    assert_true(gn_conversion_was_thin(w) && !gn_conversion_left_box(w));
-    assert_true(gn_conversion_elements(w) == elements && gn_world_hash(w) == hash);
-    assert_false(gn_conversion_begun(w));
+    assert_true(gn_conversion_was_thin(&w->outcome) && !gn_conversion_left_box(&w->outcome));
+    assert_true(gn_conversion_elements(&w->solids) == elements &&
+                gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash);
+    assert_false(gn_conversion_begun(&w->solids));
     world_end(w);
 }
 
@@ -430,10 +435,10 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
 /* Least, over the nodes of elements with nodes of a motion or a load, of what they weigh over what
  * the elements at them do as whole ones. */
 static double least_held(const gn_world *w) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;
     uint8_t *kind = calloc(b->elements.soa.count + 1, 1);
-    assert_int_equal(gn_conversion_kinds(w, kind, NULL), GNEISS_OK);
+    assert_int_equal(gn_conversion_kinds(&w->ctx, &w->solids, kind, NULL), GNEISS_OK);
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double part = 0.0;
         for (int a = 0; a <= b->dimension; a++)
@@ -469,17 +474,18 @@ static void assert_held(bool fine, const char *elements, const char *couple, boo
     gn_world *w = block_of(&s);
     set_elements(w, stretch, &flat);
     measured_step(w);
-    const size_t elements_before = gn_conversion_elements(w);
-    const uint64_t hash = gn_world_hash(w);
+    const size_t elements_before = gn_conversion_elements(&w->solids);
+    const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
-    print_message("# %s: least %.3g %s\n", fine ? "fine" : "coarse", least_held(w), w->halt);
-    assert_true(fine == (w->halt[0] != '\0'));
+    print_message("# %s: least %.3g %s\n", fine ? "fine" : "coarse", least_held(w),
+                  w->outcome.halt);
+    assert_true(fine == (w->outcome.halt[0] != '\0'));
     assert_true(least_held(w) >= 0.5e-3 / s.thin);
-    assert_true(fine == (gn_conversion_elements(w) == elements_before));
+    assert_true(fine == (gn_conversion_elements(&w->solids) == elements_before));
     if (fine) {
-        assert_non_null(strstr(w->halt, "conversion would leave 0.0"));
-        assert_non_null(strstr(w->halt, "which has nodes of a motion or a load"));
-        assert_true(gn_world_hash(w) == hash);
+        assert_non_null(strstr(w->outcome.halt, "conversion would leave 0.0"));
+        assert_non_null(strstr(w->outcome.halt, "which has nodes of a motion or a load"));
+        assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash);
     }
     world_end(w);
 }
@@ -520,17 +526,18 @@ static void what_is_only_watched_is_told_by_name(void **state) {
                                     : space ? aside
                                             : "{min: [16 mm, -1], max: [1, 1]}"};
             gn_world *w = block_of(&s);
-            assert_string_equal(gn_conversion_watches(w, said, sizeof said), said);
+            assert_string_equal(gn_conversion_watches(&w->ctx, &w->solids, said, sizeof said),
+                                said);
             assert_true((k == 0) == (strstr(said, "'gauge', which only watches") != NULL));
             assert_true((k == 0) == (said[0] != '\0'));
             assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
-            print_message("# %s\n", w->halt);
-            assert_true((k == 0) == gn_conversion_met_watched(w));
-            assert_true(
-                (k == 0) ==
-                (strstr(w->halt, "nodes of motion 'gauge', which is only watched") != NULL));
+            print_message("# %s\n", w->outcome.halt);
+            assert_true((k == 0) == gn_conversion_met_watched(&w->outcome));
+            assert_true((k == 0) ==
+                        (strstr(w->outcome.halt,
+                                "nodes of motion 'gauge', which is only watched") != NULL));
             assert_true((k == 1 || k == 2) ==
-                        (strstr(w->halt, "has nodes of a motion or a load") != NULL));
+                        (strstr(w->outcome.halt, "has nodes of a motion or a load") != NULL));
             world_end(w);
         }
 }
@@ -543,15 +550,16 @@ static void places_that_are_looked_at_stay_as_they_were(void **state) {
         gn_conversion_places_seen seen;
         const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = thin[k]};
         gn_world *w = block_of(&fine);
-        const uint64_t hash = gn_world_hash(w);
+        const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
         assert_int_equal(gn_conversion_see_places(w, &seen, &error), GNEISS_OK);
         print_message("# zone of %g m: %zu places, at %zu others go along, %zu cannot\n", thin[k],
                       seen.looked, seen.along, seen.too_few);
         assert_true(seen.looked >= 50 && seen.looked <= 100);
         assert_true(k == 0 ? seen.too_few > 0 : seen.too_few == 0);
         assert_true(k == 1 ? seen.along > 0 : k == 0 || seen.along == 0);
-        assert_string_equal(w->halt, "");
-        assert_true(gn_world_hash(w) == hash && !gn_conversion_begun(w));
+        assert_string_equal(w->outcome.halt, "");
+        assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash &&
+                    !gn_conversion_begun(&w->solids));
         world_end(w);
     }
 }

@@ -48,11 +48,12 @@ static void stages_are_what_tables_are(void **state) {
                            1, "time: {end: 0.28 ms, step: 1.5e-7}");
     finish(staged);
     finish(whole);
-    assert_true(gn_conversion_elements(&staged->world) < 480);
-    assert_int_equal(gn_conversion_elements(&staged->world), gn_conversion_elements(&whole->world));
+    assert_true(gn_conversion_elements(&staged->world.solids) < 480);
+    assert_int_equal(gn_conversion_elements(&staged->world.solids),
+                     gn_conversion_elements(&whole->world.solids));
     const gn_particles *a = &staged->world.dem.particles, *b = &whole->world.dem.particles;
     double most = 0.0, off = 0.0;
-    assert_true(fabs((double)staged->world.step - (double)whole->world.step) <= 4.0);
+    assert_true(fabs((double)staged->world.ctx.step - (double)whole->world.ctx.step) <= 4.0);
     for (size_t p = 0; p < a->soa.count; p++) {
         const size_t q = (size_t)whole->world.dem.index_of_id[a->id[p]];
         for (size_t k = 0; k < 2; k++) {
@@ -84,22 +85,25 @@ static void finish_alike(const char *couple) {
     gn_run *one = run_of(beam, couple, "0", 1, free_steps),
            *two = run_of(beam, couple, "0", 2, free_steps);
     gneiss_error error = {0};
-    while (one->world.stage < 2)
+    while (one->world.stages.now < 2)
         if (gn_run_steps(one, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
     if (gn_run_steps(one, 50, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    const double stable = one->world.stable;
+    const double stable = one->world.ctx.stable;
     gn_run *three = resumed_of(one), *all[] = {one, two, three};
     for (int k = 0; k < 3; k++) {
         finish(all[k]);
-        assert_true(gn_conversion_elements(&all[k]->world) < 480);
-        assert_true(gn_world_hash(&all[k]->world) == gn_world_hash(&one->world));
+        assert_true(gn_conversion_elements(&all[k]->world.solids) < 480);
+        assert_true(gn_world_hash(&all[k]->world.ctx, &all[k]->world.dem, &all[k]->world.boundary,
+                                  &all[k]->world.solids, &all[k]->world.box) ==
+                    gn_world_hash(&one->world.ctx, &one->world.dem, &one->world.boundary,
+                                  &one->world.solids, &one->world.box));
         /* Contacts with the floor open and close: 1e-5, 4e-7 in half of the step. */
-        assert_true(fabs(gn_energy_residual(&all[k]->world.reading)) < 1e-4);
-        assert_true(all[k]->world.reading.elastic_wall > 0.0);
-        assert_true(fabs(all[k]->world.energy.stage_change) <
-                    1e-12 * gn_energy_scale(&all[k]->world.reading));
+        assert_true(fabs(gn_energy_residual(&all[k]->world.ledger.reading)) < 1e-4);
+        assert_true(all[k]->world.ledger.reading.elastic_wall > 0.0);
+        assert_true(fabs(all[k]->world.ledger.energy.stage_change) <
+                    1e-12 * gn_energy_scale(&all[k]->world.ledger.reading));
         /* Elements that are left hold the step by their bound, those of zones beside particles. */
-        assert_near(all[k]->world.stable, stable, 0.1 * stable);
+        assert_near(all[k]->world.ctx.stable, stable, 0.1 * stable);
     }
     /* Bent down into the floor, which stops particles alone. */
     gn_warnings told;
@@ -135,18 +139,22 @@ static void effects_that_come_with_a_stage_can_be_resumed(void **state) {
     static const size_t stages[] = {1, 2};
     gn_run *resumed[2];
     for (size_t k = 0; k < 2; k++) {
-        while (!one->finished && one->world.stage < stages[k])
+        while (!one->finished && one->world.stages.now < stages[k])
             if (gn_run_steps(one, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
         assert_false(one->finished);
         if (gn_run_steps(one, 50, &error) != GNEISS_OK) fail_msg("%s", error.message);
         resumed[k] = resumed_of(one);
     }
     finish(one);
-    assert_true(gn_conversion_elements(&one->world) < 480);
-    assert_true(one->world.scene.background_coefficient > 0.0);
+    assert_true(gn_conversion_elements(&one->world.solids) < 480);
+    assert_true(one->world.ctx.scene.background_coefficient > 0.0);
     for (size_t k = 0; k < 2; k++) {
         finish(resumed[k]);
-        assert_true(gn_world_hash(&resumed[k]->world) == gn_world_hash(&one->world));
+        assert_true(gn_world_hash(&resumed[k]->world.ctx, &resumed[k]->world.dem,
+                                  &resumed[k]->world.boundary, &resumed[k]->world.solids,
+                                  &resumed[k]->world.box) ==
+                    gn_world_hash(&one->world.ctx, &one->world.dem, &one->world.boundary,
+                                  &one->world.solids, &one->world.box));
         run_end(resumed[k]);
     }
     run_end(one);

@@ -38,7 +38,7 @@ static void who_wakes_in_a_wall_feels_what_comes_on_top(void **state) {
         convert(w, 12e-3, 18e-3, 0.0, 4e-3);
         const double pressed = lowest_awake(w);
         assert_true(pressed > 6.0);
-        assert_near(w->energy.conversion, 0.0, 1e-9 * 0.5 * 1e9 * 2e-5 * 2e-5 * pressed);
+        assert_near(w->ledger.energy.conversion, 0.0, 1e-9 * 0.5 * 1e9 * 2e-5 * 2e-5 * pressed);
         gn_energy e = measured_step(w);
         assert_near(e.elastic_wall, 0.0, 1e-9 * 0.5 * 1e9 * 2e-5 * 2e-5 * pressed);
         how[0] = 4e-6;
@@ -67,7 +67,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
     for (int k = 0; k < 400; k++) {
         run_steps(w, 1);
         /* On the particles; velocities are those half a step before and after the instant. */
-        impulse -= w->dt * w->boundary.walls[0].force[1];
+        impulse -= w->ctx.dt * w->boundary.walls[0].force[1];
     }
     assert_near(whole_of(w).momentum[1] - before, impulse, 1e-9 * fabs(before));
     assert_true(impulse > 1.2 * fabs(before)); /* it goes up again, and swings */

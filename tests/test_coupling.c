@@ -13,7 +13,7 @@ static void pull(const double *x, const void *of, double u[3], double v[3]) {
 /* The largest force on any point of which the particles of zones are none, N; they and the nodes
  * are one. `columns`: of all points at the same x together. */
 static double largest_force(gn_world *w, double low, double high, bool columns) {
-    const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    const gn_particles *all[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
     double most = 0.0, *sum = calloc(4096, sizeof *sum);
     run_steps(w, 1);
     for (int k = 0; k < 2; k++)
@@ -22,7 +22,7 @@ static double largest_force(gn_world *w, double low, double high, bool columns) 
             const bool tied = k == 0 && tied_by_zone(w, p);
             if (tied || x[0] < low || x[0] > high) continue;
             for (size_t a = 0; a < 2; a++) {
-                double force = v[a] / (0.5 * w->dt * v[3]);
+                double force = v[a] / (0.5 * w->ctx.dt * v[3]);
                 most = columns ? most : fmax(most, fabs(force));
                 sum[2 * lround((x[0] - low) / (0.5 * spacing)) + a] += force;
             }
@@ -87,7 +87,7 @@ static void pulse_at(const double *x, const void *of, double u[3], double v[3]) 
 /* As gn_coupled_returned, of the particles of the lattice before the zone, J. */
 static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
-    const double c = sqrt(modulus / density), back = 0.5 * w->dt_past;
+    const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;
     double sum = 0.0;
     for (size_t b = 0; b < w->dem.bonds.soa.count; b++) {
         size_t i = 4 * (size_t)w->dem.bonds.i[b], j = 4 * (size_t)w->dem.bonds.j[b];
@@ -109,8 +109,9 @@ static double returned_of(double zone, double length, bool mirrored) {
     set_fields(w, pulse_at, &p);
     gn_energy e = measured_step(w);
     const double whole = gn_energy_stored(&e);
-    while (w->time < 205e-6) run_steps(w, 1);
-    double back = mirrored ? returned_in_lattice(w, 0.3 - 0.5 * zone) : gn_coupled_returned(w, 0);
+    while (w->ctx.time < 205e-6) run_steps(w, 1);
+    double back = mirrored ? returned_in_lattice(w, 0.3 - 0.5 * zone)
+                           : gn_coupled_returned(&w->ctx, &w->solids, 0);
     e = measured_step(w);
     print_message("# zone %g, wave %g: %.4f %% returned, residual %g\n", zone, length,
                   100.0 * back / whole, gn_energy_residual(&e));
@@ -137,12 +138,12 @@ static void a_wave_passes_from_particles_to_elements(void **state) {
 /* --- what is kept --- */
 
 static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *size) {
-    const bool lumped = w->scene.couple.constraint == GN_COUPLE_LUMPED,
-               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED;
-    const gn_particles *q = nodes ? &w->elements[0]->solid.nodes : &w->dem.particles;
+    const bool lumped = w->ctx.scene.couple.constraint == GN_COUPLE_LUMPED,
+               slaved = w->ctx.scene.couple.spins == GN_COUPLE_SLAVED;
+    const gn_particles *q = nodes ? &w->solids.elements[0]->solid.nodes : &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-        const double *carried = w->elements[0]->solid.carried;
+        const double *carried = w->solids.elements[0]->solid.carried;
         double m = 1.0 / v[3];
         if (lumped && !nodes && tied_by_zone(w, p)) m = 0.0; /* nodes carry it */
         if (!lumped && nodes && carried) m -= carried[p];
@@ -205,7 +206,7 @@ static uint64_t hash_after(bool space, const char *rest, int steps) {
     s.rest = rest;
     gn_world *w = stirred(&s);
     run_steps(w, steps);
-    uint64_t hash = gn_world_hash(w);
+    uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     world_end(w);
     return hash;
 }
@@ -282,7 +283,7 @@ static void a_pulse_is_under_way_at_the_start(void **state) {
                       : "initial: {pulse: {direction: [2, 0], centre: [3 mm, 1], length: 6 mm, "
                         "size: 1 um, speed: 1700}}\n";
         gn_world *w = strip_of(&s);
-        const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+        const gn_particles *all[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};
         for (int k = 0; k < 2; k++)
             for (size_t n = 0; n < all[k]->soa.count; n++) {
                 double u[3] = {0}, v[3] = {0};
@@ -321,7 +322,7 @@ static void a_pulse_beside_a_zone_takes_its_particles_along(void **state) {
         run_steps(w, 200);
         (void)measured_step(w);
         /* Short waves of a strain of 7e-4: second order of the step. */
-        assert_near(gn_energy_residual(&w->reading), 0.0, 1e-4);
+        assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-4);
         world_end(w);
     }
 }
@@ -335,7 +336,7 @@ static void consistent_masses_are_damped(void **state) {
         s.more = "constraint: consistent";
         s.rest = "damping: {background: {model: viscous, coefficient: 2e4}}\nrun: {threads: 1}\n";
         gn_world *w = stirred(&s);
-        const double start = gn_energy_stored(&w->reading);
+        const double start = gn_energy_stored(&w->ledger.reading);
         run_steps(w, 400);
         gn_energy e = measured_step(w);
         assert_true(gn_energy_stored(&e) < 0.5 * start);
@@ -356,7 +357,7 @@ static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
                  "0.2, density: 1000}]}\ntime: {end: 1}\n",
                  body[d - 2], d == 3 ? ", 2" : "");
         gn_world *w = world_of("%s", scene);
-        const gn_particles *q = &w->elements[0]->solid.nodes;
+        const gn_particles *q = &w->solids.elements[0]->solid.nodes;
         size_t inside = 0;
         for (size_t n = 0; n < q->soa.count; n++) {
             const double *x = q->start + 4 * n, size[3] = {4.0, 3.0, 2.0};
@@ -385,7 +386,7 @@ static void a_zone_is_measured(void **state) {
     strip s = small_strip(false);
     gn_world *w = strip_of(&s);
     gn_zone_figures f;
-    gn_zone_measure(w, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
     assert_near(f.width, 6e-3, 1e-15);
     assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* along x, along y */
     assert_near(f.diameter, 1e-3, 1e-15);
@@ -401,14 +402,14 @@ static void a_zone_is_measured(void **state) {
     assert_near(m->modulus[0], modulus, 0.01 * modulus);
     assert_near(m->density[0], density, 0.01 * density);
     assert_true(m->returned < 1e-4);
-    assert_int_equal(gn_coupled_broken(w), 0);
+    assert_int_equal(gn_coupled_broken(&w->dem), 0);
     for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
         if (tied_by_zone(w, (size_t)w->dem.bonds.i[c]) &&
             tied_by_zone(w, (size_t)w->dem.bonds.j[c])) {
             w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
             break;
         }
-    assert_int_equal(gn_coupled_broken(w), 1);
+    assert_int_equal(gn_coupled_broken(&w->dem), 1);
     world_end(w);
 }
 
@@ -420,7 +421,7 @@ static void a_zone_is_weighed(void **state) {
     s.side = 2e-3;
     gn_world *w = strip_of(&s);
     gn_zone_figures f;
-    gn_zone_measure(w, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
     assert_near(f.mass, 3.5 / 3.0, 1e-12);
     assert_false(gn_zone_is_off(&f));
     world_end(w);

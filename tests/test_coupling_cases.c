@@ -20,7 +20,7 @@ static double (*stresses(gn_world *w))[6] {
     gn_observed seen;
     gn_output_view view;
     double(*stress)[6] = calloc(w->dem.particles.soa.count + 1, sizeof *stress);
-    if (gn_world_observe(w, &seen, &error) != GNEISS_OK ||
+    if (gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error) != GNEISS_OK ||
         gn_output_view_make(w, &seen, &view, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
@@ -41,7 +41,8 @@ static void stress_is_whole_through_a_zone(void **state) {
         strip s = {
             .length = 20e-3, .zone = 6e-3, .side = 1e-3, .rows = space ? 3 : 6, .space = space};
         gn_world *w = strip_of(&s);
-        const double solid = (1.0 - gn_world_porosity(w)) * (space ? 6.0 : 4.0) / pi;
+        const double solid = (1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids)) *
+                             (space ? 6.0 : 4.0) / pi;
         set_fields(w, stretch, strain);
         double(*stress)[6] = stresses(w);
         size_t tied = 0;
@@ -75,7 +76,7 @@ static void a_pulse_in_a_packing_leaves_nothing_where_it_began(void **state) {
         "initial: {pulse: {direction: [1, 0], centre: [15 mm, 0], length: 20 mm, size: 1 um, "
         "speed: 1754}}\ntime: {end: 1}\nrun: {threads: 1}\n");
     const gn_particles *q = &w->dem.particles;
-    while (w->time < 40e-3 / 1754.0) run_steps(w, 1);
+    while (w->ctx.time < 40e-3 / 1754.0) run_steps(w, 1);
     double left = 0.0, ahead = 0.0;
     size_t count[2] = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -154,7 +155,7 @@ static void where_zones_overlap_both_have_the_whole_of_the_body(void **state) {
         both += right < 1.0 - 1e-9 && top < 1.0 - 1e-9;
     }
     assert_int_equal(both, 4 * 4);
-    gn_zone_measure(w, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
     assert_int_equal(f.shared, 4 * 4);
     assert_int_equal(f.other, 1);
     world_end(w);
@@ -216,7 +217,7 @@ static void a_zone_across_two_materials_is_told_apart(void **state) {
     (void)state;
     gn_world *w = two_materials("run: {threads: 1}\n");
     gn_zone_figures f;
-    gn_zone_measure(w, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
     assert_int_equal(f.materials, 2);
     assert_int_equal(f.material[0].particles, 21);
     assert_int_equal(f.material[1].particles, 21);
@@ -272,19 +273,19 @@ static void fly(const double *x, const void *of, double u[3], double v[3]) {
 }
 
 static double momentum_of_elements(const gn_world *w) {
-    const gn_particles *nodes = &w->elements[0]->solid.nodes;
+    const gn_particles *nodes = &w->solids.elements[0]->solid.nodes;
     double sum = 0.0;
     for (size_t n = 0; n < nodes->soa.count; n++) sum += nodes->vel[4 * n] / nodes->vel[4 * n + 3];
     return sum;
 }
 
 static void fly_on(gn_world *w, size_t wanted, int most) {
-    for (int k = 0; k < most && gn_coupled_lost(w) < wanted; k += 50) {
+    for (int k = 0; k < most && gn_coupled_lost(&w->ctx, &w->zones) < wanted; k += 50) {
         run_steps(w, 50);
         gn_energy e = measured_step(w);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
     }
-    assert_int_equal(gn_coupled_lost(w), wanted);
+    assert_int_equal(gn_coupled_lost(&w->ctx, &w->zones), wanted);
 }
 
 /* Nodes give up the mass that they carried: what is left at last is their own, and the books are
@@ -298,7 +299,7 @@ static void a_zone_may_lose_all_its_particles(void **state) {
         gn_world *w = &run->world;
         set_fields(w, fly, &speed);
         fly_on(w, 20, 100000);
-        const gn_fem_solid *b = &w->elements[0]->solid;
+        const gn_fem_solid *b = &w->solids.elements[0]->solid;
         for (size_t n = 0; b->carried && n < b->nodes.soa.count; n++)
             assert_near(b->carried[n], 0.0, 0.0);
         double mass = 0.0;
@@ -328,15 +329,20 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
         for (int r = 0; r < 2; r++) {
             gn_world *w = &all[r]->world;
             set_fields(w, fly, &speed);
-            for (int n = 0; n < 100000 && gn_coupled_lost(w) < 8; n += 10) run_steps(w, 10);
-            assert_in_range(gn_coupled_lost(w), 8, 19);
+            for (int n = 0; n < 100000 && gn_coupled_lost(&w->ctx, &w->zones) < 8; n += 10)
+                run_steps(w, 10);
+            assert_in_range(gn_coupled_lost(&w->ctx, &w->zones), 8, 19);
         }
         if (gn_checkpoint_write(all[0], path, &error) != GNEISS_OK ||
             gn_checkpoint_load(path, NULL, 0, all[2], &error) != GNEISS_OK)
             fail_msg("%s", error.message);
         for (int r = 0; r < 3; r++) run_steps(&all[r]->world, 200);
         for (int r = 1; r < 3; r++)
-            assert_true(gn_world_hash(&all[r]->world) == gn_world_hash(&all[0]->world));
+            assert_true(
+                gn_world_hash(&all[r]->world.ctx, &all[r]->world.dem, &all[r]->world.boundary,
+                              &all[r]->world.solids, &all[r]->world.box) ==
+                gn_world_hash(&all[0]->world.ctx, &all[0]->world.dem, &all[0]->world.boundary,
+                              &all[0]->world.solids, &all[0]->world.box));
         for (int r = 0; r < 3; r++) {
             gn_run_free(all[r]);
             free(all[r]);
@@ -364,7 +370,7 @@ static void bonds_that_break_in_a_zone_are_told(void **state) {
     set_fields(&run->world, stretch, strain);
     run_steps(&run->world, 2);
     /* The same stretch breaks a bond, whatever its part of it is. */
-    assert_int_equal(gn_coupled_broken(&run->world), 6 * 6);
+    assert_int_equal(gn_coupled_broken(&run->world.dem), 6 * 6);
     gn_warnings warnings;
     assert_int_equal(gn_run_warnings(run, &warnings, NULL), GNEISS_OK);
     bool told = false;
@@ -402,9 +408,9 @@ static void a_test_takes_its_sizes_from_all_of_the_body(void **state) {
             space ? "box: {size: [40 mm, 10 mm, 8 mm], cells: [20, 5, 4]}"
                   : "rectangle: {size: [40 mm, 10 mm], cells: [20, 5]}",
             space ? ", -1 mm" : "", space ? ", 9 mm" : "");
-        print_message("# length %g m, area %g m2\n", w->test_length, w->test_area);
-        assert_near(w->test_length, 40e-3, 0.1e-3);
-        assert_near(w->test_area, space ? 80e-6 : 10e-3, space ? 1e-6 : 0.1e-3);
+        print_message("# length %g m, area %g m2\n", w->ctx.test_length, w->ctx.test_area);
+        assert_near(w->ctx.test_length, 40e-3, 0.1e-3);
+        assert_near(w->ctx.test_area, space ? 80e-6 : 10e-3, space ? 1e-6 : 0.1e-3);
         world_end(w);
     }
 }

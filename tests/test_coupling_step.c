@@ -80,10 +80,10 @@ static void add_rows(unknowns *u, double *rows, size_t p, size_t from, size_t to
 
 static unknowns *unknowns_of(gn_world *w) {
     unknowns *u = calloc(1, sizeof *u);
-    gn_particles *nodes = &w->elements[0]->solid.nodes, *q = &w->dem.particles;
-    const size_t dim = (size_t)w->scene.dimension;
-    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY,
-               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED;
+    gn_particles *nodes = &w->solids.elements[0]->solid.nodes, *q = &w->dem.particles;
+    const size_t dim = (size_t)w->ctx.scene.dimension;
+    const bool springs = w->ctx.scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = w->ctx.scene.couple.spins == GN_COUPLE_SLAVED;
     for (size_t n = 0; n < nodes->soa.count; n++) add_rows(u, nodes->vel, n, 0, dim);
     for (size_t id = 0; id < q->soa.count; id++) {
         const size_t p = (size_t)w->dem.index_of_id[id];
@@ -111,7 +111,7 @@ static void column_of(const model *m, const char *time, size_t j, double *column
     free(u);
     u = unknowns_of(w);
     for (size_t i = 0; i < count; i++)
-        column[i] = (before[i] - *u->value[i]) / (w->dt * w->dt * speed);
+        column[i] = (before[i] - *u->value[i]) / (w->ctx.dt * w->ctx.dt * speed);
     free(u);
     free(before);
     world_end(w);
@@ -165,9 +165,10 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(w), bound = gn_world_bound(w);
-        const double sides = fmin(w->dem.limit.sharp, w->elements[0]->limit.sharp);
-        const gn_whole_limit *whole = gn_coupled_whole(w);
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sides = fmin(w->dem.limit.sharp, w->solids.elements[0]->limit.sharp);
+        const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
         assert_non_null(whole);
         assert_true(sharp == whole->sharp);
         double dense = dense_limit(&models[k], sharp);
@@ -186,7 +187,7 @@ static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **stat
     double stiffness[2];
     for (int k = 0; k < 2; k++) {
         gn_world *w = made(&models[6], k ? "step: 1e-9" : NULL, NULL);
-        const gn_coupled *q = w->coupled;
+        const gn_coupled *q = w->zones.coupled;
         stiffness[k] = q->stiffness[q->ties.count / 2];
         world_end(w);
     }
@@ -201,8 +202,8 @@ static double energy_at(const model *m, double part, int steps) {
     char time[96];
     gneiss_error error = {0};
     gn_world *w = made(m, NULL, NULL);
-    double limit = gn_world_sharp_limit(w), grown = 0.0;
-    const double space = w->scene.dimension == 3 ? 1.0 : 0.0;
+    double limit = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones), grown = 0.0;
+    const double space = w->ctx.scene.dimension == 3 ? 1.0 : 0.0;
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
     w = made(m, time, NULL);
@@ -212,7 +213,7 @@ static double energy_at(const model *m, double part, int steps) {
     const double start = gn_energy_stored(&e);
     for (int k = 0; k < steps && isfinite(grown); k++)
         if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
-    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->ledger.reading)) / start;
     world_end(w);
     return grown;
 }
@@ -251,9 +252,9 @@ static void an_automatic_step_is_that_of_both_as_one(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const double sharp = gn_world_sharp_limit(w);
-        assert_near(w->stable, sharp, 1e-12 * sharp);
-        assert_near(w->dt, w->scene.safety * sharp, 1e-12 * sharp);
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones);
+        assert_near(w->ctx.stable, sharp, 1e-12 * sharp);
+        assert_near(w->ctx.dt, w->ctx.scene.safety * sharp, 1e-12 * sharp);
         world_end(w);
     }
 }
@@ -264,10 +265,11 @@ static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     (void)state;
     for (int k = 4; k < 7; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        double sides = gn_limit_of_all(w, w->dem.stable);
+        double sides =
+            gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->dem.stable);
         print_message("# %s: %.3f of what each holds\n", models[k].name,
-                      gn_world_sharp_limit(w) / sides);
-        assert_true(gn_world_sharp_limit(w) > 1.01 * sides);
+                      gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) / sides);
+        assert_true(gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) > 1.01 * sides);
         world_end(w);
     }
 }
@@ -277,10 +279,10 @@ static void the_side_with_the_fastest_mode_is_named(void **state) {
     (void)state;
     char who[128];
     gn_world *w = made(&models[0], NULL, NULL);
-    assert_true(gn_coupled_whole(w)->side == GN_SIDE_PARTICLES);
-    assert_non_null(
-        strstr(gn_whole_culprit(gn_coupled_whole(w), who, sizeof who), "the particles, particle "));
-    assert_null(gn_elements_lead(w));
+    assert_true(gn_coupled_whole(&w->ctx, &w->zones)->side == GN_SIDE_PARTICLES);
+    assert_non_null(strstr(gn_whole_culprit(gn_coupled_whole(&w->ctx, &w->zones), who, sizeof who),
+                           "the particles, particle "));
+    assert_null(gn_elements_lead(&w->ctx, &w->dem, &w->solids, &w->zones));
     world_end(w);
 }
 
@@ -289,7 +291,9 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     for (int k = 0; k < MODELS; k++) {
         gn_world *a = made(&models[k], NULL, "run: {threads: 1}\n"),
                  *b = made(&models[k], NULL, "run: {threads: 2}\n");
-        assert_true(gn_world_sharp_limit(a) == gn_world_sharp_limit(b) && a->dt == b->dt);
+        assert_true(gn_world_sharp_limit(&a->ctx, &a->dem, &a->solids, &a->zones) ==
+                        gn_world_sharp_limit(&b->ctx, &b->dem, &b->solids, &b->zones) &&
+                    a->ctx.dt == b->ctx.dt);
         world_end(a);
         world_end(b);
     }
@@ -304,8 +308,9 @@ static double damped_energy(const char *more, double part, int steps) {
     s.more = more;
     s.rest = "damping: {contact: {restitution: 0.5}}\nrun: {threads: 1}\n";
     gn_world *w = strip_of(&s);
-    const double limit = w->stable;
-    assert_true(limit <= gn_world_sharp_limit(w) * (1.0 + 1e-12));
+    const double limit = w->ctx.stable;
+    assert_true(limit <=
+                gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) * (1.0 + 1e-12));
     world_end(w);
     snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
     s.time = time;
@@ -314,7 +319,7 @@ static double damped_energy(const char *more, double part, int steps) {
     double start = gn_energy_stored(&e), grown = 0.0;
     for (int k = 0; k < steps && isfinite(grown); k++)
         if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
-    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->ledger.reading)) / start;
     world_end(w);
     return grown;
 }
@@ -335,16 +340,16 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 
 /* m/s2, along an axis, of a particle of a zone that a force of 1 N acts on there. */
 static double moved_by(gn_world *w, size_t k, int axis) {
-    gn_coupled *q = w->coupled;
-    gn_fem_solid *b = &w->elements[0]->solid;
+    gn_coupled *q = w->zones.coupled;
+    gn_fem_solid *b = &w->solids.elements[0]->solid;
     double sum = 0.0;
     memset(q->load, 0, q->ties.count * sizeof *q->load);
     if (q->turn) memset(q->turn, 0, q->ties.count * sizeof *q->turn);
     q->load[k][axis] = 1.0;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memset(gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]), 0, 3 * sizeof(double));
-    gn_coupled_hand_to_nodes(w, q);
-    if (q->before) gn_masses_correct(w, q);
+    gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
+    if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
     for (int a = 0; a < q->ties.corners; a++) {
         const size_t node = (size_t)q->ties.tie[k].node[a];
         sum += q->ties.tie[k].shape[a] * gn_hold_load(&b->hold, 4, node)[axis] *
@@ -359,12 +364,12 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *w = made(&models[k], NULL, NULL);
-        const gn_coupled *q = w->coupled;
+        const gn_coupled *q = w->zones.coupled;
         const size_t n = w->dem.particles.soa.count;
         double *inverse = calloc(n, sizeof *inverse), least = INFINITY, most = 0.0;
         run_steps(w, 1);
         for (size_t p = 0; p < n; p++) inverse[p] = w->dem.particles.vel[4 * p + 3];
-        gn_coupled_give(w, inverse);
+        gn_coupled_give(&w->ctx, &w->dem, &w->solids, &w->zones, inverse);
         for (size_t t = 0; !q->stiffness && t < q->ties.count; t++) {
             const size_t p = (size_t)q->place[t];
             const double part = moved_by(w, t, (int)(t % 2)) / inverse[p];
@@ -452,12 +457,15 @@ static void small_elements_that_turn_particles_are_in_bound_and_step(void **stat
     for (int k = 0; k < TURNED; k++) {
         const model *m = &turned_models[k];
         gn_world *w = made(m, NULL, NULL);
-        const double sharp = gn_world_sharp_limit(w), bound = gn_world_bound(w);
-        const double sides = gn_limit_of_all(w, w->dem.stable), stable = w->stable;
-        const double dt = w->dt, safety = w->scene.safety;
+        const double sharp = gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+                     bound = gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones);
+        const double sides = gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                             w->dem.stable),
+                     stable = w->ctx.stable;
+        const double dt = w->ctx.dt, safety = w->ctx.scene.safety;
         world_end(w);
         w = made(m, "estimate: bound", NULL);
-        const double careful = w->dt;
+        const double careful = w->ctx.dt;
         world_end(w);
         const double dense = dense_limit(m, sharp);
         print_message("# %s: sharp %.6g s, dense %.6g s, bound %.3f, sides %.3f of it\n", m->name,

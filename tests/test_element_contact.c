@@ -67,7 +67,7 @@ static void add_all(momentum *m, const gn_particles *q) {
 static momentum momentum_of(const gn_world *w) {
     momentum m = {0};
     add_all(&m, &w->dem.particles);
-    add_all(&m, &w->elements[0]->solid.nodes);
+    add_all(&m, &w->solids.elements[0]->solid.nodes);
     return m;
 }
 
@@ -81,7 +81,7 @@ static void keeps_momentum(int dimension) {
     int64_t steps = 20000;
     run_steps(w, steps);
     momentum after = momentum_of(w);
-    double nodes = (double)w->elements[0]->solid.nodes.soa.count;
+    double nodes = (double)w->solids.elements[0]->solid.nodes.soa.count;
     for (int a = 0; a < 3; a++) {
         /* The elements' forces are large and cancel: roundings of each node's, every step. */
         double allowed = 2.2e-16 * (double)steps * sqrt(nodes) * 4.0;
@@ -142,8 +142,8 @@ static gn_world *bed(const char *step) {
 static void the_limit_knows_of_contacts_with_nodes(void **state) {
     (void)state;
     gn_world *w = bed("step: auto");
-    double alone = fmin(w->dem.stable, w->elements[0]->stable), most = 0.0, work = 0.0;
-    assert_true(w->boundary.vertex_rate * alone > 2.0 && w->dt < 0.5 * alone);
+    double alone = fmin(w->dem.stable, w->solids.elements[0]->stable), most = 0.0, work = 0.0;
+    assert_true(w->boundary.vertex_rate * alone > 2.0 && w->ctx.dt < 0.5 * alone);
     for (int n = 0; n < 20000; n++) {
         gn_energy e = measured_step(w);
         most = fmax(most, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
@@ -158,8 +158,8 @@ static void the_limit_knows_of_contacts_with_nodes(void **state) {
     gneiss_error error = {0};
     double speed = 0.0;
     for (int n = 0; n < 2000 && gn_world_step(w, false, &error) == GNEISS_OK; n++)
-        for (size_t v = 0; v < w->elements[0]->solid.nodes.soa.count; v++)
-            speed = fmax(speed, fabs(w->elements[0]->solid.nodes.vel[4 * v + 2]));
+        for (size_t v = 0; v < w->solids.elements[0]->solid.nodes.soa.count; v++)
+            speed = fmax(speed, fabs(w->solids.elements[0]->solid.nodes.vel[4 * v + 2]));
     /* Free fall over the whole time would come to far less. */
     assert_true(speed > 10.0 * 1e3 * 2000 * alone);
     world_end(w);
@@ -268,7 +268,7 @@ static const char *const held_base[] = {
 /* The most that is unexplained on the way, over what has gone through up to a time. */
 static double worst_residual(gn_world *w, double end) {
     double worst = 0.0, pressed = 0.0, scale = 0.0;
-    while (w->time < end) {
+    while (w->ctx.time < end) {
         run_steps(w, 20);
         gn_energy e = measured_step(w);
         scale = gn_energy_scale(&e);
@@ -413,10 +413,11 @@ static void compare_bits(gn_world *make(void), int64_t steps, int64_t rebuilds) 
     char saved[64];
     snprintf(saved, sizeof saved, "/tmp/gneiss-contact-%d.h5", (int)getpid());
     gn_world *one = make(), *two = make();
-    assert_int_equal(gn_world_use_threads(two, 2, NULL), GNEISS_OK);
+    assert_int_equal(gn_world_use_threads(&two->ctx, &two->dem, 2, NULL), GNEISS_OK);
     run_steps(one, steps);
     run_steps(two, steps);
-    assert_true(gn_world_hash(one) == gn_world_hash(two));
+    assert_true(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box) ==
+                gn_world_hash(&two->ctx, &two->dem, &two->boundary, &two->solids, &two->box));
     gn_run stopped = {0}, resumed;
     gneiss_error error = {0};
     stopped.world = *two;
@@ -431,7 +432,9 @@ static void compare_bits(gn_world *make(void), int64_t steps, int64_t rebuilds) 
     run_steps(one, steps);
     run_steps(&resumed.world, steps);
     assert_true(one->dem.verlet.rebuilds > rebuilds);
-    assert_true(gn_world_hash(one) == gn_world_hash(&resumed.world));
+    assert_true(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
     world_end(one);
     world_end(two);
     gn_run_free(&resumed);
@@ -472,7 +475,7 @@ static void too_many_facets_are_announced(void **state) {
             "density: 2000}], contact: {stiffness: 1e6}}\ndomain: {min: [-9, -9, -9], max: [9, 9, "
             "9]}\ntime: {end: 1}\n",
             radius[k], radius[k]);
-        gn_elements_doubts(w, doubts, sizeof doubts);
+        gn_elements_doubts(&w->ctx, &w->dem, &w->boundary, &w->solids, doubts, sizeof doubts);
         assert_true(k == (strstr(doubts, "512 facets of the elements at once") != NULL));
         assert_true(k == (strstr(doubts, "overlap of some 7.2e-05 m") != NULL));
         world_end(w);

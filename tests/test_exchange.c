@@ -24,13 +24,13 @@ typedef struct end {
 } end;
 
 static end end_of(gn_world *w, const tie *t, size_t k, int side) {
-    const bool space = w->scene.dimension == 3;
+    const bool space = w->ctx.scene.dimension == 3;
     int part = t->part[side];
     int32_t point = t->point[k][side];
     if (part < 0)
         return (end){&w->dem.particles, &w->dem.hold, (size_t)w->dem.index_of_id[point],
                      gn_row_width(space, true)};
-    gn_fem_solid *b = &w->elements[part]->solid;
+    gn_fem_solid *b = &w->solids.elements[part]->solid;
     return (end){&b->nodes, &b->hold, (size_t)point, gn_row_width(space, false)};
 }
 
@@ -47,13 +47,13 @@ static gneiss_status tie_mark(void *context, gn_world *w, gneiss_error *error) {
 static gneiss_status tie_act(void *context, gn_world *w, gneiss_error *error) {
     tie *t = context;
     (void)error;
-    double interval = 0.5 * (w->dt_past + w->dt);
+    double interval = 0.5 * (w->ctx.dt_past + w->ctx.dt);
     for (size_t k = 0; k < t->count; k++) {
         end a = end_of(w, t, k, 0), b = end_of(w, t, k, 1);
         const double *v = a.points->vel + 4 * a.place, *u = b.points->vel + 4 * b.place;
         double *f = gn_hold_load(a.hold, a.width, a.place);
         double *g = gn_hold_load(b.hold, b.width, b.place);
-        for (int c = 0; c < (int)w->scene.dimension; c++) {
+        for (int c = 0; c < (int)w->ctx.scene.dimension; c++) {
             double gap = (u[c] + interval * u[3] * g[c]) - (v[c] + interval * v[3] * f[c]);
             double force = gap / (interval * (v[3] + u[3]));
             f[c] += force;
@@ -66,7 +66,7 @@ static gneiss_status tie_act(void *context, gn_world *w, gneiss_error *error) {
 
 /* Waves along two axes. */
 static void stir(const gn_world *w, const gn_particles *q) {
-    const int64_t up = w->scene.dimension - 1;
+    const int64_t up = w->ctx.scene.dimension - 1;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *x = q->pos + 4 * p;
         double *v = q->vel + 4 * p;
@@ -102,7 +102,7 @@ static gn_world *solids(int dimension, double step, int threads) {
                  step, threads);
     free(t);
     stir(w, &w->dem.particles);
-    stir(w, &w->elements[0]->solid.nodes);
+    stir(w, &w->solids.elements[0]->solid.nodes);
     return w;
 }
 
@@ -120,19 +120,21 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
     size_t n[2];
     const gn_particles *q[2];
     for (int side = 0; side < 2; side++)
-        q[side] = t->part[side] < 0 ? &w->dem.particles : &w->elements[t->part[side]]->solid.nodes;
+        q[side] =
+            t->part[side] < 0 ? &w->dem.particles : &w->solids.elements[t->part[side]]->solid.nodes;
     for (n[0] = 0; n[0] < q[0]->soa.count; n[0]++)
         for (n[1] = 0; n[1] < q[1]->soa.count; n[1]++) {
             const double *x = q[0]->pos + 4 * n[0], *y = q[1]->pos + 4 * n[1];
             double d2 = 0.0;
-            for (int a = 0; a < (int)w->scene.dimension; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
+            for (int a = 0; a < (int)w->ctx.scene.dimension; a++)
+                d2 += (x[a] - y[a]) * (x[a] - y[a]);
             if (d2 > 1e-20) continue;
             for (int side = 0; side < 2; side++)
                 t->point[t->count][side] =
                     t->part[side] < 0 ? q[side]->id[n[side]] : (int32_t)n[side];
             t->count++;
         }
-    assert_int_equal(t->count, w->scene.dimension == 3 ? 36 : 6);
+    assert_int_equal(t->count, w->ctx.scene.dimension == 3 ? 36 : 6);
     if (gn_exchange_add(w, (gn_exchange){t, tie_mark, .act = tie_act}, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
 }
@@ -141,15 +143,15 @@ static two_blocks *stack(int dimension, double step, int threads) {
     two_blocks *s = calloc(1, sizeof *s);
     gneiss_error error = {0};
     s->w = solids(dimension, step, threads);
-    s->def = s->w->scene.elements;
+    s->def = s->w->ctx.scene.elements;
     s->material = s->def.materials[0];
     s->material.young *= 0.5;
     s->def.materials = &s->material;
     s->def.origin[dimension - 1] -= 3e-3;
-    if (gn_elements_add(s->w, &s->def, NULL, &error) != GNEISS_OK ||
+    if (gn_elements_add(&s->w->ctx, &s->w->solids, &s->def, NULL, &error) != GNEISS_OK ||
         gn_world_check_step(s->w, true, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
-    stir(s->w, &s->w->elements[1]->solid.nodes);
+    stir(s->w, &s->w->solids.elements[1]->solid.nodes);
     tie_make(&s->upper, s->w, -1, 0);
     tie_make(&s->lower, s->w, 0, 1);
     return s;
@@ -177,14 +179,14 @@ static void momentum_of(const gn_world *w, double sum[6], double *size) {
     memset(sum, 0, 6 * sizeof *sum);
     *size = 0.0;
     add_momentum(&w->dem.particles, sum, size);
-    for (size_t k = 0; k < w->element_count; k++)
-        add_momentum(&w->elements[k]->solid.nodes, sum, size);
+    for (size_t k = 0; k < w->solids.count; k++)
+        add_momentum(&w->solids.elements[k]->solid.nodes, sum, size);
 }
 
 static void assert_together(gn_world *w, const tie *t) {
     for (size_t k = 0; k < t->count; k++) {
         end a = end_of(w, t, k, 0), b = end_of(w, t, k, 1);
-        for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
+        for (size_t c = 0; c < (size_t)w->ctx.scene.dimension; c++) {
             assert_near(a.points->vel[4 * a.place + c], b.points->vel[4 * b.place + c], 1e-14);
             assert_near(a.points->pos[4 * a.place + c], b.points->pos[4 * b.place + c], 1e-15);
         }
@@ -254,7 +256,8 @@ static void two_bodies_of_elements_keep_momentum_and_energy(void **state) {
 static uint64_t stack_after(int threads, int steps) {
     two_blocks *s = stack(3, 4e-7, threads);
     run_steps(s->w, steps);
-    uint64_t hash = gn_world_hash(s->w);
+    uint64_t hash =
+        gn_world_hash(&s->w->ctx, &s->w->dem, &s->w->boundary, &s->w->solids, &s->w->box);
     stack_end(s);
     return hash;
 }
@@ -270,17 +273,18 @@ static void a_world_sums_over_its_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(3, 4e-7, 1);
     gn_world *w = s->w;
-    gn_fem_solid *a = &w->elements[0]->solid, *b = &w->elements[1]->solid;
-    gn_element_totals t = gn_elements_totals(w);
+    gn_fem_solid *a = &w->solids.elements[0]->solid, *b = &w->solids.elements[1]->solid;
+    gn_element_totals t = gn_elements_totals(&w->solids);
     assert_int_equal(t.nodes, a->nodes.soa.count + b->nodes.soa.count);
     assert_int_equal(t.elements, a->elements.soa.count + b->elements.soa.count);
     assert_near(t.mass, a->mass + b->mass, 1e-15 * t.mass);
-    assert_near(gn_world_mass(w), w->dem.mass + t.mass, 1e-15 * gn_world_mass(w));
-    assert_true(w->elements[1]->stable > w->elements[0]->stable); /* half as stiff */
-    assert_true(gn_elements_stable(w) == w->elements[0]->stable);
-    uint64_t hash = gn_world_hash(w);
+    assert_near(gn_world_mass(&w->dem, &w->solids), w->dem.mass + t.mass,
+                1e-15 * gn_world_mass(&w->dem, &w->solids));
+    assert_true(w->solids.elements[1]->stable > w->solids.elements[0]->stable); /* half as stiff */
+    assert_true(gn_elements_stable(&w->solids) == w->solids.elements[0]->stable);
+    uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     b->nodes.pos[0] += 1e-9;
-    assert_true(gn_world_hash(w) != hash);
+    assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) != hash);
     stack_end(s);
 }
 
@@ -306,8 +310,8 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
     assert_int_equal(write(w, file, &error), GNEISS_OK);
     assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
     assert_int_equal(gn_h5_open_whole(path, &file, &error), GNEISS_OK);
-    assert_int_equal(rows_of(file, name), w->elements[0]->solid.nodes.soa.count);
-    assert_int_equal(rows_of(file, second), w->elements[1]->solid.nodes.soa.count);
+    assert_int_equal(rows_of(file, name), w->solids.elements[0]->solid.nodes.soa.count);
+    assert_int_equal(rows_of(file, second), w->solids.elements[1]->solid.nodes.soa.count);
     assert_false(gn_h5_has(file, third));
     gn_h5_close(file);
     unlink(path);
@@ -327,7 +331,7 @@ static uint64_t hash_after(int threads, bool tied, int steps) {
     tie t;
     if (tied) tie_make(&t, w, -1, 0);
     run_steps(w, steps);
-    uint64_t hash = gn_world_hash(w);
+    uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     world_end(w);
     return hash;
 }
@@ -352,16 +356,17 @@ static void waiting_changes_no_bit(void **state) {
     gn_world *w = solids(3, 4e-7, 2);
     tie t;
     tie_make(&t, w, -1, 0);
-    w->exchange[0].act = nothing;
+    w->features.exchange[0].act = nothing;
     run_steps(w, 300);
-    assert_true(w->dem.hold.count > 0 && w->elements[0]->solid.hold.count > 0);
-    assert_true(gn_world_hash(w) == hash_after(1, false, 300));
+    assert_true(w->dem.hold.count > 0 && w->solids.elements[0]->solid.hold.count > 0);
+    assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
+                hash_after(1, false, 300));
     world_end(w);
 }
 
 static gneiss_status refuse(void *context, gn_world *w, gneiss_error *error) {
     (void)context;
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE, "step %lld: refused", (long long)w->step);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE, "step %lld: refused", (long long)w->ctx.step);
 }
 
 static void an_exchange_may_stop_the_run(void **state) {

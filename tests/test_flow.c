@@ -22,7 +22,7 @@ static void no_two_touch(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     for (size_t i = 0; i < q->soa.count; i++)
         for (size_t j = 0; j < i; j++) {
-            double d[3], gap = sqrt(gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d)) -
+            double d[3], gap = sqrt(gn_branch(&w->ctx, q->pos + 4 * i, q->pos + 4 * j, d)) -
                                q->pos[4 * i + 3] - q->pos[4 * j + 3];
             bool there = q->vel[4 * i + 3] > 0.0 && q->vel[4 * j + 3] > 0.0;
             if (there && gap < 0.0) fail_msg("%zu and %zu overlap by %g", i, j, -gap);
@@ -41,13 +41,13 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
     for (double t = 0.01; t < 0.155; t += 0.03) {
         run_until(w, t);
         /* Looks are 50 steps apart. */
-        double due = floor(1000 * w->time) + 1, late = 1000 * 51 * w->dt;
+        double due = floor(1000 * w->ctx.time) + 1, late = 1000 * 51 * w->ctx.dt;
         assert_true(w->dem.flow.sources[0].number <= due);
         assert_true(w->dem.flow.sources[0].number >= due - 1 - late);
         no_two_touch(w);
     }
     assert_true(w->dem.flow.sources[0].full == 0.0);
-    assert_int_equal(gn_world_present(w), (int)w->dem.flow.sources[0].number);
+    assert_int_equal(gn_world_present(&w->dem), (int)w->dem.flow.sources[0].number);
     world_end(w);
 }
 
@@ -58,8 +58,8 @@ static void a_source_keeps_its_rate_of_mass(void **state) {
         world_of(LOOSE "sources: [{name: s, box: {size: [0.05, 0.05, 0.05]}, mass_rate: 0.02, "
                        "mean_radius: 1 mm, size_ratio: 3, velocity: [0, 0, -2]}]\n" ENDLESS);
     run_until(w, 0.1);
-    double late = 0.02 * 51 * w->dt;
-    assert_near(w->dem.flow.sources[0].mass, 0.02 * w->time, late + sphere_mass(2500, 1.5e-3));
+    double late = 0.02 * 51 * w->ctx.dt;
+    assert_near(w->dem.flow.sources[0].mass, 0.02 * w->ctx.time, late + sphere_mass(2500, 1.5e-3));
     world_end(w);
 }
 
@@ -77,7 +77,7 @@ static void a_source_stops_at_its_end_and_total(void **state) {
     run_until(w, 0.06);
     assert_in_range((int)w->dem.flow.sources[0].number, 18, 21);
     assert_true(w->dem.flow.sources[1].number == 7.0);
-    assert_true(gn_flow_behind(w, 1) == 0.0);
+    assert_true(gn_flow_behind(&w->ctx, &w->dem, 1) == 0.0);
     world_end(w);
 }
 
@@ -122,7 +122,7 @@ static void without_room_a_rate_falls_behind_and_says_so(void **state) {
     no_two_touch(w);
     assert_true(w->dem.flow.sources[0].full > 0.0);
     assert_true(number > 50.0 && number * 4.0 / 3.0 * pi * 8e-9 < 0.384 * pow(0.024, 3));
-    assert_near(gn_flow_behind(w, 0), w->time - number / 1e6, 1e-12);
+    assert_near(gn_flow_behind(&w->ctx, &w->dem, 0), w->ctx.time - number / 1e6, 1e-12);
     world_end(w);
 }
 
@@ -246,7 +246,7 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     double mass = 0.0, v2 = 4.25;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (w->dem.particles.vel[4 * p + 3] > 0.0) mass += 1.0 / w->dem.particles.vel[4 * p + 3];
-    assert_true(o->number > 250.0 && s->number == o->number + (double)gn_world_present(w));
+    assert_true(o->number > 250.0 && s->number == o->number + (double)gn_world_present(&w->dem));
     /* Sums of some 400 terms. */
     assert_close(s->mass, o->mass + mass, 1e-13);
     assert_close(s->momentum[2], o->momentum[2] - 2.0 * mass, 1e-12);
@@ -268,7 +268,7 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
               "sinks: [{name: o, box: {size: [0.1, 0.1, 0.1]}, origin: [0, 0, 0.009]}]\n"
               "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n" ENDLESS);
     assert_true(w->dem.flow.sinks[0].number == 1.0); /* at the start */
-    assert_int_equal(gn_world_present(w), 2);
+    assert_int_equal(gn_world_present(&w->dem), 2);
     run_until(w, 0.04);
     assert_true(w->dem.flow.sinks[0].number == 1.0);
     run_until(w, 0.08); /* 0.5 mm to go at 10 mm/s; looked at when lists are made */
@@ -311,7 +311,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
     run_until(w, 0.45); /* all are below */
     assert_true(w->dem.flow.sinks[0].number == 1.0);
-    assert_int_equal(gn_world_present(w), 2);
+    assert_int_equal(gn_world_present(&w->dem), 2);
     world_end(w);
 }
 
@@ -327,7 +327,7 @@ static void a_sink_takes_bonded_particles(void **state) {
         "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0, 0]}]\n"
         "sinks: [{name: o, plane: {point: [6e-3, 0, 0], normal: [1, 0, 0]}}]\n" DOMAIN ENDLESS);
     measured_step(w);
-    while (w->dem.flow.sinks[0].number < 1.0 && w->step < 100000) run_steps(w, 1);
+    while (w->dem.flow.sinks[0].number < 1.0 && w->ctx.step < 100000) run_steps(w, 1);
     run_steps(w, 10);
     gn_energy e = measured_step(w);
     assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
@@ -365,7 +365,7 @@ static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
               "sinks: [{name: o, plane: {point: [0, 0, -0.02], normal: [0, 0, -1]}}]\n" ENDLESS);
     run_until(w, 0.25);
     const gn_particles *q = &w->dem.particles;
-    size_t present = gn_world_present(w);
+    size_t present = gn_world_present(&w->dem);
     assert_true(w->dem.flow.sinks[0].number > 1000.0);
     assert_true(q->soa.count < 2 * present);
     assert_true((double)w->dem.ids == w->dem.flow.sources[0].number);
@@ -462,9 +462,10 @@ static void threads_have_the_same_bits(void **state) {
         gn_world *a = busy_world((kind)k, 1, "double"), *b = busy_world((kind)k, 2, "double");
         run_steps(a, BUSY_STEPS);
         run_steps(b, BUSY_STEPS);
-        assert_true(gn_world_hash(a) == gn_world_hash(b));
+        assert_true(gn_world_hash(&a->ctx, &a->dem, &a->boundary, &a->solids, &a->box) ==
+                    gn_world_hash(&b->ctx, &b->dem, &b->boundary, &b->solids, &b->box));
         assert_true(memcmp(a->dem.flow.sinks, b->dem.flow.sinks, 3 * sizeof(gn_sink_state)) == 0);
-        assert_true(a->dt == b->dt);
+        assert_true(a->ctx.dt == b->ctx.dt);
         world_end(a);
         world_end(b);
     }
@@ -486,9 +487,13 @@ static void resumes(kind of) {
     ok(gn_run_steps(&whole, 3000, &error), &error);
     ok(gn_run_steps(&resumed, 3000, &error), &error);
     assert_true(whole.world.dem.flow.sinks[0].number > 5.0);
-    assert_true(gn_world_hash(&whole.world) == gn_world_hash(&resumed.world));
-    assert_true(whole.world.dt == resumed.world.dt);
-    assert_true(memcmp(&whole.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
+    assert_true(gn_world_hash(&whole.world.ctx, &whole.world.dem, &whole.world.boundary,
+                              &whole.world.solids, &whole.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
+    assert_true(whole.world.ctx.dt == resumed.world.ctx.dt);
+    assert_true(
+        memcmp(&whole.world.ledger.energy, &resumed.world.ledger.energy, sizeof(gn_energy)) == 0);
     assert_int_equal(whole.history.row_count, resumed.history.row_count);
     gn_run_free(&whole);
     gn_run_free(&resumed);
@@ -520,12 +525,13 @@ static void stages_go_on_with_what_came(void **state) {
        &error);
     ok(gn_run_create(&scene, &run, &error), &error);
     gn_world *w = &run.world;
-    while (w->time < 0.06) ok(gn_run_steps(&run, 10, &error), &error);
-    assert_int_equal(w->stage, 1);
-    assert_true(gn_world_present(w) > 100);
+    while (w->ctx.time < 0.06) ok(gn_run_steps(&run, 10, &error), &error);
+    assert_int_equal(w->stages.now, 1);
+    assert_true(gn_world_present(&w->dem) > 100);
     assert_int_equal(w->dem.prescribed.count, 1);
-    assert_near(gn_set_travel(w, 0, 2), 0.03, 0.002); /* from the first step of the stage on */
-    assert_near(gn_energy_residual(&w->reading), 0.0, 0.005);
+    assert_near(gn_set_travel(&w->ctx, &w->dem, &w->solids, 0, 2), 0.03,
+                0.002); /* from the first step of the stage on */
+    assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 0.005);
     gn_run_free(&run);
 }
 
@@ -701,11 +707,11 @@ static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     ok(gn_scene_load(path, smaller, sizeof smaller / sizeof *smaller, &scene, &error), &error);
     ok(gn_run_create(&scene, &run, &error), &error);
     gn_world *w = &run.world;
-    while (w->time < 0.25) ok(gn_run_steps(&run, 1, &error), &error);
-    double fallen = w->time - w->stages[1].time, weight = 0.0, top = 0.0, count = 0.0;
+    while (w->ctx.time < 0.25) ok(gn_run_steps(&run, 1, &error), &error);
+    double fallen = w->ctx.time - w->stages.state[1].time, weight = 0.0, top = 0.0, count = 0.0;
     assert_near(pos_of(w, 0)[2], 0.1 - 0.5 * 9.81 * fallen * fallen, 1e-4);
     for (int id = 1; id <= 400; id++) top = fmax(top, pos_of(w, id)[2]);
-    while (w->time < 0.6) ok(gn_run_steps(&run, 1, &error), &error);
+    while (w->ctx.time < 0.6) ok(gn_run_steps(&run, 1, &error), &error);
     gn_energy e = measured_step(w);
     for (int id = 0; id <= 400; id++) weight += 9.81 * mass_of(w, id);
     for (int id = 1; id <= 400; id++) count += pos_of(w, id)[2] > pos_of(w, 0)[2] - 8e-3;

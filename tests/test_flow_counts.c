@@ -56,7 +56,7 @@ static void a_source_brings_its_rate_times_its_end(void **state) {
                   : "rectangle: {width: 60 mm, height: 60 mm}",
             cases[k].fed, space ? ", -1" : "", space ? ", 2" : "", cases[k].end);
         run_of(t->s, &run);
-        while (run.world.time < cases[k].end) run_steps(&run.world, 1);
+        while (run.world.ctx.time < cases[k].end) run_steps(&run.world, 1);
         const gn_source_state *s = &run.world.dem.flow.sources[0];
         if (cases[k].mass > 0.0)
             assert_near(s->mass, cases[k].mass, 1.01 * one);
@@ -78,7 +78,7 @@ static void a_run_too_short_for_its_source_says_so(void **state) {
            "domain: {min: [-1, -1, -1], max: [2, 2, 2]}\ntime: {end: 100 us, step: 2.5 us}\n"
            "run: {threads: 1}\n",
            &run);
-    assert_near(gn_flow_late(&run.world, 0), 300, 1e-6);
+    assert_near(gn_flow_late(&run.world.ctx, &run.world.dem, 0), 300, 1e-6);
     run_steps(&run.world, 40);
     assert_true(warns(&run, "source_behind", "up to 50 steps late"));
     gn_run_free(&run);
@@ -100,8 +100,8 @@ static void a_late_source_is_described_as_it_is_given(void **state) {
             "time: {end: 100 us, step: 2.5 us}\nrun: {threads: 1}\n",
             k ? "total: 100" : "end: 90 us");
         run_of(t->s, &run);
-        if (k) assert_near(gn_flow_late(&run.world, 0), 100, 1e-9);
-        if (k) assert_near(gn_flow_expected(&run.world, 0), 100, 1e-9);
+        if (k) assert_near(gn_flow_late(&run.world.ctx, &run.world.dem, 0), 100, 1e-9);
+        if (k) assert_near(gn_flow_expected(&run.world.ctx, &run.world.dem, 0), 100, 1e-9);
         run_steps(&run.world, 40);
         assert_true(warns(&run, "source_behind", "a longer run"));
         assert_ok(gn_run_warnings(&run, &list, &error), &error);
@@ -145,7 +145,7 @@ static void a_thin_sink_takes_all_that_pass(void **state) {
             add_grains(t, dimension, 1.0);
             add(t, "sinks: [{name: k, %s}]\n", sinks[k][dimension == 2]);
             run_of(t->s, &run);
-            while (run.world.time < 20e-3) run_steps(&run.world, 1);
+            while (run.world.ctx.time < 20e-3) run_steps(&run.world, 1);
             assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
             assert_true(!warns(&run, "sink_too_thin", ""));
             gn_run_free(&run);
@@ -171,7 +171,7 @@ static void a_sink_as_thick_as_a_grain_takes_all_that_pass(void **state) {
                 space ? "box: {size: [0.1, 0.04, " : "rectangle: {width: 0.1, height: ",
                 cases[k].thickness, space ? "]}" : "}", space ? "-0.02, " : "", cases[k].below);
             run_of(t->s, &run);
-            while (run.world.time < 20e-3) run_steps(&run.world, 1);
+            while (run.world.ctx.time < 20e-3) run_steps(&run.world, 1);
             assert_near(run.world.dem.flow.sinks[0].number, GRAINS, 0.0);
             assert_true(!warns(&run, "sink_too_thin", ""));
             gn_run_free(&run);
@@ -189,7 +189,8 @@ static void a_sink_that_no_grain_fits_in_is_warned_of(void **state) {
         add(t, "sinks: [{name: k, box: {size: [0.1, 0.04, %s]}, origin: [-0.02, -0.02, 0]}]\n",
             wide ? "2.1 mm" : "1.5 mm");
         run_of(t->s, &run);
-        assert_true(gn_sink_is_too_thin(&run.world, 0, said, sizeof said) == !wide);
+        assert_true(gn_sink_is_too_thin(&run.world.ctx, &run.world.dem, 0, said, sizeof said) ==
+                    !wide);
         run_steps(&run.world, 10);
         assert_true(warns(&run, "sink_too_thin", "thinner than any particle") == !wide);
         gn_run_free(&run);
@@ -224,7 +225,7 @@ static void the_last_step_of_a_run_that_flows_has_a_row(void **state) {
         assert_ok(gn_scene_parse(t->s, "s.yaml", NULL, given[k], 2, &scene, &error), &error);
         assert_ok(gn_run_create(&scene, &run[k], &error), &error);
         while (!run[k].finished) assert_ok(gn_run_advance(&run[k], 10.0, NULL, &error), &error);
-        assert_near(last_of(&run[k], "time"), run[k].world.time - 10e-6, 1e-9);
+        assert_near(last_of(&run[k], "time"), run[k].world.ctx.time - 10e-6, 1e-9);
         assert_near(last_of(&run[k], "sink_k_number"), run[k].world.dem.flow.sinks[0].number, 0.0);
         free(t);
     }

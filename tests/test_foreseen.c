@@ -61,13 +61,13 @@ static void a_limit_is_found_in_the_stage_that_brings_it(void **state) {
     assert_near(f.course.part[1].end, 0.5001, 1e-12);
     assert_near(f.course.part[2].end, 1.0, 1e-12);
     assert_false(f.course.part[0].open || f.course.part[1].open || f.course.part[1].guessed);
-    assert_near(f.course.part[0].dt, w->dt, 0.0);
-    assert_near(f.course.part[1].dt, 0.4 / 0.9 * w->dt, 1e-9 * w->dt);
+    assert_near(f.course.part[0].dt, w->ctx.dt, 0.0);
+    assert_near(f.course.part[1].dt, 0.4 / 0.9 * w->ctx.dt, 1e-9 * w->ctx.dt);
     /* Its loads come to 0.5 s of pulling. */
     assert_near(f.reach, 0.5 / pull, 0.01 * f.reach);
     try_it(w, &f);
     assert_string_equal(f.halt, "");
-    assert_int_equal(w->stage, 2);
+    assert_int_equal(w->stages.now, 2);
     gn_foreseen_free(&f);
     world_end(w);
 }
@@ -134,10 +134,10 @@ static gn_wall_passed passed_of(const char *walls) {
     snprintf(rest, sizeof rest, "run: {threads: 1}\nwalls: [{name: w, stiffness: 1e9, %s}]", walls);
     s.rest = rest;
     gn_world *w = block_of(&s);
-    const uint64_t hash = gn_world_hash(w);
+    const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     if (gn_wall_foresee_passed(w, passed, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    assert_true(gn_world_hash(w) == hash);
-    const gn_wall_passed now = gn_wall_passed_now(w, 0);
+    assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash);
+    const gn_wall_passed now = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, 0);
     assert_int_equal(now.behind, passed[0].time > 0.0 ? 0 : passed[0].behind);
     world_end(w);
     return passed[0];
@@ -173,10 +173,14 @@ static void foreseeing_leaves_a_world_as_it_was(void **state) {
     gn_world *w = block_of(&s), *other = block_of(&s);
     gn_foreseen f = foreseen_of(w);
     gn_foreseen_free(&f);
-    assert_true(gn_world_hash(w) == gn_world_hash(other));
+    assert_true(
+        gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
+        gn_world_hash(&other->ctx, &other->dem, &other->boundary, &other->solids, &other->box));
     run_steps(w, 200);
     run_steps(other, 200);
-    assert_true(gn_world_hash(w) == gn_world_hash(other));
+    assert_true(
+        gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
+        gn_world_hash(&other->ctx, &other->dem, &other->boundary, &other->solids, &other->box));
     world_end(w);
     world_end(other);
 }
@@ -233,8 +237,8 @@ static void what_stays_below_its_limit_is_said_to(void **state) {
 
 /* Runs to the first conversion. */
 static void run_to_first(gn_world *w) {
-    for (int k = 0; k < 20000 && !gn_conversion_begun(w); k++) run_steps(w, 1);
-    assert_true(gn_conversion_begun(w));
+    for (int k = 0; k < 20000 && !gn_conversion_begun(&w->solids); k++) run_steps(w, 1);
+    assert_true(gn_conversion_begun(&w->solids));
 }
 
 /* The step of the first conversion and that of the run some time later, beside what was foretold.
@@ -245,10 +249,10 @@ static void assert_foreseen(const block *s) {
     try_it(w, &f);
     assert_string_equal(f.halt, "");
     run_to_first(run);
-    assert_near(f.time, run->time, 0.2 * f.time);
-    assert_near(f.first.dt, run->dt, 0.2 * f.first.dt);
+    assert_near(f.time, run->ctx.time, 0.2 * f.time);
+    assert_near(f.first.dt, run->ctx.dt, 0.2 * f.first.dt);
     run_steps(run, 300);
-    assert_near(f.grown.dt, run->dt, 0.1 * f.grown.dt);
+    assert_near(f.grown.dt, run->ctx.dt, 0.1 * f.grown.dt);
     gn_foreseen_free(&f);
     world_end(w);
     world_end(run);

@@ -80,13 +80,13 @@ static void check_impact(const matter *m, bool two, double v) {
     for (int k = 0; k < STEPS + 10; k++) {
         double u = overlap_now(w, two, m->r), speed = two ? 2.0 * v : v;
         run_steps(w, 1);
-        double force = (vel_of(w, 0)[2] - before) / (w->dt * vel_of(w, 0)[3]);
+        double force = (vel_of(w, 0)[2] - before) / (w->ctx.dt * vel_of(w, 0)[3]);
         before = vel_of(w, 0)[2];
         deepest = fmax(deepest, u);
         most = fmax(most, force);
         double next = overlap_now(w, two, m->r);
-        if (u <= 0.0 && next > 0.0) first = w->time - next / speed;
-        if (u > 0.0 && next <= 0.0) last = w->time - next / -speed;
+        if (u <= 0.0 && next > 0.0) first = w->ctx.time - next / speed;
+        if (u > 0.0 && next <= 0.0) last = w->ctx.time - next / -speed;
     }
     /* Second order of a thousandth of the contact; the extremes lie up to half a step away. */
     assert_near(deepest, want.overlap, 1e-5 * want.overlap);
@@ -105,7 +105,7 @@ static double most_missed(const matter *m, int steps) {
     double most = 0.0;
     for (int k = 0; k < PHASES; k++) {
         gn_world *w = meeting(m, false, velocity, none, want.time / steps, "");
-        w->dem.particles.pos[2] += k * v * w->dt / PHASES;
+        w->dem.particles.pos[2] += k * v * w->ctx.dt / PHASES;
         run_steps(w, steps + 6);
         assert_true(overlap_now(w, false, m->r) < 0.0);
         most = fmax(most, fabs(pow(vel_of(w, 0)[2] / v, 2.0) - 1.0));
@@ -462,11 +462,13 @@ static void the_bits_do_not_depend_on_threads_or_instruction_sets(void **state) 
         gn_world *a = crowd("", one), *b = crowd("", two), *c = crowd("", plain);
         gn_world *const all[] = {a, b, c};
         for (int k = 0; k < 3; k++) run_steps(all[k], 3000);
-        assert_true(a->dem.pairs.soa.count > 0 && a->energy.friction > 0.0);
-        assert_true(a->energy.rolling > 0.0 && a->energy.contact_damping > 0.0);
+        assert_true(a->dem.pairs.soa.count > 0 && a->ledger.energy.friction > 0.0);
+        assert_true(a->ledger.energy.rolling > 0.0 && a->ledger.energy.contact_damping > 0.0);
         for (int k = 1; k < 3; k++) {
-            assert_true(gn_world_hash(all[k]) == gn_world_hash(a));
-            assert_true(all[k]->dt == a->dt);
+            assert_true(gn_world_hash(&all[k]->ctx, &all[k]->dem, &all[k]->boundary,
+                                      &all[k]->solids, &all[k]->box) ==
+                        gn_world_hash(&a->ctx, &a->dem, &a->boundary, &a->solids, &a->box));
+            assert_true(all[k]->ctx.dt == a->ctx.dt);
             world_end(all[k]);
         }
         world_end(a);
@@ -494,9 +496,13 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     ok(gn_run_load(path, NULL, 0, &resumed, &error), &error);
     ok(gn_run_steps(&whole, 1500, &error), &error);
     ok(gn_run_steps(&resumed, 1500, &error), &error);
-    assert_true(gn_world_hash(&whole.world) == gn_world_hash(&resumed.world));
-    assert_true(whole.world.dt == resumed.world.dt);
-    assert_true(memcmp(&whole.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
+    assert_true(gn_world_hash(&whole.world.ctx, &whole.world.dem, &whole.world.boundary,
+                              &whole.world.solids, &whole.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
+    assert_true(whole.world.ctx.dt == resumed.world.ctx.dt);
+    assert_true(
+        memcmp(&whole.world.ledger.energy, &resumed.world.ledger.energy, sizeof(gn_energy)) == 0);
     gn_run_free(&whole);
     gn_run_free(&resumed);
     unlink(path);
@@ -524,24 +530,27 @@ static void a_step_that_follows_flight_does_so_after_resume(void **state) {
                           "s.yaml", NULL, NULL, 0, &scene, &error),
            &error);
         ok(gn_run_create(&scene, &run, &error), &error);
-        while (run.world.step != step && run.world.step < 100000) {
-            lowered = run.world.dt_lowered;
+        while (run.world.ctx.step != step && run.world.ctx.step < 100000) {
+            lowered = run.world.ctx.dt_lowered;
             ok(gn_run_steps(&run, 1, &error), &error);
-            if (k == 0 && run.world.step > 1 && run.world.dt_lowered > lowered) break;
+            if (k == 0 && run.world.ctx.step > 1 && run.world.ctx.dt_lowered > lowered) break;
         }
-        step = run.world.step - 1;
+        step = run.world.ctx.step - 1;
         if (k == 0) gn_run_free(&run);
         if (k == 0) continue;
-        step = run.world.step;
+        step = run.world.ctx.step;
         ok(gn_checkpoint_write(&run, path, &error), &error);
         ok(gn_run_load(path, NULL, 0, &resumed, &error), &error);
-        lowered = run.world.dt_lowered;
+        lowered = run.world.ctx.dt_lowered;
         ok(gn_run_steps(&run, 1, &error), &error);
         ok(gn_run_steps(&resumed, 1, &error), &error);
     }
-    assert_true(run.world.dt_lowered > lowered);
-    assert_true(run.world.dt == resumed.world.dt);
-    assert_true(gn_world_hash(&run.world) == gn_world_hash(&resumed.world));
+    assert_true(run.world.ctx.dt_lowered > lowered);
+    assert_true(run.world.ctx.dt == resumed.world.ctx.dt);
+    assert_true(gn_world_hash(&run.world.ctx, &run.world.dem, &run.world.boundary,
+                              &run.world.solids, &run.world.box) ==
+                gn_world_hash(&resumed.world.ctx, &resumed.world.dem, &resumed.world.boundary,
+                              &resumed.world.solids, &resumed.world.box));
     gn_run_free(&run);
     gn_run_free(&resumed);
     unlink(path);
@@ -623,15 +632,15 @@ static void the_step_follows_the_overlap(void **state) {
         "  - {name: low, point: [0, 0, 0], normal: [0, 0, 1]}\n"
         "  - {name: top, point: [0, 0, 0.02], normal: [0, 0, -1], motion: {vz: -1e-3}}\n"
         "time: {end: 1}\nrun: {threads: 1}\n");
-    double first = w->dt, modulus = 1e8 / (1.0 - 0.09);
-    while (w->time < 0.5) {
+    double first = w->ctx.dt, modulus = 1e8 / (1.0 - 0.09);
+    while (w->ctx.time < 0.5) {
         run_steps(w, 1);
-        double u = fmax(0.01 - pos_of(w, 0)[2], pos_of(w, 0)[2] + 0.01 - 0.02 + 1e-3 * w->time);
+        double u = fmax(0.01 - pos_of(w, 0)[2], pos_of(w, 0)[2] + 0.01 - 0.02 + 1e-3 * w->ctx.time);
         double w2 = 4.0 * modulus * sqrt(0.01 * fmax(u, 0.0)) / mass_of(w, 0); /* two contacts */
-        assert_true(w->dt * sqrt(w2) < 1.0);
+        assert_true(w->ctx.dt * sqrt(w2) < 1.0);
     }
-    assert_true(w->dt < 0.3 * first); /* from 1e-6 to 2.5e-2 of the radius: 1/12 */
-    assert_in_range(w->dt_lowered, 1, 60);
+    assert_true(w->ctx.dt < 0.3 * first); /* from 1e-6 to 2.5e-2 of the radius: 1/12 */
+    assert_in_range(w->ctx.dt_lowered, 1, 60);
     world_end(w);
 }
 
@@ -737,8 +746,8 @@ static void the_limit_of_a_free_body_has_what_resists_its_rolling(void **state) 
     run_steps(w, 100);
     double side = 4e-3, mass = 2500 * side * side * side, inertia = mass * side * side / 6;
     double square = 1e5 * 20e-3 * 20e-3 / inertia;
-    assert_true(w->stable <= 2.0 / sqrt(square));
-    assert_true(w->stable >= 1.0 / sqrt(square)); /* and is not idle */
+    assert_true(w->ctx.stable <= 2.0 / sqrt(square));
+    assert_true(w->ctx.stable >= 1.0 / sqrt(square)); /* and is not idle */
     world_end(w);
 }
 

@@ -68,7 +68,7 @@ static void a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start(
                    : "",
             grain);
         double most2 = 0.0, end = staged ? 0.02 : 0.01;
-        while (run->world.time < end) {
+        while (run->world.ctx.time < end) {
             step_of_run(run);
             most2 = fmax(most2, run->world.dem.done.motion.speed2);
         }
@@ -113,12 +113,15 @@ static void what_drives_late_resumes_to_the_same_bits(void **state) {
                "  - {name: lid, point: [0, 0, 30e-3], normal: [0, 0, -1], servo: {force: 1, "
                "max_velocity: 0.1}}\n%s",
                grain);
-    while (a->world.time < 0.013) run_steps(&a->world, 1);
+    while (a->world.ctx.time < 0.013) run_steps(&a->world, 1);
     gn_run *b = resumed_of(a);
     for (int k = 0; k < 5; k++) {
         run_steps(&a->world, 300);
         run_steps(&b->world, 300);
-        assert_true(gn_world_hash(&a->world) == gn_world_hash(&b->world));
+        assert_true(gn_world_hash(&a->world.ctx, &a->world.dem, &a->world.boundary,
+                                  &a->world.solids, &a->world.box) ==
+                    gn_world_hash(&b->world.ctx, &b->world.dem, &b->world.boundary,
+                                  &b->world.solids, &b->world.box));
     }
     run_end(a);
     run_end(b);

@@ -68,7 +68,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
     add(&t, "end: 1000}\nrun: {threads: 1}\n");
     gn_world *w = world_of("%s", t.s);
     double end = gap / v + 6.0 * wave; /* the slowest needs 3 */
-    while (w->time < end) run_steps(w, 1);
+    while (w->ctx.time < end) run_steps(w, 1);
     double back = vel_of(w, 0)[2];
     if (k == PAIR) back -= vel_of(w, 1)[2];
     if (k == FREE) back -= w->boundary.bodies[0].velocity[2];
@@ -226,8 +226,8 @@ static void what_has_stopped_swings_on(void **state) {
     double most[2] = {0, 0}, mass = mass_of(w, 0);
     run_until(w, 1.0);
     for (int k = 0; k < 2; k++) {
-        double end = w->time + 0.5;
-        while (w->time < end) {
+        double end = w->ctx.time + 0.5;
+        while (w->ctx.time < end) {
             run_steps(w, 1);
             most[k] = fmax(most[k], fabs(vel_of(w, 0)[0]));
         }

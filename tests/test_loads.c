@@ -9,7 +9,8 @@ static loads loads_of(const gn_world *w) {
     const size_t n = w->dem.particles.soa.count;
     loads l = {calloc(n + 1, sizeof *l.total), calloc(n + 1, sizeof *l.damping)};
     gneiss_error error = {0};
-    if (gn_world_loads(w, l.total[0], l.damping[0], &error) != GNEISS_OK)
+    if (gn_world_loads(&w->ctx, &w->dem, &w->boundary, &w->box, l.total[0], l.damping[0], &error) !=
+        GNEISS_OK)
         fail_msg("%s", error.message);
     return l;
 }
@@ -25,9 +26,9 @@ static void next_step_follows(gn_world *w, double spring, double rounding) {
     const size_t n = w->dem.particles.soa.count, bytes = 4 * n * sizeof(double);
     const bool rotates = w->dem.particles.spin;
     double *v = calloc(4 * n, sizeof *v), *spin = calloc(4 * n, sizeof *spin);
-    const double interval = 0.5 * (w->dt_past + w->dt);
+    const double interval = 0.5 * (w->ctx.dt_past + w->ctx.dt);
     loads l = loads_of(w);
-    double most = 0.0, allowed = rounding + spring * 2.0 * w->dem.speed_most * w->dt;
+    double most = 0.0, allowed = rounding + spring * 2.0 * w->dem.speed_most * w->ctx.dt;
     memcpy(v, w->dem.particles.vel, bytes);
     if (rotates) memcpy(spin, w->dem.particles.spin, bytes);
     run_steps(w, 1);

@@ -35,9 +35,9 @@ static void a_pair_gets_the_square_of_the_factor(void **state) {
     double m = sphere_mass(2500, 1e-3);
     gn_world *w = pair_with("estimate: bound, mass_scaling: {factor: 1.5}", "");
     for (int p = 0; p < 2; p++) assert_close(mass_of(w, p), 2.25 * m, 1e-12);
-    assert_close(w->dt, 1.5 * 0.9 * 2.0 / sqrt(2e6 / m), 1e-12);
+    assert_close(w->ctx.dt, 1.5 * 0.9 * 2.0 / sqrt(2e6 / m), 1e-12);
     assert_close(w->dem.scaling.added, 2.0 * 1.25 * m, 1e-12);
-    assert_close(gn_world_mass(w), 2.0 * m, 1e-12);
+    assert_close(gn_world_mass(&w->dem, &w->solids), 2.0 * m, 1e-12);
     world_end(w);
     /* Found by iteration, to half a percent of the step. */
     w = pair_with("mass_scaling: {factor: 1.5}", "");
@@ -49,9 +49,10 @@ static void a_step_that_is_there_already_adds_nothing(void **state) {
     (void)state;
     gn_world *plain = pair_with("step: auto", ""), *w;
     text t = {0};
-    add(&t, "mass_scaling: {step: %.17g}", 0.9 * plain->dt);
+    add(&t, "mass_scaling: {step: %.17g}", 0.9 * plain->ctx.dt);
     w = pair_with(t.s, "");
-    assert_true(w->dt == plain->dt && w->dem.scaling.added == 0.0 && w->dem.scaling.raised == 0);
+    assert_true(w->ctx.dt == plain->ctx.dt && w->dem.scaling.added == 0.0 &&
+                w->dem.scaling.raised == 0);
     for (int p = 0; p < 2; p++) assert_true(mass_of(w, p) == mass_of(plain, p));
     world_end(plain);
     world_end(w);
@@ -72,9 +73,9 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
     }
     assert_int_equal(n - same, w->dem.scaling.raised);
     assert_true(same > n / 4 && w->dem.scaling.raised > 0);
-    assert_close(w->dt, 1.4 * plain->dt, 1e-9);
+    assert_close(w->ctx.dt, 1.4 * plain->ctx.dt, 1e-9);
     /* What Lanczos is trusted to. */
-    assert_true(w->dt <= 0.9 * w->dem.limit.sharp * (1.0 + 1e-3));
+    assert_true(w->ctx.dt <= 0.9 * w->dem.limit.sharp * (1.0 + 1e-3));
     world_end(plain);
     world_end(w);
 }
@@ -91,7 +92,7 @@ static void collisions_are_resolved_at_the_wanted_step(void **state) {
                      2 * k + 1);
         double m = sphere_mass(2500, 1e-3) * (k ? 9.0 : 1.0);
         assert_close(mass_of(w, 0), m, 1e-12);
-        assert_close(w->dt, 0.1 * pi / sqrt(2e6 / m), 1e-9);
+        assert_close(w->ctx.dt, 0.1 * pi / sqrt(2e6 / m), 1e-9);
         world_end(w);
     }
 }
@@ -105,10 +106,10 @@ static void dashpots_are_those_of_the_raised_mass(void **state) {
     for (size_t c = 0; c < b->soa.count; c++) {
         double inverse =
             w->dem.particles.vel[4 * b->i[c] + 3] + w->dem.particles.vel[4 * b->j[c] + 3];
-        assert_close(b->cn[c], gn_dashpot(b->kn[c], inverse, 0.3, w->dt), 1e-12);
+        assert_close(b->cn[c], gn_dashpot(b->kn[c], inverse, 0.3, w->ctx.dt), 1e-12);
     }
     assert_true(w->dem.scaling.raised > 0);
-    assert_close(w->dt, 1.4 * plain->dt, 1e-9);
+    assert_close(w->ctx.dt, 1.4 * plain->ctx.dt, 1e-9);
     world_end(w);
     world_end(plain);
 }
@@ -148,9 +149,9 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     gn_energy e = measured_step(w);
     double fall = sqrt(2 * height * 9.0 / g0);
     assert_close(mass_of(w, 0), 9.0 * m, 1e-12);
-    while (w->time < 0.5 * fall) run_steps(w, 1);
-    assert_close(vel_of(w, 0)[2], -g0 / 9.0 * (w->time - 0.5 * w->dt), 1e-9);
-    while (w->time < 2.0 * fall) run_steps(w, 1);
+    while (w->ctx.time < 0.5 * fall) run_steps(w, 1);
+    assert_close(vel_of(w, 0)[2], -g0 / 9.0 * (w->ctx.time - 0.5 * w->ctx.dt), 1e-9);
+    while (w->ctx.time < 2.0 * fall) run_steps(w, 1);
     e = measured_step(w);
     /* A contact of ten steps is met exactly on one plane wall; gravity bends its path. */
     assert_near(gn_energy_residual(&e), 0.0, 1e-3);
@@ -181,11 +182,11 @@ static void masses_follow_the_contacts_that_form(void **state) {
     for (int sharp = 0; sharp < 2; sharp++) {
         gn_world *w = pairs_that_meet(sharp ? "mass_scaling: {factor: 1.5}"
                                             : "estimate: bound, mass_scaling: {factor: 1.5}");
-        const double dt = w->dt, end = mass_of(w, 0), middle = mass_of(w, 1);
+        const double dt = w->ctx.dt, end = mass_of(w, 0), middle = mass_of(w, 1);
         gn_energy e = {0};
         for (int k = 0; k < 400 && e.elastic_normal < 1e-9; k++) e = measured_step(w);
         assert_true(e.elastic_normal > 0.0); /* they have met */
-        assert_true(sharp ? w->dt < 0.95 * dt : w->dt == dt);
+        assert_true(sharp ? w->ctx.dt < 0.95 * dt : w->ctx.dt == dt);
         assert_true(mass_of(w, 0) == end);
         if (sharp) {
             assert_true(mass_of(w, 1) == middle);
@@ -242,9 +243,9 @@ static void beside_all_else_the_ledger_closes_with_the_same_bits(void **state) {
             gn_energy e = measured_step(w);
             assert_true(w->dem.broken_tension + w->dem.broken_shear > 0);
             assert_near(gn_energy_residual(&e), 0.0, 0.01); /* what a run warns of */
-            double share = gn_dem_added_kinetic(w);
+            double share = gn_dem_added_kinetic(&w->dem);
             assert_true(share > 0.0 && share < 1.0);
-            hash[threads - 1] = gn_world_hash(w);
+            hash[threads - 1] = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
             world_end(w);
         }
         assert_true(hash[0] == hash[1]);

@@ -28,7 +28,7 @@ static void move(gn_world *w, const double f[9]) {
 
 static void press(gn_world *w) {
     gneiss_error error = {0};
-    if (gn_membrane_press(w, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_press(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 /* Areas of the start, to be freed. */
@@ -68,7 +68,7 @@ static void force_on(const gn_world *w, size_t p, double force[3]) {
 static void expect_balance(const gn_world *w, double pressure) {
     const gn_particles *q = &w->dem.particles;
     double sum[3] = {0}, moment[3] = {0}, force[3], turn[3], reach = 0;
-    const double most = pressure * gn_membrane_area(w);
+    const double most = pressure * gn_membrane_area(&w->dem);
     for (size_t p = 0; p < q->soa.count; p++) {
         force_on(w, p, force);
         gn_cross3(q->pos + 4 * p, force, turn);
@@ -103,7 +103,7 @@ static void areas_follow_an_affine_motion_as_nanson_says(void **state) {
             for (int stretched = 0; stretched < 2; stretched++) {
                 gn_world *w = specimen(d, true);
                 double *start = areas(w);
-                w->step = step;
+                w->ctx.step = step;
                 move(w, stretched ? turned[d - 2] : rotation[d - 2]);
                 if (d == 2) flatten(w);
                 press(w);
@@ -119,7 +119,7 @@ static void dead_loads_stay_what_they_are(void **state) {
     const double none[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     gn_world *w = specimen(3, false);
     double *start = areas(w);
-    w->step = 100;
+    w->ctx.step = 100;
     move(w, turned[1]);
     press(w);
     expect_forces(w, none, start, 7e6, 1e-9);
@@ -237,7 +237,7 @@ static void a_stretched_block_has_the_pressure(void **state) {
     gn_world *w = block();
     double stress[9];
     for (int step = 0; step < 102; step += 50) {
-        w->step = step;
+        w->ctx.step = step;
         move(w, turned[1]);
         press(w);
         mean_stress(w, stress);
@@ -261,7 +261,7 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
         wide += width(0.45, ((double)row - 0.25 * SIDE + 0.5) * pitch) / (0.5 * SIDE);
     bulge(w, 0.67, 0.45, centre);
     for (int look = 1; look <= 40; look++) { /* each goes a part of the way */
-        w->step = 100 * look;
+        w->ctx.step = 100 * look;
         press(w);
     }
     assert_near(force_across(w, centre) / before, 0.67 * wide, 0.03 * 0.67 * wide);
@@ -306,21 +306,21 @@ static void what_lay_beneath_a_chip_is_pressed(void **state) {
     gn_world *w = block();
     const gn_particles *q = &w->dem.particles;
     double stress[9], force[3];
-    const double whole = gn_membrane_area(w), share = chips_share(w);
+    const double whole = gn_membrane_area(&w->dem), share = chips_share(w);
     assert_true(share > 0.02 * whole);
     cut_out(w, of_a_chip);
     lift(w, -1e-6);
-    w->step = 100;
+    w->ctx.step = 100;
     press(w); /* cut, but it still lies on the body */
     assert_close(chips_share(w), share, 1e-3);
     lift(w, 0.5e-3);
-    w->step = 150;
+    w->ctx.step = 150;
     press(w); /* not looked at */
     assert_close(chips_share(w), share, 1e-3);
-    w->step = 200;
+    w->ctx.step = 200;
     press(w);
     assert_true(chips_share(w) == 0);
-    assert_close(gn_membrane_area(w), whole, 0.02);
+    assert_close(gn_membrane_area(&w->dem), whole, 0.02);
     expect_balance(w, 7e6);
     double below = 0, upper = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -338,7 +338,7 @@ static void what_lay_beneath_a_chip_is_pressed(void **state) {
     const double left = 1 - 18 / pow(SIDE, 3);
     for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 * left : 0, 0.01 * 7e6);
     lift(w, 0);
-    w->step = 300;
+    w->ctx.step = 300;
     press(w);
     assert_true(chips_share(w) == 0);
     world_end(w);
@@ -353,14 +353,14 @@ static void halves_keep_the_membrane(void **state) {
     (void)state;
     gn_world *w = block();
     gn_particles *q = &w->dem.particles;
-    const double whole = gn_membrane_area(w);
+    const double whole = gn_membrane_area(&w->dem);
     cut_out(w, of_the_upper_half);
     for (size_t p = 0; p < q->soa.count; p++)
         if (of_the_upper_half(q, p)) q->pos[4 * p + 2] += 1e-3;
-    w->step = 100;
+    w->ctx.step = 100;
     press(w);
     for (size_t p = 0; p < q->soa.count; p++) assert_true(q->skin[4 * p + 3] >= 0);
-    assert_close(gn_membrane_area(w), whole, 0.05);
+    assert_close(gn_membrane_area(&w->dem), whole, 0.05);
     expect_balance(w, 7e6);
     world_end(w);
 }
@@ -372,17 +372,17 @@ static void dead_loads_are_handed_on(void **state) {
         gn_world *w = specimen(d, false);
         gn_particles *q = &w->dem.particles;
         gn_contacts *bonds = &w->dem.bonds;
-        const double whole = gn_membrane_area(w);
+        const double whole = gn_membrane_area(&w->dem);
         size_t p = 0;
         while (!(q->skin[4 * p + 3] > 0 && q->bonds0[p] > 0)) p++;
         for (size_t c = 0; c < bonds->soa.count; c++)
             if (bonds->i[c] == (int32_t)p || bonds->j[c] == (int32_t)p)
                 bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
         for (int a = 0; a < d; a++) q->pos[4 * p + a] += 0.1;
-        w->step = 100;
+        w->ctx.step = 100;
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
-        assert_close(gn_membrane_area(w), whole, 0.1); /* of what it left bare */
+        assert_close(gn_membrane_area(&w->dem), whole, 0.1); /* of what it left bare */
         /* as if all were where it was: there they are in balance */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
@@ -424,7 +424,7 @@ static void stress_at_start(gn_world *w, double volume, double stress[9]) {
     for (size_t p = 0; p < q->soa.count; p++)
         memcpy(q->pos + 4 * p, q->start + 4 * p, 3 * sizeof *q->pos);
     mean_stress(w, stress);
-    for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(w) / volume;
+    for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(&w->ctx, &w->dem) / volume;
 }
 
 /* Of a block without a shape, whose cells are cubes: the rest is one of ten a side, with twelve
@@ -437,7 +437,7 @@ static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void
     double centre[3] = {0}, stress[9];
     middle_of(w, centre);
     take_off(w, of_the_faces, centre);
-    w->step = 100;
+    w->ctx.step = 100;
     press(w);
     stress_at_start(w, pow(left * pitch, 3), stress);
     for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 : 0, 0.005 * 7e6);
@@ -449,7 +449,7 @@ static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void
             assert_near(q->skin[4 * p + a], want, 0.005 * face);
         }
     const double inside = 6 * pow(left - 2, 2), edges = 12 * (left - 2) * sqrt(2);
-    assert_close(gn_membrane_area(w), (inside + edges + 8 * sqrt(3)) * face, 0.005);
+    assert_close(gn_membrane_area(&w->dem), (inside + edges + 8 * sqrt(3)) * face, 0.005);
     expect_balance(w, 7e6);
     world_end(w);
 }
@@ -524,9 +524,9 @@ static void what_lost_a_shell_has_the_pressure(void **state) {
                 b->dimension, b->shape, b->dimension == 2 ? 400 : 1000, follows ? "true" : "false");
             depth_now = b->depth;
             const double volume = volume_left(w, b);
-            assert_true(volume < 0.9 * w->volume);
+            assert_true(volume < 0.9 * w->ctx.volume);
             take_off(w, of_the_shell, b->centre);
-            w->step = 100;
+            w->ctx.step = 100;
             press(w);
             stress_at_start(w, volume, stress);
             for (int c = 0; c < (b->dimension == 3 ? 9 : 5); c++)

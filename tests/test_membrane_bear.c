@@ -16,15 +16,16 @@ static const double pitch = 2e-3;
 
 static void press_at(gn_world *w, int64_t step) {
     gneiss_error error = {0};
-    w->step = step;
-    if (gn_membrane_press(w, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    w->ctx.step = step;
+    if (gn_membrane_press(&w->ctx, &w->dem, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 static bool *held_of(const gn_world *w) {
     gneiss_error error = {0};
     bool *held = calloc(w->dem.particles.soa.count + 1, sizeof *held);
     assert_non_null(held);
-    if (gn_membrane_held(w, held, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_membrane_held(&w->ctx, &w->dem, held, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
     return held;
 }
 
@@ -78,7 +79,8 @@ static void what_pivots_bears_nothing(void **state) {
     press_at(w, 1);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int k = 0; k < 9; k++) {
-            stress[k] += q->applied[4 * p + k / 3] * q->pos[4 * p + k % 3] / gn_membrane_volume(w);
+            stress[k] += q->applied[4 * p + k / 3] * q->pos[4 * p + k % 3] /
+                         gn_membrane_volume(&w->ctx, &w->dem);
             if (k < 3) sum[k] += q->applied[4 * p + k];
         }
     gn_membrane_stress(w, stress);
@@ -112,7 +114,7 @@ static void grains_that_roll_stretch_no_patch(void **state) {
                            "particles: 500}\n" MATTER);
     gn_particles *q = &w->dem.particles;
     bool *held = held_of(w);
-    const double whole = gn_membrane_area(w);
+    const double whole = gn_membrane_area(&w->dem);
     double *start = calloc(q->soa.count, sizeof *start);
     size_t loose = 0;
     assert_non_null(start);
@@ -124,7 +126,7 @@ static void grains_that_roll_stretch_no_patch(void **state) {
     }
     assert_true(loose > 0);
     for (int look = 1; look <= 40; look++) press_at(w, 100 * look);
-    assert_close(gn_membrane_area(w), whole, 1e-9);
+    assert_close(gn_membrane_area(&w->dem), whole, 1e-9);
     for (size_t p = 0; p < q->soa.count; p++)
         assert_near(q->skin[4 * p + 3], start[p], 1e-9 * whole);
     assert_true(w->dem.membrane->unlike == 0);

@@ -221,8 +221,8 @@ static void the_skin_does_not_change_the_motion(void **state) {
     free(x);
     free(y);
     assert_true(a->dem.verlet.rebuilds > 10 * b->dem.verlet.rebuilds);
-    assert_true(a->energy.friction > 0.0);
-    assert_close(a->energy.friction, b->energy.friction, 1e-6);
+    assert_true(a->ledger.energy.friction > 0.0);
+    assert_close(a->ledger.energy.friction, b->ledger.energy.friction, 1e-6);
     world_end(a);
     world_end(b);
 }
@@ -283,7 +283,7 @@ static void shear_forces_survive_reorderings(void **state) {
     for (size_t k = 0; k < 3 * a->dem.particles.soa.count; k++)
         worst = fmax(worst, fabs(x[k] - y[k]));
     assert_true(worst < 1e-9 * 1e-3);
-    assert_close(a->energy.friction, b->energy.friction, 1e-9);
+    assert_close(a->ledger.energy.friction, b->ledger.energy.friction, 1e-9);
     bool moved = false; /* the places did change */
     for (size_t k = 0; k < a->dem.particles.soa.count; k++)
         moved = moved || a->dem.particles.id[k] != b->dem.particles.id[k];

@@ -6,10 +6,11 @@
 
 static double residual_after(gn_world *w, double end) {
     double residual = 0.0;
-    while (w->time < end) {
+    while (w->ctx.time < end) {
         gneiss_error error = {0};
-        if (gn_world_step(w, w->step % 50 == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
-        residual = gn_energy_residual(&w->reading);
+        if (gn_world_step(w, w->ctx.step % 50 == 0, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        residual = gn_energy_residual(&w->ledger.reading);
     }
     return residual;
 }
@@ -39,8 +40,8 @@ static gn_world *closing_lattice(const char *kind, double height, double restitu
 /* Found in the extent of the specimen, so that the wall starts just clear of it. */
 static double height_of(const char *kind) {
     gn_world *w = closing_lattice(kind, 1.0, 1.0, 0.0, "uniform");
-    double height = w->upper[2];
-    assert_near(w->lower[2], 1e-7, 1e-12); /* the room that the spacing leaves */
+    double height = w->ctx.upper[2];
+    assert_near(w->ctx.lower[2], 1e-7, 1e-12); /* the room that the spacing leaves */
     world_end(w);
     return height;
 }
@@ -72,10 +73,10 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
     for (int k = 0; k < 2; k++) {
         gn_world *w = closing_lattice("fcc", height, 1.0, 0.3 * k, "uniform");
         gneiss_error error = {0};
-        w->scene.contact_steps = 0.01;
-        w->scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
+        w->ctx.scene.contact_steps = 0.01;
+        w->ctx.scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
         assert_int_equal(gn_world_check_step(w, true, &error), GNEISS_OK);
-        assert_true(w->dt < w->dem.resolution.step);
+        assert_true(w->ctx.dt < w->dem.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
         world_end(w);
     }
@@ -142,8 +143,8 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
                 "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\n",
                 1e-3 + large + gap, large);
             double least = 2.0 * w->dem.resolution.contact + gap, limit = 20.0 * least;
-            while (w->time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
-            run_steps(w, (int64_t)gn_world_contact_steps(w) + 2);
+            while (w->ctx.time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
+            run_steps(w, (int64_t)gn_world_contact_steps(&w->ctx) + 2);
             double speed = vel_of(w, 1)[0] - vel_of(w, 0)[0];
             if (!(fabs(speed - 1.0) < 0.1))
                 fail_msg("R/r %g: rebound %g of the speed of approach", ratio[k], speed);
@@ -162,9 +163,9 @@ static void one_tiny_particle_counts_as_it_is(void **state) {
         "1e-4]]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: "
         "0}]\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n");
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
-    assert_close(w->stable, 2.0 / sqrt(square), 1e-12);
+    assert_close(w->ctx.stable, 2.0 / sqrt(square), 1e-12);
     assert_close(w->dem.resolution.contact, pi / sqrt(square), 1e-12);
-    assert_close(w->dt, w->dem.resolution.step, 1e-15);
+    assert_close(w->ctx.dt, w->dem.resolution.step, 1e-15);
     world_end(w);
 }
 
@@ -199,7 +200,7 @@ static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state
                 int32_t p = w->dem.index_of_id[i], q = w->dem.index_of_id[j];
                 double a = count > 3 && i == 1 ? 0.0 : vel_of(w, i)[3];
                 double b = count > 3 && j == 1 ? 0.0 : vel_of(w, j)[3];
-                most = fmax(most, gn_pair_spring(w, p, q).kn * (a + b));
+                most = fmax(most, gn_pair_spring(&w->ctx, &w->dem, p, q).kn * (a + b));
             }
         assert_close(w->dem.resolution.contact, pi / sqrt(most), 1e-12);
         world_end(w);
@@ -239,11 +240,11 @@ static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
         "1e-3]]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: "
         "0}]\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n"
         "sets: [{name: a, select: {ids: [2]}, initial_velocity: [0, -1, 0]}]\n");
-    double first = w->dt;
+    double first = w->ctx.dt;
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
     while (pos_of(w, 2)[1] > 0.011 + 1e-5) run_steps(w, 1);
-    assert_close(w->dt, pi / sqrt(square) / gn_world_contact_steps(w), 1e-12);
-    assert_true(w->dt < 0.1 * first && w->dt_lowered > 0);
+    assert_close(w->ctx.dt, pi / sqrt(square) / gn_world_contact_steps(&w->ctx), 1e-12);
+    assert_true(w->ctx.dt < 0.1 * first && w->ctx.dt_lowered > 0);
     world_end(w);
 }
 
@@ -267,8 +268,8 @@ static void bonded_tests_keep_their_step(void **state) {
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};
     for (int k = 0; k < 2; k++) {
         gn_world *w = loaded(names[k]);
-        assert_true(w->dem.resolution.step > w->dt && w->dem.listed == INFINITY);
-        assert_close(w->dt, 0.9 / sqrt(1.7) * w->dem.limit.sharp, 1e-12);
+        assert_true(w->dem.resolution.step > w->ctx.dt && w->dem.listed == INFINITY);
+        assert_close(w->ctx.dt, 0.9 / sqrt(1.7) * w->dem.limit.sharp, 1e-12);
         world_end(w);
     }
 }
@@ -328,7 +329,7 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
                     assert_near(w->dem.resolution.step, contact / steps, 1e-12 * contact);
                 else
                     assert_true(w->dem.resolution.step == INFINITY);
-                assert_true(w->dt <= w->dem.resolution.step);
+                assert_true(w->ctx.dt <= w->dem.resolution.step);
                 world_end(w);
             }
 }
@@ -346,15 +347,15 @@ static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state)
             "bonds: {}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {end: 1}\n"
             "run: {threads: 1}\n",
             more ? ", [9e-3, 0, 0, 1e-3], [11e-3, 0, 0, 1e-3], [13e-3, 0, 0, 1e-3]" : "");
-        double start = w->dt, contact = pi * sqrt(mass_of(w, 0) / 2e5);
+        double start = w->ctx.dt, contact = pi * sqrt(mass_of(w, 0) / 2e5);
         assert_true(w->dem.resolution.step == INFINITY && start > 0.11 * contact);
         int64_t lists = w->dem.verlet.rebuilds;
         while (w->dem.verlet.rebuilds == lists || w->dem.broken_tension == 0) run_steps(w, 1);
         assert_int_equal(w->dem.broken_tension, 1);
         if (more)
-            assert_true(w->dem.resolution.step == INFINITY && w->dt == start);
+            assert_true(w->dem.resolution.step == INFINITY && w->ctx.dt == start);
         else
-            assert_near(w->dt, contact / 10.0, 1e-12 * contact);
+            assert_near(w->ctx.dt, contact / 10.0, 1e-12 * contact);
         world_end(w);
     }
 }
@@ -381,11 +382,11 @@ static gn_world *wedged(double speed, double strength, const char *more) {
 static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
     (void)state;
     gn_world *w = wedged(0.1, 0.005, "");
-    const double contact = pi * sqrt(mass_of(w, 1) / 1e5), start = w->dt;
+    const double contact = pi * sqrt(mass_of(w, 1) / 1e5), start = w->ctx.dt;
     assert_true(start > 0.25 * contact);
     const double residual = residual_after(w, 5e-4);
     assert_int_equal(w->dem.broken_tension, 2);
-    assert_near(w->dt, contact / 10.0, 1e-3 * contact);
+    assert_near(w->ctx.dt, contact / 10.0, 1e-3 * contact);
     print_message("# residual beside wedged debris: %.2g\n", residual);
     assert_true(fabs(residual) < 1e-3);
     world_end(w);
@@ -397,10 +398,10 @@ static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
     for (int damped = 0; damped < 2; damped++) {
         gn_world *w = damped ? wedged(0.1, 0.005, "damping: {contact: {restitution: 0.5}}\n")
                              : wedged(1e-3, 5e-5, "");
-        const double start = w->dt;
+        const double start = w->ctx.dt;
         residual_after(w, 1e-4);
         assert_true(w->dem.broken_tension > 0); /* hangs on one bond at most */
-        assert_true(w->dt > 0.99 * start);
+        assert_true(w->ctx.dt > 0.99 * start);
         world_end(w);
     }
 }
@@ -420,12 +421,12 @@ static void what_comes_apart_between_lists_is_resolved_at_once(void **state) {
         "time: {end: 1}\nrun: {threads: 1}\n");
     const int64_t all = (int64_t)w->dem.bonds.soa.count, lists = w->dem.verlet.rebuilds;
     double contact = pi * sqrt(mass_of(w, 0) / 2e5);
-    assert_true(w->dem.resolution.step == INFINITY && w->dt > 0.11 * contact);
+    assert_true(w->dem.resolution.step == INFINITY && w->ctx.dt > 0.11 * contact);
     for (int k = 0; k < 400 && w->dem.broken_tension + w->dem.broken_shear < all; k++)
         run_steps(w, 1);
     assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, all);
     if (w->dem.verlet.rebuilds > lists) fail_msg("lists were made: %s", "nothing is shown");
-    assert_true(w->dt <= contact / 10.0 * (1.0 + 1e-12));
+    assert_true(w->ctx.dt <= contact / 10.0 * (1.0 + 1e-12));
     world_end(w);
 }
 
@@ -455,7 +456,7 @@ static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
         gn_world *w = rattling(spacing[k], restitution[k], background[k]);
         double contact = pi * sqrt(mass_of(w, 0) / 2e5);
         assert_near(w->dem.resolution.contact, contact, 1e-9 * contact);
-        assert_near(w->dt, contact / steps[k], 1e-9 * contact);
+        assert_near(w->ctx.dt, contact / steps[k], 1e-9 * contact);
         world_end(w);
     }
 }
@@ -477,7 +478,7 @@ static void contact_steps_can_be_asked_for(void **state) {
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]}\n"
         "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
         "law: {stiffness: uniform}\ntime: {end: 1, contact_steps: 33}\nrun: {threads: 1}\n");
-    assert_close(w->dt, w->dem.resolution.contact / 33.0, 1e-15);
+    assert_close(w->ctx.dt, w->dem.resolution.contact / 33.0, 1e-15);
     world_end(w);
 }
 
@@ -508,10 +509,10 @@ static void a_given_step_that_does_not_resolve_collisions_warns(void **state) {
             "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
             "law: {stiffness: uniform}\ntime: {end: 1, step: %g}\nrun: {threads: 1}\n",
             fine ? 1e-7 : 1e-5);
-        gn_world_step_warning(w, warning, sizeof warning);
+        gn_world_step_warning(&w->ctx, &w->dem, warning, sizeof warning);
         if (fine) assert_string_equal(warning, "");
         if (!fine) assert_non_null(strstr(warning, "time.contact_steps"));
-        assert_close(w->dt, fine ? 1e-7 : 1e-5, 1e-15);
+        assert_close(w->ctx.dt, fine ? 1e-7 : 1e-5, 1e-15);
         run_steps(w, 3);
         world_end(w);
     }

@@ -119,9 +119,9 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
             0.45e-3 * (25.0 + 0.013 * k));
         gneiss_error error = {0};
         double worst = 0.0;
-        while (w->step < 5000 && (vel_of(w, 0)[2] < 0.0 || w->dem.particles.pos[2] < 0.46e-3)) {
+        while (w->ctx.step < 5000 && (vel_of(w, 0)[2] < 0.0 || w->dem.particles.pos[2] < 0.46e-3)) {
             if (gn_world_step(w, true, &error) != GNEISS_OK) fail_msg("%s", error.message);
-            worst = fmax(worst, fabs(gn_energy_residual(&w->reading)));
+            worst = fmax(worst, fabs(gn_energy_residual(&w->ledger.reading)));
         }
         if (worst > 0.01) fail_msg("from %d: residual %g", k, worst);
         assert_near(vel_of(w, 0)[2], 1.0, 0.01);
@@ -150,9 +150,9 @@ static void a_wall_that_leaves_lets_go_of_what_it_bore(void **state) {
             "normal: [0, 1], stiffness: 1e6, motion: {vy: %s}}]\n"
             "domain: {min: [-90, -90], max: [90, 90]}\ntime: {end: 8 ms}\nrun: {threads: 1}\n",
             motions[k]);
-        while (w->time < 8e-3) {
+        while (w->ctx.time < 8e-3) {
             measured_step(w);
-            worst = fmax(worst, fabs(gn_energy_residual(&w->reading)));
+            worst = fmax(worst, fabs(gn_energy_residual(&w->ledger.reading)));
         }
         /* With run.residual_limit runs stop. */
         if (worst > 0.1) fail_msg("%s: residual %g", motions[k], worst);

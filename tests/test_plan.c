@@ -206,9 +206,9 @@ static void uniform_strain_of_a_lattice_is_the_stiffness_of_its_chains(void **st
     gneiss_error error = {0};
     gn_estimate e;
     gn_world *w = lattice("");
-    assert_int_equal(gn_estimate_make(w, &e, &error), GNEISS_OK);
+    assert_int_equal(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &e, &error), GNEISS_OK);
     assert_null(e.absent);
-    double area = w->volume / 32e-3; /* m2 of the body that the engine has found */
+    double area = w->ctx.volume / 32e-3; /* m2 of the body that the engine has found */
     assert_near(e.uniform, 8.0 * 1e8 * 2e-3 / area * 15.0 / 16.0, 1e-9 * e.uniform);
     assert_near(e.poisson, 0.0, 1e-12);
     gn_world_free(w);
@@ -220,7 +220,7 @@ static void bonds_along_the_axis_break_at_their_strength_over_their_stiffness(vo
     gneiss_error error = {0};
     gn_estimate e;
     gn_world *w = lattice("");
-    assert_int_equal(gn_estimate_make(w, &e, &error), GNEISS_OK);
+    assert_int_equal(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &e, &error), GNEISS_OK);
     /* R_n/(k_n L) = 1000/(1e8 0.002), as half of the bonds have it; those across are not stretched.
      */
     assert_near(e.breaking, 5e-3, 1e-12);
@@ -236,7 +236,7 @@ static void a_scene_without_a_test_is_not_covered_and_says_why(void **state) {
         "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
         "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0}]\n"
         "law: {stiffness: uniform}\ntime: {end: 1 ms}\n");
-    assert_string_equal(gn_study_covers(w, &g), "the scene has no test");
+    assert_string_equal(gn_study_covers(&w->ctx, &w->dem, &g), "the scene has no test");
     gn_world_free(w);
     free(w);
 }
@@ -295,7 +295,8 @@ static void a_step_costs_something_in_both_precisions(void **state) {
     gn_cost cost;
     gn_world *w = lattice("");
     for (int mixed = 0; mixed < 2; mixed++) {
-        assert_int_equal(gn_cost_measure(w, mixed, &cost, &error), GNEISS_OK);
+        assert_int_equal(gn_cost_measure(&w->ctx, &w->dem, &w->solids, mixed, &cost, &error),
+                         GNEISS_OK);
         assert_true(cost.particle + cost.contact > 0.0);
     }
     gn_world_free(w);
@@ -311,7 +312,7 @@ static void a_run_that_is_not_covered_has_a_reason_instead_of_a_budget(void **st
     gn_history h = {0};
     gn_readings r = {0};
     gn_world *w = lattice("gravity: [0, 0]\n");
-    w->scene.test.kind = GN_TEST_NONE;
+    w->ctx.scene.test.kind = GN_TEST_NONE;
     assert_int_equal(gn_budget_create(w, &h, &r, &b, &error), GNEISS_OK);
     assert_string_equal(b->absent, "the scene has no test");
     free(b);

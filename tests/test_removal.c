@@ -7,7 +7,7 @@
 /* Runs until `count` particles have left, and on for 10 steps; returns the ledger then. */
 static gn_energy run_until_lost(gn_world *w, int64_t count) {
     measured_step(w);
-    while (w->dem.lost < count && w->step < 1000000) run_steps(w, 1);
+    while (w->dem.lost < count && w->ctx.step < 1000000) run_steps(w, 1);
     assert_int_equal(w->dem.lost, count);
     run_steps(w, 10);
     return measured_step(w);
@@ -107,7 +107,7 @@ static void closes(const char *what, const char *scene, int64_t lost) {
     gn_world *w = world_of("%stime: {end: 1, safety: 0.1}\nrun: {threads: 1}\n", scene);
     double before = 0.0, leaving = 0.0;
     gn_energy e = {0};
-    while (w->dem.lost < lost && w->step < 10000) {
+    while (w->dem.lost < lost && w->ctx.step < 10000) {
         e = measured_step(w);
         leaving = gn_energy_residual(&e) - before;
         before = gn_energy_residual(&e);

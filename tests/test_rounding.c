@@ -12,7 +12,7 @@ static double largest_residual(gn_world *w, int64_t count) {
     if (gn_history_begin(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
     for (int64_t k = 0; k < count; k++) {
         if (gn_history_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
-        largest = fmax(largest, fabs(gn_energy_residual(&w->reading)));
+        largest = fmax(largest, fabs(gn_energy_residual(&w->ledger.reading)));
     }
     gn_history_free(&h);
     return largest;

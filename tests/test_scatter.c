@@ -130,9 +130,9 @@ static void bonds_draw_by_who_they_join(void **state) {
         for (size_t c = 0; c < 19; c++) {
             int32_t i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
             uint64_t low = (uint64_t)(i < j ? i : j), high = (uint64_t)(i < j ? j : i);
-            double strength = gn_scatter_factor(&w->scene.materials[0].strength_scatter, 9,
+            double strength = gn_scatter_factor(&w->ctx.scene.materials[0].strength_scatter, 9,
                                                 1 + (low << 32 | high), 1);
-            double stiffness = gn_scatter_factor(&w->scene.materials[0].stiffness_scatter, 9,
+            double stiffness = gn_scatter_factor(&w->ctx.scene.materials[0].stiffness_scatter, 9,
                                                  1 + (low << 32 | high), 2);
             assert_close(b->rn[c], a->rn[c] * strength, 1e-15);
             assert_close(b->rt[c], a->rt[c] * strength, 1e-15);
@@ -160,7 +160,7 @@ static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     for (size_t c = 0; c < b->soa.count; c++) {
         double mass = mass_of(w, 0) / 2.0, most = 0.6 * sqrt(mass * b->kn[c]);
         /* Less by what a step of so many radians takes, see kernels/dashpot.h. */
-        double turn = sqrt(b->kn[c] / mass) * w->dt;
+        double turn = sqrt(b->kn[c] / mass) * w->ctx.dt;
         assert_true(b->cn[c] <= most && b->cn[c] >= most * (1.0 - turn));
     }
     world_end(w);
@@ -236,10 +236,10 @@ static void a_chain_breaks_where_it_is_weakest(void **state) {
     for (size_t c = 0; c < b->soa.count; c++)
         if (b->rn[c] < b->rn[weakest]) weakest = c;
     double strength = b->rn[weakest], stretch = 7.0 * strength / b->kn[0];
-    while (w->dem.broken_tension == 0 && w->time * 0.01 < 2.0 * stretch) run_steps(w, 1);
+    while (w->dem.broken_tension == 0 && w->ctx.time * 0.01 < 2.0 * stretch) run_steps(w, 1);
     assert_int_equal(w->dem.broken_tension, 1);
     assert_int_equal(b->cause[weakest], GN_BROKEN_TENSION);
-    assert_close(w->time * 0.01, stretch, 0.05); /* waves: v/c over the strain at the break */
+    assert_close(w->ctx.time * 0.01, stretch, 0.05); /* waves: v/c over the strain at the break */
     world_end(w);
 }
 
@@ -336,7 +336,7 @@ static void bonds_of_a_pair_have_a_friction_of_their_own(void **state) {
     (void)state;
     gn_world w;
     three("harmonic", "contacts: [{between: [rock, steel], bond_friction: 0.7}]\n", &w);
-    assert_true(w.effects & GN_FX_MOHR);
+    assert_true(w.ctx.effects & GN_FX_MOHR);
     assert_true(w.dem.bonds.mu1[bond_of(&w, 2)] == 0.7 && w.dem.bonds.mu1[bond_of(&w, 0)] == 0.0);
     gn_world_free(&w);
 }
@@ -349,7 +349,7 @@ static void friction_of_a_pair_alone_is_friction(void **state) {
                  "materials: [{name: m, density: 1, normal_stiffness: 1e6, kratio: 0}]\n"
                  "law: {stiffness: uniform}\ncontacts: [{between: m, friction: 0.3, kratio: 2}]\n"
                  "neighbours: {skin: 1e-3}\ntime: {end: 1}\nrun: {threads: 1}\n");
-    assert_true(w->effects & GN_FX_SHEAR && w->effects & GN_FX_FRICTION);
+    assert_true(w->ctx.effects & GN_FX_SHEAR && w->ctx.effects & GN_FX_FRICTION);
     assert_int_equal(w->dem.pairs.soa.count, 1);
     assert_true(w->dem.pairs.mu[0] == 0.3 && w->dem.pairs.kt[0] == 5e5);
     world_end(w);

@@ -31,9 +31,9 @@ static const char cubes[] =
 static double unrest(gn_world *w, double time) {
     double most = 0.0;
     gneiss_error error = {0};
-    while (w->time < time) {
+    while (w->ctx.time < time) {
         if (gn_world_step(w, false, &error) != GNEISS_OK) fail_msg("%s", error.message);
-        if (w->time > 0.75 * time) most = fmax(most, fabs(w->boundary.walls[1].force[2] - 5.0));
+        if (w->ctx.time > 0.75 * time) most = fmax(most, fabs(w->boundary.walls[1].force[2] - 5.0));
     }
     world_end(w);
     return most;
@@ -77,7 +77,7 @@ static void the_default_is_not_touched(void **state) {
         gn_world *w = pressed(one, 1.99998e-3, dampings[d], 0.1, 0.9);
         run_steps(w, 1);
         double missing = 5.0 - w->boundary.walls[1].force[2];
-        assert_close(-w->boundary.walls[1].velocity[2] * w->dt,
+        assert_close(-w->boundary.walls[1].velocity[2] * w->ctx.dt,
                      0.1 * missing / w->boundary.walls[1].stiffness, 1e-12);
         world_end(w);
     }
@@ -140,9 +140,9 @@ static void a_stress_is_held_over_the_section_of_the_box(void **state) {
         double area = volume / side[a], wanted = 1e4 * (a + 1) * area;
         assert_near(w->boundary.walls[3 + a].force[a], wanted, 1e-4 * wanted);
         assert_near(w->boundary.walls[a].force[a], -wanted, 1e-4 * wanted);
-        assert_near(w->stress[4 * a], -1e4 * (a + 1), 1e-2 * 1e4 * (a + 1));
+        assert_near(w->ledger.stress[4 * a], -1e4 * (a + 1), 1e-2 * 1e4 * (a + 1));
     }
-    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-3);
+    assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 1e-3);
     world_end(w);
 }
 
@@ -156,12 +156,13 @@ static void follows(const char *particles, double top, const char *damping) {
             gneiss_error error = {0};
             gn_world *w = driven(particles, top, damping, shares[r], safeties[s], v);
             double most = 0.0, behind = 0.0, droop = 0.0;
-            while (w->time < 0.12) {
+            while (w->ctx.time < 0.12) {
                 if (gn_world_step(w, false, &error) != GNEISS_OK) fail_msg("%s", error.message);
                 const gn_wall *lid = &w->boundary.walls[1];
-                double share = fmin(shares[r], gn_world_servo_relaxation(w, 1));
-                if (w->time < 0.11) continue;
-                droop = v * w->dt * lid->stiffness / share;
+                double share =
+                    fmin(shares[r], gn_world_servo_relaxation(&w->ctx, &w->dem, &w->boundary, 1));
+                if (w->ctx.time < 0.11) continue;
+                droop = v * w->ctx.dt * lid->stiffness / share;
                 most = fmax(most, fabs(lid->force[2] - 5.0));
                 behind = fmax(behind, fabs(lid->velocity[2] - v));
             }

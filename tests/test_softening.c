@@ -467,7 +467,7 @@ static void damaged_bodies_that_swing_on_keep_their_energy(void **state) {
         double frequency = sqrt(2.0 * w->dem.bonds.kn[0] * w->dem.particles.vel[3]);
         run_steps(w, 1000);
         gn_energy e = measured_step(w);
-        double steps = pi / (frequency * w->dt), damaged = 0.0;
+        double steps = pi / (frequency * w->ctx.dt), damaged = 0.0;
         for (size_t c = 0; c < w->dem.bonds.soa.count; c++) damaged += w->dem.bonds.soft[c] < 0.9;
         print_message("# damped %d: %.2f steps, residual %.1e, %.0f of %zu damaged\n", damped,
                       steps, gn_energy_residual(&e), damaged, w->dem.bonds.soa.count);
@@ -612,7 +612,7 @@ static void a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_
             const gn_contacts *b = &w->dem.bonds;
             const size_t stride = b->soa.capacity;
             double cut = space ? 1.5 : 4.0 / pi, share = body ? 1.0 / cut : 1.0;
-            assert_float_equal(gn_law_cut(w), cut, 1e-12);
+            assert_float_equal(gn_law_cut(&w->ctx, &w->dem), cut, 1e-12);
             assert_float_equal(b->fade[GN_FADE_END * stride], 2.0 * 30.0 / 1e6 * share, 1e-16);
             assert_float_equal(b->fade[GN_FADE_SLIP * stride], 2.0 * 60.0 / 1e6 * share, 1e-16);
             world_end(w);

@@ -45,7 +45,8 @@ static const char *const tests[] = {
 /* Rows as a test might have: the stress rises and falls, all else grows, bonds break from the 11th
  * row of the stage on, beside as many as had broken before. */
 static void write_rows(gn_run *run, double before) {
-    const size_t first = (size_t)run->world.stages[1].row, last = (size_t)run->world.stages[2].row;
+    const size_t first = (size_t)run->world.stages.state[1].row,
+                 last = (size_t)run->world.stages.state[2].row;
     assert_int_equal(last - first, 40);
     for (size_t c = 0; c < run->history.column_count; c++) {
         gn_column *column = &run->history.columns[c];

@@ -45,13 +45,14 @@ static void run_end(gn_run *run) {
 static uint64_t hash_of(const char *scene_text) {
     gn_run *run = run_of(scene_text);
     finish(run);
-    uint64_t hash = gn_world_hash(&run->world);
+    uint64_t hash = gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                                  &run->world.solids, &run->world.box);
     run_end(run);
     return hash;
 }
 
 static gn_stage_cause cause_of(const gn_run *run, size_t stage) {
-    return (gn_stage_cause)run->world.stages[stage].ended;
+    return (gn_stage_cause)run->world.stages.state[stage].ended;
 }
 
 /* --- scenes --- */
@@ -132,9 +133,9 @@ static void a_short_stage_takes_a_step(void **state) {
                                 "- {name: none, gravity: [0, 0, 9], end: {time: 0}}\n"
                                 "- {name: fly, gravity: [0, 0, 0], end: {steps: 5}}\n"));
     finish(run);
-    assert_near(run->world.stages[1].step, 1.0, 0.0);
-    assert_near(run->world.stages[2].step, 1.0, 0.0);
-    assert_int_equal(run->world.step, 6);
+    assert_near(run->world.stages.state[1].step, 1.0, 0.0);
+    assert_near(run->world.stages.state[2].step, 1.0, 0.0);
+    assert_int_equal(run->world.ctx.step, 6);
     assert_near(run->world.dem.particles.vel[2], 1e-6,
                 0.51e-6); /* the kick of a half or a whole step */
     run_end(run);
@@ -149,9 +150,9 @@ static void gravity_is_that_of_the_stage(void **state) {
                                 "- {name: fly, gravity: [0, 0, 0], end: {steps: 1000}}\n"
                                 "- {name: half, gravity: [0, 0, -5], end: {time: 0.5 ms}}\n"));
     finish(run);
-    assert_near((double)run->world.step, 2500.0, 0.0);
+    assert_near((double)run->world.ctx.step, 2500.0, 0.0);
     assert_near(vel_of(&run->world, 0)[2], -10e-3 - 2.5e-3, 11e-6);
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-12);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-12);
     assert_int_equal(cause_of(run, 0), GN_STAGE_TIME);
     assert_int_equal(cause_of(run, 1), GN_STAGE_STEPS);
     assert_string_equal(run->stop_reason, "0.0005 s passed, stage 'half' (3 of 3)");
@@ -169,7 +170,8 @@ static void tables_count_from_the_stage_that_gives_them(void **state) {
                       "- {name: go on, gravity: [0, 0, 1], end: {steps: 300}}\n"));
     finish(run);
     assert_near(vel_of(&run->world, 0)[0], 0.5, 1e-3); /* at 500 steps, less half a step */
-    assert_near(gn_set_travel(&run->world, 0, 0), 0.5 * 0.5 * 0.5e-3, 1e-9);
+    assert_near(gn_set_travel(&run->world.ctx, &run->world.dem, &run->world.solids, 0, 0),
+                0.5 * 0.5 * 0.5e-3, 1e-9);
     run_end(run);
 }
 
@@ -183,7 +185,7 @@ static void a_stage_of_no_steps_changes_what_comes_after_it(void **state) {
     assert_true(hash_of(joined(lone, one, "")) == hash_of(joined(lone, two, "")));
     gn_run *run = run_of(joined(lone, "stages: [{name: a, end: {steps: 0}}]\n", ""));
     finish(run);
-    assert_int_equal(run->world.step, 0);
+    assert_int_equal(run->world.ctx.step, 0);
     run_end(run);
 }
 
@@ -196,10 +198,11 @@ static void fifty_stages_are_gone_through(void **state) {
         add(t, "- {name: s%d, gravity: [0, 0, %d], end: {steps: 10}}\n", k, k % 2 ? -10 : 10);
     gn_run *run = run_of(t->s);
     finish(run);
-    assert_int_equal(run->world.step, 500);
-    assert_int_equal(run->world.stage, 49);
+    assert_int_equal(run->world.ctx.step, 500);
+    assert_int_equal(run->world.stages.now, 49);
     assert_near(vel_of(&run->world, 0)[2], 0.0, 51 * 10e-6);
-    for (size_t k = 0; k < 50; k++) assert_near(run->world.stages[k].step, 10.0 * (double)k, 0.0);
+    for (size_t k = 0; k < 50; k++)
+        assert_near(run->world.stages.state[k].step, 10.0 * (double)k, 0.0);
     run_end(run);
     free(t);
 }
@@ -217,7 +220,7 @@ static void the_ledger_closes_over_all_changes(void **state) {
     (void)state;
     gn_run *run = run_of(whole("threads: 1"));
     finish(run);
-    assert_int_equal(run->world.stage, 4);
+    assert_int_equal(run->world.stages.now, 4);
     const double *residual = gn_history_column(&run->history, "energy_residual");
     for (size_t r = 0; r < run->history.row_count; r++) assert_near(residual[r], 0.0, 2e-3);
     run_end(run);
@@ -246,9 +249,10 @@ static const double overlap = 1e-5, spring = 1e5;
 
 /* The force on the second sphere and the ledger in the first step of a stage. */
 static double force_in(gn_run *run, size_t stage, gn_energy *ledger) {
-    while (run->world.stage < stage || run->world.step == (int64_t)run->world.stages[stage].step)
+    while (run->world.stages.now < stage ||
+           run->world.ctx.step == (int64_t)run->world.stages.state[stage].step)
         steps(run, 1);
-    *ledger = run->world.reading;
+    *ledger = run->world.ledger.reading;
     return -run->world.dem.set_reaction[6];
 }
 
@@ -330,10 +334,10 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
     for (size_t k = 0; k < 2; k++) {
         gn_run *run = run_of(pressed_on(under[k], "threads: 1"));
         for (size_t stage = 0; stage < 4; stage++) {
-            while (run->world.stage < stage) steps(run, 1);
+            while (run->world.stages.now < stage) steps(run, 1);
             steps(run, 40);
-            const gn_energy *e = &run->world.reading;
-            double u = 1e-5 + 0.01 * 1e-6 * (double)(run->world.step - 1);
+            const gn_energy *e = &run->world.ledger.reading;
+            double u = 1e-5 + 0.01 * 1e-6 * (double)(run->world.ctx.step - 1);
             double modulus = 0.5 * young[stage] / (1.0 - poisson[stage] * poisson[stage]);
             double force = -4.0 / 3.0 * modulus * sqrt(1e-3 * u) * u, damped = 0.0;
             const gn_wall_contacts *q = &run->world.boundary.contacts;
@@ -359,9 +363,9 @@ static void dissolving_a_bond_is_no_friction(void **state) {
     double stored = 0.5 * 0.5 * spring * 4e-6 * 4e-6;
     force_in(run, 3, &e);
     steps(run, 3);
-    assert_near(run->world.reading.friction, 0.0, 1e-6 * stored);
-    assert_near(run->world.reading.elastic_shear, 0.0, 1e-6 * stored);
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-5);
+    assert_near(run->world.ledger.reading.friction, 0.0, 1e-6 * stored);
+    assert_near(run->world.ledger.reading.elastic_shear, 0.0, 1e-6 * stored);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-5);
     run_end(run);
 }
 
@@ -398,7 +402,7 @@ static void bonds_form_beside_bonds(void **state) {
     assert_near(run->world.dem.bonds.length0[1], 2.2e-3, 1e-5);
     steps(run, 30);
     assert_true(run->world.dem.broken_tension > 0); /* of the new strength */
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-3);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-3);
     run_end(run);
 }
 
@@ -440,8 +444,9 @@ static void a_specimen_is_settled_bonded_confined_and_loaded(void **state) {
 
     assert_true(d->bonds_at_start > 32);
     assert_true(d->broken_tension + d->broken_shear > 0);
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 5e-3);
-    uint64_t hash = gn_world_hash(&run->world);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 5e-3);
+    uint64_t hash = gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                                  &run->world.solids, &run->world.box);
     run_end(run);
     assert_true(hash == hash_of(programme("threads: 2")));
     assert_true(hash_of(programme("threads: 1, precision: mixed")) ==
@@ -457,18 +462,22 @@ static void resumes_with_the_same_bits(const char *scene, int64_t every, size_t 
     size_t seen = 0;
     while (!run->finished) {
         steps(run, every);
-        seen |= (size_t)1 << run->world.stage;
+        seen |= (size_t)1 << run->world.stages.now;
         if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
         run_end(run);
         run = calloc(1, sizeof *run);
         if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
     }
     other = run_of(scene);
-    steps(other, run->world.step); /* past the end as well */
+    steps(other, run->world.ctx.step); /* past the end as well */
     assert_int_equal(seen, stages);
-    assert_true(gn_world_hash(&run->world) == gn_world_hash(&other->world));
-    assert_near(run->world.energy.friction, other->world.energy.friction, 0.0);
-    assert_near(run->world.energy.stage_change, other->world.energy.stage_change, 0.0);
+    assert_true(gn_world_hash(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                              &run->world.solids, &run->world.box) ==
+                gn_world_hash(&other->world.ctx, &other->world.dem, &other->world.boundary,
+                              &other->world.solids, &other->world.box));
+    assert_near(run->world.ledger.energy.friction, other->world.ledger.energy.friction, 0.0);
+    assert_near(run->world.ledger.energy.stage_change, other->world.ledger.energy.stage_change,
+                0.0);
     assert_int_equal(run->history.row_count, other->history.row_count);
     run_end(run);
     run_end(other);
@@ -576,7 +585,7 @@ static size_t bond_between(const gn_world *w, int32_t a, int32_t b) {
 static gn_run *before_more_bonds(int64_t step) {
     gn_run *run = run_of(worn("linear", "threads: 1"));
     steps(run, step);
-    assert_int_equal(run->world.stage, 2);
+    assert_int_equal(run->world.stages.now, 2);
     return run;
 }
 
@@ -584,9 +593,9 @@ static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state
     (void)state;
     gneiss_error error = {0};
     gn_run *run = run_of(worn("linear", "threads: 1"));
-    while (run->world.stage < 4) steps(run, 1);
-    gn_run *after = before_more_bonds(run->world.step - 1),
-           *before = before_more_bonds(run->world.step - 1);
+    while (run->world.stages.now < 4) steps(run, 1);
+    gn_run *after = before_more_bonds(run->world.ctx.step - 1),
+           *before = before_more_bonds(run->world.ctx.step - 1);
     if (gn_world_enter(&after->world, 3, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const gn_contacts *now = &after->world.dem.bonds, *old = &before->world.dem.bonds;
     assert_true(now->soa.count > old->soa.count + 20 && old->soa.count > 20);
@@ -614,7 +623,7 @@ static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state
                   fresh);
     assert_true(softened > 5 && yielded > 5);
     finish(run);
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 5e-3);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 5e-3);
     run_end(run);
     run_end(before);
     run_end(after);
@@ -665,7 +674,8 @@ static void a_settled_heap_goes_on(void **state) {
     assert_int_equal(cause_of(run, 2), GN_STAGE_STRAIN);
     assert_int_equal(cause_of(run, 3), GN_STAGE_STRESS);
     const double *strain = gn_history_column(&run->history, "strain");
-    size_t first = (size_t)run->world.stages[2].row, after = (size_t)run->world.stages[3].row;
+    size_t first = (size_t)run->world.stages.state[2].row,
+           after = (size_t)run->world.stages.state[3].row;
     assert_true(strain[after - 1] - strain[first] >= 0.005);
     /* The row before, of those at which ends are looked for. */
     assert_true(strain[after - 1 - (1 << GN_ROW_HALVINGS)] - strain[first] < 0.005);
@@ -771,8 +781,8 @@ static void bodies_and_elements_take_their_part(void **state) {
     double travel[3];
     gn_elements_travel(w, 0, travel);
     assert_near(travel[2], 5e-6, 0.05 * 5e-6);
-    assert_near(gn_energy_residual(&w->reading), 0.0, 2e-3);
-    uint64_t hash = gn_world_hash(w);
+    assert_near(gn_energy_residual(&w->ledger.reading), 0.0, 2e-3);
+    uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     run_end(run);
     assert_true(hash == hash_of(beside("threads: 2")));
 }
@@ -792,7 +802,7 @@ static void the_scene_of_stages_goes_through_all_of_them(void **state) {
                                      GN_STAGE_PEAK_DROP};
     for (size_t k = 0; k < 4; k++) assert_int_equal(cause_of(run, k), causes[k]);
     assert_true(run->world.dem.bonds_at_start > 1000);
-    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-3);
+    assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-3);
     const gn_readings *readings;
     assert_int_equal(gn_run_readings(run, &readings, &error), GNEISS_OK);
     assert_true(readings->peak_stress > 1e4);
@@ -897,9 +907,9 @@ static void free_overlaps_go_over_into_another_run(void **state) {
         assert_int_equal(run->world.dem.bonds_at_start, !dissolved);
         assert_int_equal(run->world.dem.bonds.soa.count, 2);
         steps(run, 1);
-        assert_near(run->world.reading.elastic_normal, 0.0, 1e-20);
+        assert_near(run->world.ledger.reading.elastic_normal, 0.0, 1e-20);
         steps(run, 20);
-        assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+        assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
         run_end(run);
     }
 }
@@ -916,13 +926,13 @@ static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
     assert_true(overlaps > 100);
     assert_int_equal(run->world.dem.bonds_at_start, 0);
     steps(run, 5);
-    assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+    assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     finish(run);
     assert_true(run->world.dem.bonds.soa.count >= overlaps); /* and those that hardly touch */
     assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.soa.count);
     for (size_t c = 0; c < run->world.dem.bonds.soa.count; c++)
         assert_true(gn_contact_bonded(&run->world.dem.bonds, c));
-    assert_near(run->world.reading.kinetic, 0.0, 1e-20);
+    assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     run_end(run);
 }
 
@@ -945,7 +955,7 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_int_equal(run->world.dem.bonds.soa.count, 2);
     steps(run, 1);
     /* Both bonds go on with what they carried: 20 um each. */
-    assert_near(run->world.reading.elastic_normal, 2 * 0.5 * 1e5 * 400e-12, 0.02 * 4e-5);
+    assert_near(run->world.ledger.reading.elastic_normal, 2 * 0.5 * 1e5 * 400e-12, 0.02 * 4e-5);
     run_end(run);
 
     snprintf(file, sizeof file, "%s/results.h5", folder);
@@ -953,7 +963,8 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_int_equal(run->world.dem.bonds.soa.count, 2);
     for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
     steps(run, 1);
-    assert_near(run->world.reading.elastic_normal, 0.0, 0.0); /* formed anew, free of stress */
+    assert_near(run->world.ledger.reading.elastic_normal, 0.0,
+                0.0); /* formed anew, free of stress */
     run_end(run);
     run_end(other);
 

@@ -33,7 +33,7 @@ static gn_world *shaken(const assembly *a, const char *damping, double dt) {
 
 static double limit_of(const assembly *a, const char *damping) {
     gn_world *w = shaken(a, damping, 0.0);
-    double stable = w->stable;
+    double stable = w->ctx.stable;
     world_end(w);
     return stable;
 }
@@ -52,10 +52,10 @@ static double growth(const assembly *a, const char *damping, double dt, int64_t 
             break;
         }
         if (!measure) continue;
-        double stored = gn_energy_stored(&w->reading);
+        double stored = gn_energy_stored(&w->ledger.reading);
         if (k == 0) start = stored;
         largest = isfinite(stored) ? fmax(largest, stored / start) : INFINITY;
-        *residual = gn_energy_residual(&w->reading);
+        *residual = gn_energy_residual(&w->ledger.reading);
     }
     world_end(w);
     return largest;
@@ -165,8 +165,8 @@ static void an_automatic_step_is_its_share_of_the_limit(void **state) {
                  "tensile_strength: 1e30, shear_strength: 1e30}]\n"
                  "law: {stiffness: arithmetic}\nbonds: {}\ntime: {safety: 0.8, end: 100}\n"
                  "run: {threads: 1}\n");
-    assert_close(w->dt, 0.8 * w->stable, 1e-15);
-    assert_true(w->stable <= w->dem.limit.sharp && w->dem.limit.bound <= w->dem.limit.sharp);
+    assert_close(w->ctx.dt, 0.8 * w->ctx.stable, 1e-15);
+    assert_true(w->ctx.stable <= w->dem.limit.sharp && w->dem.limit.bound <= w->dem.limit.sharp);
     world_end(w);
 }
 

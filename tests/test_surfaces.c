@@ -75,7 +75,7 @@ static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t
     assert_true(d.force_size > 0.0 && d.shear_size > 0.01 * d.force_size);
     double allowed = fmax(1e-6, 30.0 * grown / d.force_size);
     assert_true(d.speed <= allowed * d.speed_size);
-    gn_energy a = flat->reading, b = facets->reading;
+    gn_energy a = flat->ledger.reading, b = facets->ledger.reading;
     double work = fabs(a.work_walls) + fabs(a.work_gravity);
     assert_near(a.work_walls, b.work_walls, allowed * work);
     assert_near(a.friction, b.friction, allowed * work);
@@ -333,7 +333,7 @@ static void slide_over(const char *profile, double speed, double dt_allowed) {
     }
     assert_true(pos_of(w, 0)[0] > 8e-3);
     /* k v dt is what a spring gains in a step. */
-    assert_true(jump <= dt_allowed * kn * 2.0 * speed * w->dt);
+    assert_true(jump <= dt_allowed * kn * 2.0 * speed * w->ctx.dt);
     assert_true(most > 0.0);
     world_end(w);
 }
@@ -381,7 +381,7 @@ static void a_thin_plate_is_touched_from_both_sides(void **state) {
             1e-3 + half + gap, -1e-3 - half - gap, 1e-3 + half + gap, plates[k]);
         measured_step(w);
         double f = kn * 1e-5; /* v after the first half step is F dt/(2 m) */
-        double unit = 0.5 * w->dt / mass_of(w, 0);
+        double unit = 0.5 * w->ctx.dt / mass_of(w, 0);
         assert_close(vel_of(w, 0)[2], f * unit, 1e-6);
         assert_close(vel_of(w, 1)[2], -f * unit, 1e-6);
         /* Above the rim: the edge, straight below the centre. */

@@ -89,18 +89,19 @@ static void go_on(void *context) {
     c->came = omp_get_num_threads();
     for (int k = 0; k < c->of->steps; k++)
         if (gn_world_step(c->w, k == 0, &error) != GNEISS_OK)
-            fail_msg("%s: step %d: %s", c->of->what, (int)c->w->step, error.message);
-    gn_near_settle(c->w);
+            fail_msg("%s: step %d: %s", c->of->what, (int)c->w->ctx.step, error.message);
+    gn_near_settle(&c->w->ctx, &c->w->dem);
 }
 
 static void assert_alike(const course *a, const course *b, int round) {
     const gn_world *v = a->w, *w = b->w;
-    if (gn_world_hash(v) != gn_world_hash(w))
+    if (gn_world_hash(&v->ctx, &v->dem, &v->boundary, &v->solids, &v->box) !=
+        gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box))
         fail_msg("%s: other bits after %d rounds", a->of->what, round);
-    if (!(v->dt == w->dt && v->stable == w->stable))
-        fail_msg("%s: steps %.17g, %.17g of limits %.17g, %.17g", a->of->what, v->dt, w->dt,
-                 v->stable, w->stable);
-    if (memcmp(&v->reading, &w->reading, sizeof v->reading) != 0)
+    if (!(v->ctx.dt == w->ctx.dt && v->ctx.stable == w->ctx.stable))
+        fail_msg("%s: steps %.17g, %.17g of limits %.17g, %.17g", a->of->what, v->ctx.dt, w->ctx.dt,
+                 v->ctx.stable, w->ctx.stable);
+    if (memcmp(&v->ledger.reading, &w->ledger.reading, sizeof v->ledger.reading) != 0)
         fail_msg("%s: another ledger after %d rounds", a->of->what, round);
 }
 
@@ -118,7 +119,7 @@ static void run_alike(const team_case *of) {
             in_a_region(make, &all[k]);
         else
             make(&all[k]);
-        assert_int_equal(all[k].w->threads, THREADS);
+        assert_int_equal(all[k].w->ctx.threads, THREADS);
     }
     for (int round = 0; round < of->rounds; round++)
         for (int k = 0; k < COURSES; k++) {

@@ -27,14 +27,14 @@ static void look_at_all_pairs(const gn_world *w, size_t *touching) {
     for (size_t i = 0; i < q->soa.count; i++)
         for (size_t j = i + 1; j < q->soa.count; j++) {
             const double *x = q->pos + 4 * i, *y = q->pos + 4 * j;
-            double d[3], gap = sqrt(gn_branch(w, x, y, d)) - x[3] - y[3];
+            double d[3], gap = sqrt(gn_branch(&w->ctx, x, y, d)) - x[3] - y[3];
             if (gap >= 0.0) continue;
             size_t c = gn_contacts_from(&w->dem.pairs, (int32_t)i, (int32_t)j);
             ++*touching;
             if (c >= w->dem.pairs.soa.count || w->dem.pairs.i[c] != (int32_t)i ||
                 w->dem.pairs.j[c] != (int32_t)j)
                 fail_msg("step %lld: %zu and %zu overlap by %g m and are not listed",
-                         (long long)w->step, i, j, -gap);
+                         (long long)w->ctx.step, i, j, -gap);
         }
 }
 
@@ -93,7 +93,7 @@ static void two_that_come_from_afar_are_listed_before_they_meet(void **state) {
             "0}]\nlaw: {stiffness: uniform}\nneighbours: {skin: 4e-4}\ntime: {step: 4e-6, end: "
             "1}\nrun: {threads: 1}\n",
             at[axis], low, low, low);
-        w->scene.has_domain = false; /* whose sides would have lists made */
+        w->ctx.scene.has_domain = false; /* whose sides would have lists made */
         for (size_t p = 0; p < 4; p++) {
             const double *x = w->dem.particles.pos + 4 * p;
             const double speed = fabs(x[axis]) < 1e-4 ? 2.0 : 3e-3 - x[axis] < 1e-4 ? -2.0 : 0.0;

@@ -81,19 +81,19 @@ static inline void world_end(gn_world *w) {
 static inline gn_energy measured_step(gn_world *w) {
     gneiss_error error = {0};
     if (gn_world_step(w, true, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    return w->reading;
+    return w->ledger.reading;
 }
 
 /* `count` steps; the first of a run is measured, so that the ledger knows what was stored. */
 static inline void run_steps(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     for (int64_t k = 0; k < count; k++)
-        if (gn_world_step(w, w->step == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    gn_near_settle(w);
+        if (gn_world_step(w, w->ctx.step == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    gn_near_settle(&w->ctx, &w->dem);
 }
 
 static inline void run_until(gn_world *w, double time) {
-    while (w->time < time) run_steps(w, 1);
+    while (w->ctx.time < time) run_steps(w, 1);
 }
 
 /* Whether this machine runs an instruction set; says so when not. */

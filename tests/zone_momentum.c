@@ -7,7 +7,7 @@
 
 /* What the nodes carry of particles is counted there; particles that springs tie have their own. */
 static void add_momentum(const gn_world *w, const gn_particles *q, bool particles, double sum[4]) {
-    const gn_coupled *z = w->coupled;
+    const gn_coupled *z = w->zones.coupled;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *v = q->vel + 4 * p;
         if (!(v[3] > 0.0) || (particles && !z->stiffness && gn_coupled_has(z, q->id[p]))) continue;
@@ -19,7 +19,7 @@ static void add_momentum(const gn_world *w, const gn_particles *q, bool particle
 static void find(const gn_world *w, double sum[4]) {
     memset(sum, 0, 4 * sizeof *sum);
     add_momentum(w, &w->dem.particles, true, sum);
-    add_momentum(w, &w->elements[0]->solid.nodes, false, sum);
+    add_momentum(w, &w->solids.elements[0]->solid.nodes, false, sum);
 }
 
 int main(int count, char **argument) {
@@ -32,8 +32,8 @@ int main(int count, char **argument) {
     if (status == GNEISS_OK) status = gn_world_create(&scene, &w, &error);
     if (status == GNEISS_OK) find(&w, first);
     most = first[3];
-    while (status == GNEISS_OK && w.time < w.scene.end && !*w.halt) {
-        status = gn_world_step(&w, w.step == 0, &error);
+    while (status == GNEISS_OK && w.ctx.time < w.ctx.scene.end && !*w.outcome.halt) {
+        status = gn_world_step(&w, w.ctx.step == 0, &error);
         find(&w, last);
         most = fmax(most, last[3]);
     }

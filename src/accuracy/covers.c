@@ -50,18 +50,18 @@ double gn_test_path(const gn_scene *s, double time) {
     return apart(s, time, true);
 }
 
-double gn_test_bulk(const gn_world *w) {
-    return gn_world_mass(w) / w->volume;
+double gn_test_bulk(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
+    return gn_world_mass(dem, solids) / ctx->volume;
 }
 
 /* --- particles --- */
 
 /* Over the shortest side across the axis of the test. */
-static double particles_across(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double particles_across(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double shortest = INFINITY, radii = 0.0;
-    for (int a = 0; a < w->scene.dimension; a++)
-        if (a != w->scene.test.axis) shortest = fmin(shortest, w->upper[a] - w->lower[a]);
+    for (int a = 0; a < ctx->scene.dimension; a++)
+        if (a != ctx->scene.test.axis) shortest = fmin(shortest, ctx->upper[a] - ctx->lower[a]);
     for (size_t p = 0; p < q->soa.count; p++) radii += q->pos[4 * p + 3];
     return shortest * (double)q->soa.count / (2.0 * radii);
 }
@@ -101,12 +101,13 @@ static const char *bonds_of(const gn_scene *s) {
     return NULL;
 }
 
-static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
-    const gn_scene *s = &w->scene;
+static const char *cover_particles(const gn_step_context *ctx, const gn_dem *dem,
+                                   gn_test_groups *g) {
+    const gn_scene *s = &ctx->scene;
     bool plane = s->dimension == 2;
-    if (s->bonds != GN_SWITCH_ON || !w->dem.bonds_at_start)
+    if (s->bonds != GN_SWITCH_ON || !dem->bonds_at_start)
         return "the study has no test of grains without bonds";
-    if (w->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
+    if (ctx->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
         return "the study has no bonds that soften, yield or carry moments";
     if (s->test.kind != GN_TEST_COMPRESSION && s->test.kind != GN_TEST_TENSION)
         return "of tests of particles the study has compression and tension";
@@ -121,9 +122,9 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     bool crushed = s->test.kind == GN_TEST_COMPRESSION;
     g->floors = !plane ? g->study : crushed ? "compression-plane" : "brazilian";
     g->bonds = bonds_of(s);
-    g->particles = (double)w->dem.particles.soa.count;
-    g->across = particles_across(w);
-    g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;
+    g->particles = (double)dem->particles.soa.count;
+    g->across = particles_across(ctx, dem);
+    g->masses = dem->scaling.step > 0.0 ? dem->scaling.step / dem->scaling.unscaled : 1.0;
     g->first_break = s->start == GN_START_FIRST_BREAK;
     g->damping = damping_of(s);
     return NULL;
@@ -150,15 +151,15 @@ static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
     return NULL;
 }
 
-const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
-    const gn_scene *s = &w->scene;
+const char *gn_study_covers(const gn_step_context *ctx, const gn_dem *dem, gn_test_groups *g) {
+    const gn_scene *s = &ctx->scene;
     *g = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
     if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
     if (s->stage_count) return "the study has no test in stages";
-    const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
+    const char *reason = s->has_specimen ? cover_particles(ctx, dem, g) : cover_elements(s, g);
     g->speed = NAN;
     /* What an automatic step was lowered to later on says nothing of its safety. */
-    g->safety = w->step > 0 && s->step == 0.0 ? s->safety : w->dt / w->stable;
-    g->mixed = w->effects & GN_FX_MIXED;
+    g->safety = ctx->step > 0 && s->step == 0.0 ? s->safety : ctx->dt / ctx->stable;
+    g->mixed = ctx->effects & GN_FX_MIXED;
     return reason;
 }

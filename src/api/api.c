@@ -307,7 +307,7 @@ gneiss_status gneiss_world_progress(const gneiss_world *world, gneiss_progress *
         .step = p.step,
         .time = p.time,
         .end = p.end,
-        .dt = world->run.world.dt,
+        .dt = world->run.world.ctx.dt,
         .wall_seconds = p.seconds,
         .eta = p.eta,
         .unbalanced = p.unbalanced,
@@ -325,8 +325,10 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(limits, "limits", error));
     const gn_world *w = &world->run.world;
-    *limits = (gneiss_limits){w->dt, w->stable, gn_world_sharp_limit(w), gn_world_bound(w),
-                              w->scene.has_specimen ? w->dem.limit.literature : (double)INFINITY};
+    *limits = (gneiss_limits){
+        w->ctx.dt, w->ctx.stable, gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+        gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
+        w->ctx.scene.has_specimen ? w->dem.limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }
 
@@ -340,8 +342,8 @@ gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *coun
         .bonds = (int64_t)w->dem.bonds.soa.count,
         .pairs = (int64_t)w->dem.pairs.soa.count,
         .wall_contacts = (int64_t)w->boundary.contacts.soa.count,
-        .walls = (int64_t)w->scene.wall_count,
-        .sets = (int64_t)w->scene.set_count,
+        .walls = (int64_t)w->ctx.scene.wall_count,
+        .sets = (int64_t)w->ctx.scene.set_count,
         .broken_tension = w->dem.broken_tension,
         .broken_shear = w->dem.broken_shear,
         .removed = w->dem.lost,
@@ -356,20 +358,23 @@ gneiss_status gneiss_world_element_counts(const gneiss_world *world, gneiss_elem
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(counts, "counts", error));
     const gn_world *w = &world->run.world;
-    const gn_element_totals t = gn_elements_totals(w);
+    const gn_element_totals t = gn_elements_totals(&w->solids);
     *counts = (gneiss_element_counts){(int64_t)t.nodes, (int64_t)t.elements,
-                                      (int64_t)gn_conversion_asleep(w)};
+                                      (int64_t)gn_conversion_asleep(&w->dem)};
     return GNEISS_OK;
 }
 
 int64_t gneiss_world_steps(const gneiss_world *world) {
-    return world ? world->run.world.step : 0;
+    return world ? world->run.world.ctx.step : 0;
 }
 
 double gneiss_world_time(const gneiss_world *world) {
-    return world ? world->run.world.time : 0.0;
+    return world ? world->run.world.ctx.time : 0.0;
 }
 
 uint64_t gneiss_world_hash(const gneiss_world *world) {
-    return world ? gn_world_hash(&world->run.world) : 0;
+    return world ? gn_world_hash(&world->run.world.ctx, &world->run.world.dem,
+                                 &world->run.world.boundary, &world->run.world.solids,
+                                 &world->run.world.box)
+                 : 0;
 }

@@ -16,14 +16,14 @@ typedef struct outputs {
 } outputs;
 
 static outputs find_outputs(const gn_world *w, gneiss_record record) {
-    const gn_fem_solid *solid = w->element_count ? &w->elements[0]->solid : NULL;
-    const bool bonds = w->effects & GN_FX_BONDS;
+    const gn_fem_solid *solid = w->solids.count ? &w->solids.elements[0]->solid : NULL;
+    const bool bonds = w->ctx.effects & GN_FX_BONDS;
     switch (record) {
     case GNEISS_PARTICLES:
-        return (outputs){&gn_particle_outputs, w->effects, w->scene.asked,
+        return (outputs){&gn_particle_outputs, w->ctx.effects, w->ctx.scene.asked,
                          w->dem.particles.soa.count};
     case GNEISS_BONDS:
-        return (outputs){bonds ? &gn_bond_outputs : NULL, w->effects, w->scene.asked,
+        return (outputs){bonds ? &gn_bond_outputs : NULL, w->ctx.effects, w->ctx.scene.asked,
                          w->dem.bonds.soa.count};
     case GNEISS_NODES:
         return (outputs){solid ? &gn_node_outputs : NULL, 0, 0, solid ? solid->nodes.soa.count : 0};
@@ -71,7 +71,7 @@ static gneiss_status read_particles_or_bonds(const gn_world *w, bool particles,
                                              gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    GN_TRY(gn_world_observe(w, &seen, error));
+    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
     gneiss_status status = gn_output_view_make(w, &seen, &view, error);
     if (status == GNEISS_OK) {
         const gn_output_source of = particles ? gn_output_particles(&view) : gn_output_bonds(&view);

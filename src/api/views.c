@@ -35,14 +35,14 @@ const char *gneiss_record_name(gneiss_record record) {
 static place find_record(const gneiss_world *world, gneiss_record record) {
     static const gn_fem_solid none;
     const gn_world *w = &world->run.world;
-    const gn_fem_solid *body = w->element_count ? &w->elements[0]->solid : &none;
+    const gn_fem_solid *body = w->solids.count ? &w->solids.elements[0]->solid : &none;
     switch (record) {
     case GNEISS_PARTICLES:
         return (place){&gn_particle_record, &w->dem.particles.soa};
     case GNEISS_BONDS:
         return (place){&gn_contact_record, &w->dem.bonds.soa};
     case GNEISS_PAIRS:
-        gn_near_settle(w);
+        gn_near_settle(&w->ctx, &w->dem);
         return (place){&gn_contact_record, &w->dem.pairs.soa};
     case GNEISS_WALL_CONTACTS:
         return (place){&gn_wall_contact_record, &w->boundary.contacts.soa};
@@ -94,7 +94,7 @@ gneiss_status gneiss_world_origin(const gneiss_world *world, double origin[3],
                                   gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(origin, "origin", error));
-    memcpy(origin, world->run.world.scene.origin, sizeof world->run.world.scene.origin);
+    memcpy(origin, world->run.world.ctx.scene.origin, sizeof world->run.world.ctx.scene.origin);
     return GNEISS_OK;
 }
 
@@ -255,9 +255,9 @@ static gneiss_status list_readings(const gneiss_world *world, gneiss_quantity ou
 
 static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIES]) {
     const gn_world *w = &world->run.world;
-    bool known = w->effects & GN_FX_ENERGY && world->run.history.row_count;
+    bool known = w->ctx.effects & GN_FX_ENERGY && world->run.history.row_count;
     gn_energy_figure figure[ENERGIES];
-    gn_energy_figures(&w->reading, figure);
+    gn_energy_figures(&w->ledger.reading, figure);
     for (int k = 0; k < ENERGIES; k++)
         out[k] = (gneiss_quantity){figure[k].name, figure[k].unit, figure[k].text,
                                    known ? figure[k].value : NAN};

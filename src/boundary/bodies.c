@@ -179,7 +179,7 @@ double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
     return sum;
 }
 
-double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double force[3],
+double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *b, const double force[3],
                             const double moment[3], const double lever[3], const double n[3]) {
     double turn[3], push[3], round[3], centre[3], sum = 0.0;
     spin_up(b, moment, turn);
@@ -187,7 +187,7 @@ double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double f
     gn_cross3(b->spin, lever, round);
     gn_cross3(b->spin, round, centre);
     for (int a = 0; a < 3; a++) {
-        double fall = b->inverse_mass[a] > 0.0 ? w->scene.gravity[a] : 0.0;
+        double fall = b->inverse_mass[a] > 0.0 ? ctx->scene.gravity[a] : 0.0;
         sum += (fall + force[a] * b->inverse_mass[a] + push[a] + centre[a]) * n[a];
     }
     return sum;
@@ -353,30 +353,31 @@ static void put_vertices(const gn_body_shape *shape, gn_rigid *b, double *out) {
     }
 }
 
-static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss_error *error) {
-    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+static gneiss_status put_shapes(const gn_step_context *ctx, gn_boundary *boundary,
+                                const gn_body_shape *shapes, gneiss_error *error) {
+    size_t corners = (size_t)ctx->scene.dimension, vertices = 0, facets = 0;
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
         vertices += shapes[k].vertices;
         facets += shapes[k].facets;
     }
     if (facets > INT32_MAX / 4 || vertices > INT32_MAX / 4)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "bodies: expected fewer than %d facets, found %zu", INT32_MAX / 4, facets);
-    w->boundary.body_vertex_count = vertices;
-    w->boundary.body_corner_count = corners * facets;
-    w->boundary.body_shape = gn_alloc_array(w->scene.body_count, sizeof *w->boundary.body_shape);
-    w->boundary.body_vertex = gn_alloc_array(vertices, 4 * sizeof *w->boundary.body_vertex);
-    w->boundary.body_corner = gn_alloc_array(corners * facets, sizeof *w->boundary.body_corner);
-    if (!w->boundary.body_shape || !w->boundary.body_vertex || !w->boundary.body_corner)
+    boundary->body_vertex_count = vertices;
+    boundary->body_corner_count = corners * facets;
+    boundary->body_shape = gn_alloc_array(ctx->scene.body_count, sizeof *boundary->body_shape);
+    boundary->body_vertex = gn_alloc_array(vertices, 4 * sizeof *boundary->body_vertex);
+    boundary->body_corner = gn_alloc_array(corners * facets, sizeof *boundary->body_corner);
+    if (!boundary->body_shape || !boundary->body_vertex || !boundary->body_corner)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu facets of bodies", facets);
     size_t vertex = 0, corner = 0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
         const gn_body_shape *shape = &shapes[k];
-        w->boundary.body_shape[k][0] = (int64_t)shape->vertices;
-        w->boundary.body_shape[k][1] = (int64_t)shape->facets;
-        w->boundary.body_shape[k][2] = (int64_t)shape->dropped;
-        put_vertices(shape, &w->boundary.bodies[k], w->boundary.body_vertex + 4 * vertex);
-        memcpy(w->boundary.body_corner + corner, shape->corner,
+        boundary->body_shape[k][0] = (int64_t)shape->vertices;
+        boundary->body_shape[k][1] = (int64_t)shape->facets;
+        boundary->body_shape[k][2] = (int64_t)shape->dropped;
+        put_vertices(shape, &boundary->bodies[k], boundary->body_vertex + 4 * vertex);
+        memcpy(boundary->body_corner + corner, shape->corner,
                corners * shape->facets * sizeof(int32_t));
         vertex += shape->vertices;
         corner += corners * shape->facets;
@@ -384,57 +385,59 @@ static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss
     return GNEISS_OK;
 }
 
-gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
-    size_t count = w->scene.body_count;
-    if (!count) return gn_bodies_surfaces(w, error);
-    w->boundary.bodies = gn_alloc_array(count, sizeof *w->boundary.bodies);
+gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, gn_solids *solids,
+                               gneiss_error *error) {
+    size_t count = ctx->scene.body_count;
+    if (!count) return gn_bodies_surfaces(ctx, boundary, solids, error);
+    boundary->bodies = gn_alloc_array(count, sizeof *boundary->bodies);
     gn_body_shape *shapes = gn_alloc_array(count, sizeof *shapes);
-    gneiss_status status = w->boundary.bodies && shapes
+    gneiss_status status = boundary->bodies && shapes
                                ? GNEISS_OK
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bodies");
     for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
-        status = gn_body_shape_make(&w->scene, k, &shapes[k], error);
-        if (status == GNEISS_OK) status = gn_body_check_cuts(&w->scene, k, &shapes[k], error);
-        if (status == GNEISS_OK) set_body(&w->scene, k, &shapes[k], &w->boundary.bodies[k]);
+        status = gn_body_shape_make(&ctx->scene, k, &shapes[k], error);
+        if (status == GNEISS_OK) status = gn_body_check_cuts(&ctx->scene, k, &shapes[k], error);
+        if (status == GNEISS_OK) set_body(&ctx->scene, k, &shapes[k], &boundary->bodies[k]);
     }
-    if (status == GNEISS_OK) status = put_shapes(w, shapes, error);
+    if (status == GNEISS_OK) status = put_shapes(ctx, boundary, shapes, error);
     for (size_t k = 0; shapes && k < count; k++) gn_body_shape_free(&shapes[k]);
     gn_free(shapes);
-    return status == GNEISS_OK ? gn_bodies_surfaces(w, error) : status;
+    return status == GNEISS_OK ? gn_bodies_surfaces(ctx, boundary, solids, error) : status;
 }
 
-gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
-    size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
-    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    w->boundary.surfaces =
-        gn_alloc_array(w->scene.body_count + w->element_count + 1, sizeof *w->boundary.surfaces);
-    if (!w->boundary.surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_body_def *def = &w->scene.bodies[k];
-        const int64_t *shape = w->boundary.body_shape[k];
+gneiss_status gn_bodies_surfaces(const gn_step_context *ctx, gn_boundary *boundary,
+                                 gn_solids *solids, gneiss_error *error) {
+    size_t corners = (size_t)ctx->scene.dimension, vertex = 0, corner = 0;
+    if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
+    boundary->surfaces =
+        gn_alloc_array(ctx->scene.body_count + solids->count + 1, sizeof *boundary->surfaces);
+    if (!boundary->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_body_def *def = &ctx->scene.bodies[k];
+        const int64_t *shape = boundary->body_shape[k];
         gn_surface s = {.body = (int32_t)k,
                         .vertices = (size_t)shape[0],
                         .stiffness = def->stiffness,
                         .kratio = def->kratio,
                         .friction = def->friction};
-        s.facets = (gn_facet_set){(int)corners, (size_t)shape[1], w->boundary.body_corner + corner,
-                                  w->boundary.body_vertex + 4 * vertex};
-        GN_TRY(gn_boundary_add_surface(w, &s, error));
+        s.facets = (gn_facet_set){(int)corners, (size_t)shape[1], boundary->body_corner + corner,
+                                  boundary->body_vertex + 4 * vertex};
+        GN_TRY(gn_boundary_add_surface(boundary, &s, error));
         vertex += s.vertices;
         corner += corners * s.facets.count;
     }
-    GN_TRY(gn_body_walls_prepare(w, error));
-    return gn_body_pairs_prepare(w, error);
+    GN_TRY(gn_body_walls_prepare(ctx, boundary, error));
+    return gn_body_pairs_prepare(ctx, boundary, error);
 }
 
 /* --- motion --- */
 
 /* Works of what is prescribed and of gravity over half an interval. */
-static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *ledger) {
+static void book(const gn_step_context *ctx, const gn_rigid *b, double dt, gn_energy *ledger) {
     double prescribed = 0.0, weight = 0.0;
     for (int a = 0; a < 3; a++) {
         if (b->inverse_mass[a] > 0.0)
-            weight += b->mass * w->scene.gravity[a] * b->velocity[a];
+            weight += b->mass * ctx->scene.gravity[a] * b->velocity[a];
         else
             prescribed -= b->force[a] * b->velocity[a];
     }
@@ -445,13 +448,14 @@ static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *led
     ledger->work_gravity += 0.5 * dt * weight;
 }
 
-void gn_bodies_book(const gn_world *w, double dt, gn_energy *ledger) {
-    for (size_t k = 0; k < w->scene.body_count; k++) book(w, &w->boundary.bodies[k], dt, ledger);
+void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
+                    gn_energy *ledger) {
+    for (size_t k = 0; k < ctx->scene.body_count; k++) book(ctx, &boundary->bodies[k], dt, ledger);
 }
 
 /* See gn_dem_add_change: of bodies, of which what is free turns besides. */
-static void follow_change(const gn_world *w, const gn_rigid *b, double halves[2]) {
-    const double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
+static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double halves[2]) {
+    const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     double gain[3];
     for (int a = 0; a < 3; a++) {
         gain[a] = turns_freely(b) ? b->momentum[a] - b->momentum_past[a] : 0.0;
@@ -477,14 +481,14 @@ static double led_work(const gn_rigid *b, bool start, gn_half half) {
     return half == GN_HALF_BEFORE ? sum : -sum;
 }
 
-static void kick(gn_world *w, size_t k, gn_rigid *b) {
-    double interval = 0.5 * (w->dt_past + w->dt), middle = w->time + 0.5 * w->dt;
-    const gn_motion *motion = &w->scene.bodies[k].motion;
+static void kick(const gn_step_context *ctx, size_t k, gn_rigid *b) {
+    double interval = 0.5 * (ctx->dt_past + ctx->dt), middle = ctx->time + 0.5 * ctx->dt;
+    const gn_motion *motion = &ctx->scene.bodies[k].motion;
     for (int a = 0; a < 3; a++) {
         if (b->inverse_mass[a] > 0.0)
-            b->velocity[a] += interval * (b->force[a] * b->inverse_mass[a] + w->scene.gravity[a]);
+            b->velocity[a] += interval * (b->force[a] * b->inverse_mass[a] + ctx->scene.gravity[a]);
         else
-            b->velocity[a] = gn_control_of(w, w->scene.bodies[k].name, a) *
+            b->velocity[a] = gn_control_of(ctx, ctx->scene.bodies[k].name, a) *
                              gn_table_at(&motion->velocity[a], middle);
         if (!turns_freely(b) || b->held[a] > 0.0)
             b->spin[a] = gn_table_at(&motion->spin[a], middle);
@@ -493,18 +497,19 @@ static void kick(gn_world *w, size_t k, gn_rigid *b) {
     }
 }
 
-void gn_bodies_kick(gn_world *w) {
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        gn_rigid *b = &w->boundary.bodies[k];
+void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                    gn_ledger *ledger) {
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        gn_rigid *b = &boundary->bodies[k];
         memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
         memcpy(b->spin_past, b->spin, sizeof b->spin);
         memcpy(b->momentum_past, b->momentum, sizeof b->momentum);
-        kick(w, k, b);
-        if (!(w->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
+        kick(ctx, k, b);
+        if (!(ctx->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
         if (turns_freely(b)) spin_from_momentum(b);
-        if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
-            follow_change(w, b, w->dem.done.step_change);
-        if (w->dt_past > 0.0) w->energy.work_walls += led_work(b, false, GN_HALF_BEFORE);
+        if (ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past && ctx->effects & GN_FX_ENERGY)
+            follow_change(ctx, b, dem->done.step_change);
+        if (ctx->dt_past > 0.0) ledger->energy.work_walls += led_work(b, false, GN_HALF_BEFORE);
     }
 }
 
@@ -523,12 +528,13 @@ static double turning_energy(const gn_rigid *b, const double before[3], bool sta
 
 /* 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is what a full kick
  * would have come from. */
-void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation) {
+void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
+                       double *rotation) {
     *translation = *rotation = 0.0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->boundary.bodies[k];
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_rigid *b = &boundary->bodies[k];
         double before[3], first[3], second[3];
-        bool start = !(w->dt_past > 0.0);
+        bool start = !(ctx->dt_past > 0.0);
         for (int a = 0; a < 3; a++) {
             double v = start ? 2.0 * b->velocity_past[a] - b->velocity[a] : b->velocity_past[a];
             if (b->inverse_mass[a] > 0.0) *translation += 0.5 * b->mass * v * b->velocity[a];
@@ -556,20 +562,20 @@ static double fastest_turn(const gn_rigid *b) {
     return spin + sqrt(led) * (1.0 + most * across);
 }
 
-void gn_bodies_drift(gn_world *w) {
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        gn_rigid *b = &w->boundary.bodies[k];
-        w->energy.work_walls += led_work(b, !(w->dt_past > 0.0), GN_HALF_AFTER);
+void gn_bodies_drift(const gn_step_context *ctx, gn_boundary *boundary, gn_ledger *ledger) {
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        gn_rigid *b = &boundary->bodies[k];
+        ledger->energy.work_walls += led_work(b, !(ctx->dt_past > 0.0), GN_HALF_AFTER);
         double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
         for (int a = 0; a < 3; a++) {
-            b->position[a] += w->dt * b->velocity[a];
-            turn[a] = w->dt * b->spin[a];
+            b->position[a] += ctx->dt * b->velocity[a];
+            turn[a] = ctx->dt * b->spin[a];
         }
         if (turns_freely(b))
-            rotate_freely(b, w->dt, w->effects & GN_FX_SPACE);
+            rotate_freely(b, ctx->dt, ctx->effects & GN_FX_SPACE);
         else
             turn_by(b, turn);
         double spin = turns_freely(b) ? fastest_turn(b) : sqrt(gn_dot3(b->spin, b->spin));
-        b->travel += w->dt * (speed + spin * b->reach);
+        b->travel += ctx->dt * (speed + spin * b->reach);
     }
 }

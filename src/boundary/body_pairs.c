@@ -11,37 +11,37 @@
 
 /* --- who meets whom --- */
 
-static bool yield(const gn_world *w, size_t a, size_t b) {
-    const gn_surface *s = w->boundary.surfaces;
-    return a != b && (gn_surface_yields(w, &s[a]) || gn_surface_yields(w, &s[b]));
+static bool yield(const gn_boundary *boundary, size_t a, size_t b) {
+    const gn_surface *s = boundary->surfaces;
+    return a != b && (gn_surface_yields(boundary, &s[a]) || gn_surface_yields(boundary, &s[b]));
 }
 
-static gn_body_spring spring_of(const gn_world *w, size_t a, size_t b) {
-    return gn_body_spring_of(&w->scene, w->scene.wall_count + a, w->scene.wall_count + b);
+static gn_body_spring spring_of(const gn_step_context *ctx, size_t a, size_t b) {
+    return gn_body_spring_of(&ctx->scene, ctx->scene.wall_count + a, ctx->scene.wall_count + b);
 }
-static gn_touch_side side_of(const gn_world *w, size_t a, size_t b) {
-    return spring_of(w, a, b).side;
-}
-
-static bool may_meet(const gn_world *w, size_t a, size_t b) {
-    return yield(w, a, b) && side_of(w, a, b).stiffness > 0.0;
+static gn_touch_side side_of(const gn_step_context *ctx, size_t a, size_t b) {
+    return spring_of(ctx, a, b).side;
 }
 
-bool gn_bodies_meet(const gn_world *w, size_t a, size_t b) {
-    const gn_convex *c = w->boundary.pairs.convex;
-    return c && c[a].planes && c[b].planes && may_meet(w, a, b);
+static bool may_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b) {
+    return yield(boundary, a, b) && side_of(ctx, a, b).stiffness > 0.0;
 }
 
-bool gn_body_meets_bodies(const gn_world *w, size_t k) {
-    for (size_t m = 0; w->boundary.pairs.convex && m < w->scene.body_count; m++)
-        if (gn_bodies_meet(w, k, m)) return true;
+bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b) {
+    const gn_convex *c = boundary->pairs.convex;
+    return c && c[a].planes && c[b].planes && may_meet(ctx, boundary, a, b);
+}
+
+bool gn_body_meets_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
+    for (size_t m = 0; boundary->pairs.convex && m < ctx->scene.body_count; m++)
+        if (gn_bodies_meet(ctx, boundary, k, m)) return true;
     return false;
 }
 
-bool gn_body_misses_bodies(const gn_world *w, size_t k) {
-    const gn_convex *c = w->boundary.pairs.convex;
-    for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
-        if (may_meet(w, k, m)) return true;
+bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
+    const gn_convex *c = boundary->pairs.convex;
+    for (size_t m = 0; c && !c[k].planes && m < ctx->scene.body_count; m++)
+        if (may_meet(ctx, boundary, k, m)) return true;
     return false;
 }
 
@@ -52,37 +52,40 @@ static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double 
     return sqrt(gn_dot3(d, d)) <= a->reach + b->reach;
 }
 
-static bool are_near(const gn_world *w, size_t a, size_t b) {
-    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+static bool are_near(const gn_boundary *boundary, size_t a, size_t b) {
+    const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
     return reach_each_other(p, q, p->start, q->start) ||
            reach_each_other(p, q, p->position, q->position);
 }
 
 bool gn_body_passes_bodies(const gn_world *w, size_t k) {
     const gn_convex *c = w->boundary.pairs.convex;
-    for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
-        if (may_meet(w, k, m) && are_near(w, k, m)) return true;
+    for (size_t m = 0; c && !c[k].planes && m < w->ctx.scene.body_count; m++)
+        if (may_meet(&w->ctx, &w->boundary, k, m) && are_near(&w->boundary, k, m)) return true;
     return false;
 }
 
 bool gn_body_lacks_stiffness(const gn_world *w, size_t k) {
-    for (size_t m = 0; w->scene.bodies[k].free && m < w->scene.body_count; m++)
-        if (yield(w, k, m) && !(side_of(w, k, m).stiffness > 0.0) && are_near(w, k, m)) return true;
-    return gn_body_passes_walls(w, k);
+    for (size_t m = 0; w->ctx.scene.bodies[k].free && m < w->ctx.scene.body_count; m++)
+        if (yield(&w->boundary, k, m) && !(side_of(&w->ctx, k, m).stiffness > 0.0) &&
+            are_near(&w->boundary, k, m))
+            return true;
+    return gn_body_passes_walls(&w->ctx, &w->boundary, k);
 }
 
-gneiss_status gn_body_pairs_prepare(gn_world *w, gneiss_error *error) {
-    gn_body_pairs *p = &w->boundary.pairs;
-    size_t bodies = w->scene.body_count, planes = 0, polygons = 0;
+gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error) {
+    gn_body_pairs *p = &boundary->pairs;
+    size_t bodies = ctx->scene.body_count, planes = 0, polygons = 0;
     bool any = false;
     for (size_t a = 0; a < bodies && !any; a++)
-        for (size_t b = 0; b < a && !any; b++) any = may_meet(w, a, b);
+        for (size_t b = 0; b < a && !any; b++) any = may_meet(ctx, boundary, a, b);
     if (!any) return GNEISS_OK;
     p->convex = gn_alloc_array(bodies, sizeof *p->convex);
     if (!p->convex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", bodies);
     p->bodies = bodies;
     for (size_t k = 0; k < bodies; k++) {
-        const gn_surface *s = &w->boundary.surfaces[k];
+        const gn_surface *s = &boundary->surfaces[k];
         GN_TRY(gn_convex_make(&s->facets, s->vertices, &p->convex[k], error));
         planes = p->convex[k].planes > planes ? p->convex[k].planes : planes;
         polygons = p->convex[k].polygons > polygons ? p->convex[k].polygons : polygons;
@@ -110,40 +113,41 @@ static double rounding_of(const gn_rigid *a, const gn_rigid *b) {
     return 64.0 * GN_OVERLAP_ROUNDING * (a->reach + b->reach);
 }
 
-static bool meet(const gn_world *w, size_t a, size_t b, gn_convex_room *room,
+static bool meet(const gn_boundary *boundary, size_t a, size_t b, gn_convex_room *room,
                  gn_convex_overlap *o) {
-    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
-    const gn_convex *c = w->boundary.pairs.convex;
+    const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
+    const gn_convex *c = boundary->pairs.convex;
     if (!reach_each_other(p, q, p->position, q->position)) return false;
     gn_convex_pose at_a = pose_of(p), at_b = pose_of(q);
     return gn_convex_meet(&c[a], &at_a, &c[b], &at_b, rounding_of(p, q), room, o);
 }
 
 /* Whether the reference point of a free body, its centre of mass, is in another body. */
-static bool holds(const gn_world *w, size_t a, size_t b) {
-    const gn_convex *c = &w->boundary.pairs.convex[a];
-    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
+static bool holds(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b) {
+    const gn_convex *c = &boundary->pairs.convex[a];
+    const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
     double d[3], local[3];
     for (int k = 0; k < 3; k++) d[k] = q->position[k] - p->position[k];
     gn_rigid_local(p, d, local);
     for (size_t k = 0; k < c->planes; k++)
         if (!(gn_dot3(c->plane + 4 * k, local) < c->plane[4 * k + 3])) return false;
-    return w->scene.bodies[b].free;
+    return ctx->scene.bodies[b].free;
 }
 
-gneiss_status gn_body_pairs_check(const gn_world *w, gneiss_error *error) {
-    for (size_t a = 0; a < w->scene.body_count; a++)
-        for (size_t b = 0; b < w->scene.body_count; b++) {
-            if (!gn_bodies_meet(w, a, b) || !holds(w, a, b)) continue;
-            const gn_body_def *def = &w->scene.bodies[b];
+gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary *boundary,
+                                  gneiss_error *error) {
+    for (size_t a = 0; a < ctx->scene.body_count; a++)
+        for (size_t b = 0; b < ctx->scene.body_count; b++) {
+            if (!gn_bodies_meet(ctx, boundary, a, b) || !holds(ctx, boundary, a, b)) continue;
+            const gn_body_def *def = &ctx->scene.bodies[b];
             char at[GN_POINT_SIZE];
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s:%d:%d: bodies: expected the centre of mass of the free body '%s' "
                            "outside body '%s', found it inside, at %s m (a surface with a hole "
                            "meets no bodies)",
-                           w->scene.source, def->where.line, def->where.column, def->name,
-                           w->scene.bodies[a].name,
-                           gn_point_text(w->scene.origin, w->boundary.bodies[b].position, at));
+                           ctx->scene.source, def->where.line, def->where.column, def->name,
+                           ctx->scene.bodies[a].name,
+                           gn_point_text(ctx->scene.origin, boundary->bodies[b].position, at));
         }
     return GNEISS_OK;
 }
@@ -154,49 +158,52 @@ gneiss_status gn_body_pairs_check(const gn_world *w, gneiss_error *error) {
  * begins to lift; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
 
-double gn_body_pair_square(const gn_world *w, size_t a, size_t b) {
-    const gn_surface *s = w->boundary.surfaces;
-    return stiffest * side_of(w, a, b).stiffness *
-           (gn_surface_give(w, &s[a]) + gn_surface_give(w, &s[b]));
+double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
+                           size_t b) {
+    const gn_surface *s = boundary->surfaces;
+    return stiffest * side_of(ctx, a, b).stiffness *
+           (gn_surface_give(boundary, &s[a]) + gn_surface_give(boundary, &s[b]));
 }
 
 /* For each contact |x - y|^2 <= (1 + s)|x|^2 + (1 + 1/s)|y|^2, s the give of y over that of x: each
  * of both bears the frequency of the pair. Dashpots are 2 alpha sqrt(k m), of the mass that both
  * have along their way. */
-void gn_body_pairs_rates(const gn_world *w, size_t body, double *stiff, double *damp) {
-    const gn_body_pairs *p = &w->boundary.pairs;
+void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
+                         double *stiff, double *damp) {
+    const gn_body_pairs *p = &boundary->pairs;
     for (size_t k = 0; k < p->count; k++) {
         size_t a = (size_t)p->pair[k].first, b = (size_t)p->pair[k].second;
         if (a != body && b != body) continue;
-        gn_body_spring spring = spring_of(w, a, b);
+        gn_body_spring spring = spring_of(ctx, a, b);
         gn_touch_side side = spring.side;
-        double alpha = spring.damping / gn_world_nonviscous_share(w);
-        double square = gn_body_pair_square(w, a, b), across = 0.0, whole = 0.0;
+        double alpha = spring.damping / gn_world_nonviscous_share(ctx);
+        double square = gn_body_pair_square(ctx, boundary, a, b), across = 0.0, whole = 0.0;
         double give = square / (stiffest * side.stiffness);
         if (side.friction > 0.0 && side.kratio > 0.0) across = side.stiffness / side.kratio * give;
         for (int c = 0; c < 3; c++)
-            whole = fmax(whole, w->boundary.bodies[a].inverse_mass[c] +
-                                    w->boundary.bodies[b].inverse_mass[c]);
+            whole = fmax(whole,
+                         boundary->bodies[a].inverse_mass[c] + boundary->bodies[b].inverse_mass[c]);
         *stiff += square + across;
         *damp += 2.0 * alpha * sqrt(side.stiffness / (whole > 0.0 ? whole : give)) * give;
     }
 }
 
-double gn_body_pairs_bound(const gn_world *w) {
+double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
-    for (size_t a = 0; a < w->scene.body_count; a++)
+    for (size_t a = 0; a < ctx->scene.body_count; a++)
         for (size_t b = 0; b < a; b++)
-            if (gn_bodies_meet(w, a, b)) most = fmax(most, gn_body_pair_square(w, a, b));
+            if (gn_bodies_meet(ctx, boundary, a, b))
+                most = fmax(most, gn_body_pair_square(ctx, boundary, a, b));
     return most;
 }
 
 /* --- lists --- */
 
 /* Both may move by as much as the lists allow before they are made again. */
-static bool is_near(const gn_world *w, size_t a, size_t b) {
-    const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
-    const gn_convex *c = w->boundary.pairs.convex;
-    double skin = 2.0 * w->dem.verlet.skin, reach = p->reach + q->reach + skin, far2 = 0.0;
+static bool is_near(const gn_dem *dem, const gn_boundary *boundary, size_t a, size_t b) {
+    const gn_rigid *p = &boundary->bodies[a], *q = &boundary->bodies[b];
+    const gn_convex *c = boundary->pairs.convex;
+    double skin = 2.0 * dem->verlet.skin, reach = p->reach + q->reach + skin, far2 = 0.0;
     for (int k = 0; k < 3; k++) {
         double d = q->position[k] - p->position[k];
         far2 += d * d;
@@ -222,26 +229,26 @@ static void keep_worst(gn_bodies_worst *worst, double value, const gn_body_pair 
     if (value > worst->value) *worst = (gn_bodies_worst){value, p->first, p->second};
 }
 
-static gn_bodies_overlap pressed_by(const gn_world *w, size_t a, size_t b,
-                                    const gn_convex_overlap *o) {
-    const double *g = w->scene.gravity;
-    double mass = w->boundary.bodies[a].mass + w->boundary.bodies[b].mass;
+static gn_bodies_overlap pressed_by(const gn_step_context *ctx, const gn_boundary *boundary,
+                                    size_t a, size_t b, const gn_convex_overlap *o) {
+    const double *g = ctx->scene.gravity;
+    double mass = boundary->bodies[a].mass + boundary->bodies[b].mass;
     return (gn_bodies_overlap){.depth = o->depth,
-                               .force = side_of(w, a, b).stiffness * o->depth *
+                               .force = side_of(ctx, a, b).stiffness * o->depth *
                                         sqrt(gn_dot3(o->along, o->along)),
                                .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
 }
 
 /* Beyond half of a thickness the nearest way out is the other side. */
-static void look_how_deep(gn_world *w, const gn_body_pair *p, const double along[3]) {
-    gn_body_pairs *all = &w->boundary.pairs;
+static void look_how_deep(gn_boundary *boundary, const gn_body_pair *p, const double along[3]) {
+    gn_body_pairs *all = &boundary->pairs;
     double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
     const double body[2] = {p->first, p->second};
     if (!(size > 0.0)) return;
     for (int k = 0; k < 2; k++) {
         const gn_convex *c = &all->convex[(size_t)body[k]];
         double n[3], low = (double)INFINITY, high = -(double)INFINITY;
-        gn_rigid_local(&w->boundary.bodies[(size_t)body[k]], along, n);
+        gn_rigid_local(&boundary->bodies[(size_t)body[k]], along, n);
         for (size_t m = 0; m < c->polygons * (size_t)c->corners; m++) {
             double x = gn_dot3(n, c->corner + 3 * m) / size;
             low = fmin(low, x);
@@ -252,41 +259,44 @@ static void look_how_deep(gn_world *w, const gn_body_pair *p, const double along
     keep_worst(&all->deepest, p->depth / thin, p);
 }
 
-static gn_body_pair new_pair(gn_world *w, bool first, size_t a, size_t b) {
+static gn_body_pair new_pair(const gn_step_context *ctx, gn_boundary *boundary, bool first,
+                             size_t a, size_t b) {
     gn_body_pair now = {.first = (double)a, .second = (double)b};
     gn_convex_overlap o;
-    if (!first || !meet(w, a, b, &w->boundary.pairs.room, &o)) return now;
-    gn_bodies_overlap push = pressed_by(w, a, b, &o);
-    if (push.force > push.rest) keep_worst(&w->boundary.pairs.pushed, push.force, &now);
+    if (!first || !meet(boundary, a, b, &boundary->pairs.room, &o)) return now;
+    gn_bodies_overlap push = pressed_by(ctx, boundary, a, b, &o);
+    if (push.force > push.rest) keep_worst(&boundary->pairs.pushed, push.force, &now);
     now.depth = o.depth;
-    look_how_deep(w, &now, o.along);
+    look_how_deep(boundary, &now, o.along);
     return now;
 }
 
-static gneiss_status list_pairs(gn_world *w, bool first, const gn_body_pairs *old,
+static gneiss_status list_pairs(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, bool first, const gn_body_pairs *old,
                                 gneiss_error *error) {
-    gn_body_pairs *p = &w->boundary.pairs;
+    gn_body_pairs *p = &boundary->pairs;
     size_t at = 0;
-    for (size_t a = 0; a < w->scene.body_count; a++)
-        for (size_t b = a + 1; b < w->scene.body_count; b++) {
+    for (size_t a = 0; a < ctx->scene.body_count; a++)
+        for (size_t b = a + 1; b < ctx->scene.body_count; b++) {
             const gn_body_pair *q = old->pair;
             while (at < old->count && (q[at].first < (double)a ||
                                        (q[at].first == (double)a && q[at].second < (double)b)))
                 at++;
-            if (!gn_bodies_meet(w, a, b) || !is_near(w, a, b)) continue;
+            if (!gn_bodies_meet(ctx, boundary, a, b) || !is_near(dem, boundary, a, b)) continue;
             bool listed = at < old->count && q[at].first == (double)a && q[at].second == (double)b;
             GN_TRY(make_room(p, error));
-            p->pair[p->count++] = listed ? q[at] : new_pair(w, first, a, b);
+            p->pair[p->count++] = listed ? q[at] : new_pair(ctx, boundary, first, a, b);
         }
     return GNEISS_OK;
 }
 
-gneiss_status gn_body_pairs_find(gn_world *w, bool first, gneiss_error *error) {
-    gn_body_pairs *p = &w->boundary.pairs, old = *p;
+gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
+                                 gn_boundary *boundary, bool first, gneiss_error *error) {
+    gn_body_pairs *p = &boundary->pairs, old = *p;
     if (!p->convex) return GNEISS_OK;
     p->pair = NULL;
     p->count = p->most = 0;
-    gneiss_status status = list_pairs(w, first, &old, error);
+    gneiss_status status = list_pairs(ctx, dem, boundary, first, &old, error);
     gn_free(old.pair);
     return status;
 }
@@ -305,7 +315,7 @@ typedef struct step {
     bool pressed;
 } step;
 
-static void set_levers(const gn_world *w, const gn_body_pair *p, step *s) {
+static void set_levers(const gn_step_context *ctx, const gn_body_pair *p, step *s) {
     const gn_rigid *body[2] = {s->a, s->b};
     for (int k = 0; k < 3; k++) {
         s->lever[0][k] = p->point[k];
@@ -315,7 +325,7 @@ static void set_levers(const gn_world *w, const gn_body_pair *p, step *s) {
     for (int m = 0; m < 2; m++) {
         double turn[3];
         gn_cross3(body[m]->spin, s->lever[m], turn);
-        for (int k = 0; k < 3; k++) s->middle[m][k] = s->lever[m][k] - 0.5 * w->dt_past * turn[k];
+        for (int k = 0; k < 3; k++) s->middle[m][k] = s->lever[m][k] - 0.5 * ctx->dt_past * turn[k];
     }
 }
 
@@ -344,9 +354,9 @@ static double inverse_mass_of(const gn_body_pair *p, const step *s) {
 
 /* The path of h in the step: what it is but for the two steps in which it begins and ends, where it
  * goes on as its gradient says. */
-static void set_path(const gn_world *w, gn_body_pair *p, double depth, step *s) {
+static void set_path(const gn_step_context *ctx, gn_body_pair *p, double depth, step *s) {
     gn_touch *t = &s->touch;
-    double v[3], dt = w->dt_past, rate, along;
+    double v[3], dt = ctx->dt_past, rate, along;
     velocity_at(s, v);
     rate = gn_dot3(p->along, v) + gn_dot3(p->about, s->turn);
     double path = -rate * dt;
@@ -385,20 +395,20 @@ static void push(gn_rigid *b, const double force[3], const double moment[3], con
 
 /* Faces that rock on each other change h to second order only: the dashpot also resists where it is
  * spread over the faces, M = c sum (r x n)((r x n).w). */
-static void rock(const gn_world *w, gn_body_pair *p, const step *s, const double spread[9],
+static void rock(const gn_step_context *ctx, gn_body_pair *p, const step *s, const double spread[9],
                  double moment[3], gn_contact_sums *sums) {
     const double *n = s->touch.n;
     double c = 0.0, across[3], spun[3], now[3] = {0, 0, 0};
-    if (s->pressed && w->effects & GN_FX_CONTACT_DAMPING)
+    if (s->pressed && ctx->effects & GN_FX_CONTACT_DAMPING)
         c = s->size * s->size *
-            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, s->damping, w->dt_past);
+            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, s->damping, ctx->dt_past);
     if (c > 0.0) {
         gn_cross3(n, s->turn, across);
         for (int k = 0; k < 3; k++) spun[k] = c * gn_dot3(spread + 3 * k, across);
         gn_cross3(spun, n, now);
     }
     for (int k = 0; k < 3; k++) {
-        sums->contact_damping += 0.5 * w->dt_past * (p->rocking[k] + now[k]) * s->turn[k];
+        sums->contact_damping += 0.5 * ctx->dt_past * (p->rocking[k] + now[k]) * s->turn[k];
         p->rocking[k] = now[k];
         moment[k] += now[k];
     }
@@ -415,12 +425,14 @@ typedef struct twist {
  * times the radius of gyration (discs; squares 0.937). A spring that changes with them keeps its
  * moment or its angle, whichever holds less. Where they slide and turn at once, the limit is that
  * of both as one vector, of force and moment over that radius. */
-static twist twist_of(const gn_world *w, const gn_body_pair *p, step *s, const double spread[9]) {
+static twist twist_of(const gn_step_context *ctx, const gn_body_pair *p, step *s,
+                      const double spread[9]) {
     const double *n = s->touch.n;
     double square = spread[0] + spread[4] + spread[8], kt = 0.0, slide2 = 0.0;
-    twist t = {.turn = w->dt_past * gn_dot3(s->turn, n), .trial = p->twisting, .share = 0.0};
+    twist t = {.turn = ctx->dt_past * gn_dot3(s->turn, n), .trial = p->twisting, .share = 0.0};
     for (int k = 0; k < 3; k++) square -= n[k] * gn_dot3(spread + 3 * k, n);
-    if (!s->pressed || !(s->side.kratio > 0.0) || !(w->effects & GN_FX_SPACE) || !(square > 0.0)) {
+    if (!s->pressed || !(s->side.kratio > 0.0) || !(ctx->effects & GN_FX_SPACE) ||
+        !(square > 0.0)) {
         t.trial = 0.0;
         return t;
     }
@@ -430,7 +442,7 @@ static twist twist_of(const gn_world *w, const gn_body_pair *p, step *s, const d
     if (t.spring < p->twisting_spring) t.trial *= t.spring / p->twisting_spring;
     t.trial += t.spring * t.turn;
     for (int k = 0; k < 3; k++) {
-        double slide = p->shear[k] + kt * w->dt_past * s->touch.relative[k];
+        double slide = p->shear[k] + kt * ctx->dt_past * s->touch.relative[k];
         slide2 += slide * slide;
     }
     double whole = sqrt(slide2 + t.trial * t.trial / (t.radius * t.radius));
@@ -455,31 +467,32 @@ static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double
 }
 
 /* Of the gap, by all but this contact. */
-static double other_acceleration(const gn_world *w, const gn_body_pair *p, const step *s) {
-    return gn_rigid_accelerates(w, s->a, s->a->force, s->a->moment, s->lever[0], p->along) -
-           gn_rigid_accelerates(w, s->b, s->b->force, s->b->moment, s->lever[1], p->along);
+static double other_acceleration(const gn_step_context *ctx, const gn_body_pair *p, const step *s) {
+    return gn_rigid_accelerates(ctx, s->a, s->a->force, s->a->moment, s->lever[0], p->along) -
+           gn_rigid_accelerates(ctx, s->b, s->b->force, s->b->moment, s->lever[1], p->along);
 }
 
-static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
-    gn_contact_sums *sums = &w->boundary.pairs.sums;
-    gn_touch_step of = {.dt = w->dt_past,
+static void act(const gn_step_context *ctx, gn_boundary *boundary, gn_body_pair *p, step *s,
+                const double spread[9]) {
+    gn_contact_sums *sums = &boundary->pairs.sums;
+    gn_touch_step of = {.dt = ctx->dt_past,
                         .damping_fraction = s->damping,
-                        .damping = w->effects & GN_FX_CONTACT_DAMPING,
-                        .space = w->effects & GN_FX_SPACE,
+                        .damping = ctx->effects & GN_FX_CONTACT_DAMPING,
+                        .space = ctx->effects & GN_FX_SPACE,
                         .spins = true};
     double t[3], force[3], moment[3];
     s->touch.inverse_mass = inverse_mass_of(p, s);
-    s->touch.other = other_acceleration(w, p, s);
+    s->touch.other = other_acceleration(ctx, p, s);
     s->side.friction *= s->size; /* the force is that along h times the gradient */
     double friction = s->side.friction;
     turn_shear(s->touch.n, p->shear);
-    twist turning = twist_of(w, p, s, spread);
+    twist turning = twist_of(ctx, p, s, spread);
     double total = gn_linear_touch(&of, &s->side, &s->touch, &p->viscous, p->shear, 1, t, sums);
     for (int k = 0; k < 3; k++) {
         force[k] = t[k] - total * p->along[k];
         moment[k] = -total * p->about[k];
     }
-    rock(w, p, s, spread, moment, sums);
+    rock(ctx, p, s, spread, moment, sums);
     act_twist(p, &turning, s->touch.n, friction * fmax(-total, 0.0), moment, sums);
     const double size = sqrt(gn_dot3(force, force));
     sums->force += size;
@@ -493,15 +506,15 @@ static bool holds_nothing(const gn_body_pair *p) {
            gn_dot3(p->shear, p->shear) == 0.0 && gn_dot3(p->rocking, p->rocking) == 0.0;
 }
 
-static void contact(gn_world *w, gn_body_pair *p) {
+static void contact(const gn_step_context *ctx, gn_boundary *boundary, gn_body_pair *p) {
     size_t a = (size_t)p->first, b = (size_t)p->second;
     gn_convex_overlap o = {0};
-    gn_body_spring spring = spring_of(w, a, b);
-    step s = {.a = &w->boundary.bodies[a],
-              .b = &w->boundary.bodies[b],
+    gn_body_spring spring = spring_of(ctx, a, b);
+    step s = {.a = &boundary->bodies[a],
+              .b = &boundary->bodies[b],
               .side = spring.side,
               .damping = spring.damping};
-    s.pressed = meet(w, a, b, &w->boundary.pairs.room, &o);
+    s.pressed = meet(boundary, a, b, &boundary->pairs.room, &o);
     if (!s.pressed && holds_nothing(p)) return;
     if (s.pressed) {
         memcpy(p->along, o.along, sizeof p->along);
@@ -509,31 +522,31 @@ static void contact(gn_world *w, gn_body_pair *p) {
         memcpy(p->point, o.point, sizeof p->point);
     }
     s.touch.rounding = 0.0;
-    set_levers(w, p, &s);
-    set_path(w, p, o.depth, &s);
-    act(w, p, &s, o.spread);
+    set_levers(ctx, p, &s);
+    set_path(ctx, p, o.depth, &s);
+    act(ctx, boundary, p, &s, o.spread);
     bool deeper = o.depth > p->depth;
     p->depth = o.depth;
-    if (deeper) look_how_deep(w, p, p->along);
+    if (deeper) look_how_deep(boundary, p, p->along);
 }
 
-void gn_body_pairs_work(gn_world *w) {
-    gn_body_pairs *p = &w->boundary.pairs;
+void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary) {
+    gn_body_pairs *p = &boundary->pairs;
     p->sums = (gn_contact_sums){0};
-    for (size_t k = 0; k < p->count; k++) contact(w, &p->pair[k]);
+    for (size_t k = 0; k < p->count; k++) contact(ctx, boundary, &p->pair[k]);
 }
 
 /* --- what lies where --- */
 
-gneiss_status gn_bodies_overlap_of(const gn_world *w, size_t a, size_t b, gn_bodies_overlap *to,
-                                   gneiss_error *error) {
-    const gn_convex_room *have = &w->boundary.pairs.room;
+gneiss_status gn_bodies_overlap_of(const gn_step_context *ctx, const gn_boundary *boundary,
+                                   size_t a, size_t b, gn_bodies_overlap *to, gneiss_error *error) {
+    const gn_convex_room *have = &boundary->pairs.room;
     gn_convex_room room;
     gn_convex_overlap o = {0};
     *to = (gn_bodies_overlap){0};
-    if (!gn_bodies_meet(w, a, b)) return GNEISS_OK;
+    if (!gn_bodies_meet(ctx, boundary, a, b)) return GNEISS_OK;
     GN_TRY(gn_convex_room_make(have->planes, have->polygons, &room, error));
-    if (meet(w, a, b, &room, &o)) *to = pressed_by(w, a, b, &o);
+    if (meet(boundary, a, b, &room, &o)) *to = pressed_by(ctx, boundary, a, b, &o);
     gn_convex_room_free(&room);
     return GNEISS_OK;
 }

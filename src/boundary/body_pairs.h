@@ -7,11 +7,11 @@
 #ifndef GN_BOUNDARY_BODY_PAIRS_H
 #define GN_BOUNDARY_BODY_PAIRS_H
 
+#include "frame/parts.h"
+
 #include "base/error.h"
 #include "kernels/contact.h"
 #include "surfaces/convex.h"
-
-typedef struct gn_world gn_world;
 
 /* A pair that is near. Doubles only: checkpoints store it as it is. Forces and moments are those on
  * the first body; of the last step, as are all others. */
@@ -43,14 +43,16 @@ typedef struct gn_body_pairs {
 } gn_body_pairs;
 
 /* What there is to know of the shapes, once. */
-gneiss_status gn_body_pairs_prepare(gn_world *world, gneiss_error *error);
+gneiss_status gn_body_pairs_prepare(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error);
 void gn_body_pairs_free(gn_body_pairs *pairs);
 /* That no centre of mass is in another body. */
-gneiss_status gn_body_pairs_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_body_pairs_check(const gn_step_context *ctx, const gn_boundary *boundary,
+                                  gneiss_error *error);
 /* Whether two bodies can meet; and whether one meets none because of its shape. */
-bool gn_bodies_meet(const gn_world *world, size_t a, size_t b);
-bool gn_body_meets_bodies(const gn_world *world, size_t body);
-bool gn_body_misses_bodies(const gn_world *world, size_t body);
+bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, size_t a, size_t b);
+bool gn_body_meets_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
+bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 /* The same, where one that it misses is, or was at the start, as near as both reach. */
 bool gn_body_passes_bodies(const gn_world *world, size_t body);
 
@@ -59,24 +61,27 @@ bool gn_body_passes_bodies(const gn_world *world, size_t body);
 bool gn_body_lacks_stiffness(const gn_world *world, size_t body);
 
 /* Lists what is near. `first`: at the start, where what overlaps is not taken for what just met. */
-gneiss_status gn_body_pairs_find(gn_world *world, bool first, gneiss_error *error);
+gneiss_status gn_body_pairs_find(const gn_step_context *ctx, const gn_dem *dem,
+                                 gn_boundary *boundary, bool first, gneiss_error *error);
 /* Adds the forces of these contacts to those of particles and walls. */
-void gn_body_pairs_work(gn_world *world);
+void gn_body_pairs_work(const gn_step_context *ctx, gn_boundary *boundary);
 
 /* 1/s2, 1/s: what the pairs of a body that are near add to the square of its frequency, all in
  * touch, and its dashpots; the square of a pair. All from above. */
-void gn_body_pairs_rates(const gn_world *world, size_t body, double *stiff, double *damp);
-double gn_body_pair_square(const gn_world *world, size_t a, size_t b);
+void gn_body_pairs_rates(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
+                         double *stiff, double *damp);
+double gn_body_pair_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t a,
+                           size_t b);
 /* The largest of any two bodies that can meet. */
-double gn_body_pairs_bound(const gn_world *world);
+double gn_body_pairs_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 
 /* How two bodies overlap: depth 0, not at all. Put down without an overlap they press with `rest`,
  * twice their weight, at most. */
 typedef struct gn_bodies_overlap {
     double depth, force, rest; /* m, N, N */
 } gn_bodies_overlap;
-gneiss_status gn_bodies_overlap_of(const gn_world *world, size_t a, size_t b, gn_bodies_overlap *to,
-                                   gneiss_error *error);
+gneiss_status gn_bodies_overlap_of(const gn_step_context *ctx, const gn_boundary *boundary,
+                                   size_t a, size_t b, gn_bodies_overlap *to, gneiss_error *error);
 
 uint64_t gn_body_pairs_hash(const gn_body_pairs *pairs, uint64_t h);
 

@@ -14,24 +14,27 @@
 
 /* Parts of the stiffness of all vertices, from their places in the bodies' frames, into
  * world->boundary.vertex_part. */
-gneiss_status gn_body_walls_prepare(gn_world *world, gneiss_error *error);
+gneiss_status gn_body_walls_prepare(const gn_step_context *ctx, gn_boundary *boundary,
+                                    gneiss_error *error);
 /* That no free body has its centre of mass behind a wall. */
-gneiss_status gn_body_walls_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_body_walls_check(const gn_step_context *ctx, const gn_boundary *boundary,
+                                  gneiss_error *error);
 /* Whether a body can touch walls: it is free and, by Hertz's law, has a stiffness of its own; and
  * whether a free one cannot that was near one at the start, or is now. */
-bool gn_body_meets_walls(const gn_world *world, size_t body);
-bool gn_body_passes_walls(const gn_world *world, size_t body);
+bool gn_body_meets_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
+bool gn_body_passes_walls(const gn_step_context *ctx, const gn_boundary *boundary, size_t body);
 
 /* Columns that these contacts have. */
-static inline gn_effects gn_body_wall_effects(const gn_world *w) {
-    return w->effects & ~(gn_effects)(GN_FX_FACETS | GN_FX_ROLLING | GN_FX_HERTZ);
+static inline gn_effects gn_body_wall_effects(const gn_step_context *ctx) {
+    return ctx->effects & ~(gn_effects)(GN_FX_FACETS | GN_FX_ROLLING | GN_FX_HERTZ);
 }
 /* Lists the vertices near walls, sorted by (body, wall, vertex), and takes over what those that
  * were listed hold. `first`: as gn_boundary_refresh. */
-gneiss_status gn_body_walls_find(gn_world *world, bool first, gneiss_error *error);
+gneiss_status gn_body_walls_find(const gn_step_context *ctx, const gn_dem *dem,
+                                 gn_boundary *boundary, bool first, gneiss_error *error);
 /* Adds the forces of these contacts to those on walls and bodies, which have those of the particles
  * already. */
-void gn_body_walls_work(gn_world *world);
+void gn_body_walls_work(const gn_step_context *ctx, gn_boundary *boundary);
 
 /* A contact that is listed. */
 typedef struct gn_body_wall {
@@ -41,19 +44,21 @@ typedef struct gn_body_wall {
     gn_touch_side side; /* of this part */
     double damping;     /* of critical */
 } gn_body_wall;
-gn_body_wall gn_body_wall_at(const gn_world *world, size_t row);
+gn_body_wall gn_body_wall_at(const gn_step_context *ctx, const gn_boundary *boundary, size_t row);
 
 /* 1/s2: the largest square of a frequency of the body of a row on the springs of its wall, were all
  * that are listed pressed; goes on to the first row of another (surface_limit.c). */
-double gn_body_walls_square(const gn_world *world, size_t *row);
+double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row);
 
 /* The same, from above, of any body on any wall, wherever they are. */
-double gn_body_walls_bound(const gn_world *world);
+double gn_body_walls_bound(const gn_step_context *ctx, const gn_boundary *boundary);
 
 /* N/m, of the contacts that press a wall, with what their dashpots do in a step if `dashpots`; and
  * of those that do not, but would within `path` of it. */
-double gn_body_walls_pressing(const gn_world *world, size_t wall, bool dashpots);
-double gn_body_walls_within(const gn_world *world, size_t wall, double path);
+double gn_body_walls_pressing(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                              bool dashpots);
+double gn_body_walls_within(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                            double path);
 
 /* How a body lies on a wall. */
 typedef struct gn_body_overlap {
@@ -61,6 +66,7 @@ typedef struct gn_body_overlap {
     double deepest;  /* m */
     double force;    /* N, with which springs push it out */
 } gn_body_overlap;
-gn_body_overlap gn_body_walls_overlap(const gn_world *world, size_t body, size_t wall);
+gn_body_overlap gn_body_walls_overlap(const gn_step_context *ctx, const gn_boundary *boundary,
+                                      size_t body, size_t wall);
 
 #endif

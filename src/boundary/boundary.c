@@ -11,24 +11,26 @@
 
 /* --- create, free --- */
 
-gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_walls_create(w, error));
-    GN_TRY(gn_bodies_create(w, error));
-    GN_TRY(gn_bodies_check_speeds(w, error));
-    GN_TRY(gn_body_walls_check(w, error));
-    return gn_body_pairs_check(w, error);
+gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
+                                 gn_boundary *boundary, gn_solids *solids, gneiss_error *error) {
+    GN_TRY(gn_walls_create(ctx, dem, boundary, error));
+    GN_TRY(gn_bodies_create(ctx, boundary, solids, error));
+    GN_TRY(gn_bodies_check_speeds(ctx, boundary, error));
+    GN_TRY(gn_body_walls_check(ctx, boundary, error));
+    return gn_body_pairs_check(ctx, boundary, error);
 }
 
-void gn_boundary_enter(gn_world *w) {
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        gn_surface *s = &w->boundary.surfaces[k];
-        if (s->body >= 0) s->friction = w->scene.bodies[s->body].friction;
-        if (s->body >= 0) s->kratio = w->scene.bodies[s->body].kratio;
+void gn_boundary_enter(const gn_step_context *ctx, gn_boundary *boundary) {
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        gn_surface *s = &boundary->surfaces[k];
+        if (s->body >= 0) s->friction = ctx->scene.bodies[s->body].friction;
+        if (s->body >= 0) s->kratio = ctx->scene.bodies[s->body].kratio;
     }
 }
 
-gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gneiss_error *error) {
-    gn_boundary *b = &w->boundary;
+gneiss_status gn_boundary_add_surface(gn_boundary *boundary, const gn_surface *surface,
+                                      gneiss_error *error) {
+    gn_boundary *b = boundary;
     gn_surface *s = &b->surfaces[b->surface_count], *last = b->surface_count ? s - 1 : NULL;
     *s = *surface;
     s->first = last ? last->first + (int32_t)last->facets.count : 0;
@@ -64,32 +66,35 @@ void gn_boundary_resized(gn_boundary *b) {
     b->sums = NULL;
 }
 
-static gneiss_status ready_sums(gn_world *w, gneiss_error *error) {
-    size_t blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
-    gn_boundary *b = &w->boundary;
+static gneiss_status ready_sums(gn_dem *dem, gn_boundary *boundary, gneiss_error *error) {
+    size_t blocks = gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK);
+    gn_boundary *b = boundary;
     if (!b->sums) b->sums = gn_alloc_array(blocks + 1, sizeof *b->sums);
     return b->sums ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
 }
 
-gneiss_status gn_boundary_refresh(gn_world *w, bool first, gneiss_error *error) {
-    GN_TRY(ready_sums(w, error));
-    GN_TRY(gn_wall_contacts_find(w, first, error));
-    GN_TRY(gn_body_walls_find(w, first, error));
-    return gn_body_pairs_find(w, first, error);
+gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  const gn_solids *solids, const gn_zones *zones, bool first,
+                                  gneiss_error *error) {
+    GN_TRY(ready_sums(dem, boundary, error));
+    GN_TRY(gn_wall_contacts_find(ctx, dem, boundary, solids, zones, first, error));
+    GN_TRY(gn_body_walls_find(ctx, dem, boundary, first, error));
+    return gn_body_pairs_find(ctx, dem, boundary, first, error);
 }
 
-gneiss_status gn_boundary_restore(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    gn_boundary *b = &w->boundary;
+gneiss_status gn_boundary_restore(gn_dem *dem, gn_boundary *boundary, gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
+    gn_boundary *b = boundary;
     b->first = gn_alloc_array(n + 2, sizeof *b->first);
     if (!b->first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
     for (size_t c = 0; c < b->contacts.soa.count; c++) b->first[b->contacts.i[c] + 1]++;
     for (size_t p = 1; p <= n; p++) b->first[p] += b->first[p - 1];
-    return ready_sums(w, error);
+    return ready_sums(dem, boundary, error);
 }
 
-gneiss_status gn_boundary_renumber(gn_world *w, const int32_t *place, gneiss_error *error) {
-    gn_wall_contacts *list = &w->boundary.contacts, now = {0};
+gneiss_status gn_boundary_renumber(gn_boundary *boundary, const int32_t *place,
+                                   gneiss_error *error) {
+    gn_wall_contacts *list = &boundary->contacts, now = {0};
     size_t count = list->soa.count;
     if (!count) return GNEISS_OK;
     gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
@@ -103,59 +108,65 @@ gneiss_status gn_boundary_renumber(gn_world *w, const int32_t *place, gneiss_err
     return status;
 }
 
-double gn_boundary_travel(gn_world *w, bool exact) {
+double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, bool exact) {
     double wall = 0.0;
-    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->boundary.walls[k].travel);
-    return fmax(wall, gn_surfaces_travel(w, exact));
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) wall = fmax(wall, boundary->walls[k].travel);
+    return fmax(wall, gn_surfaces_travel(boundary, exact));
 }
 
 /* --- step --- */
 
-bool gn_boundary_work(gn_world *w, size_t block, size_t first, size_t last) {
-    gn_boundary *b = &w->boundary;
+bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                      const gn_solids *solids, const gn_zones *zones, size_t block, size_t first,
+                      size_t last) {
+    gn_boundary *b = boundary;
     size_t begin = (size_t)b->first[first], end = (size_t)b->first[last];
     b->sums[block] = (gn_contact_sums){0};
-    gn_wall_contacts_work(w, begin, end, &b->sums[block]);
+    gn_wall_contacts_work(ctx, dem, boundary, solids, zones, begin, end, &b->sums[block]);
     return begin < end;
 }
 
-void gn_boundary_forces(gn_world *w) {
-    gn_walls_sum(w);
-    gn_surfaces_sum(w);
-    gn_body_walls_work(w);
-    gn_body_pairs_work(w);
+void gn_boundary_forces(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary) {
+    gn_walls_sum(ctx, dem, boundary);
+    gn_surfaces_sum(ctx, boundary);
+    gn_body_walls_work(ctx, boundary);
+    gn_body_pairs_work(ctx, boundary);
 }
 
-void gn_boundary_kick(gn_world *w) {
-    gn_bodies_kick(w);
+void gn_boundary_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                      gn_ledger *ledger) {
+    gn_bodies_kick(ctx, dem, boundary, ledger);
 }
 
-void gn_boundary_move(gn_world *w) {
-    gn_walls_move(w);
-    gn_bodies_drift(w);
+void gn_boundary_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                      gn_ledger *ledger) {
+    gn_walls_move(ctx, dem, boundary);
+    gn_bodies_drift(ctx, boundary, ledger);
 }
 
-void gn_boundary_book(const gn_world *w, gn_half half, gn_energy *ledger) {
-    double dt = half == GN_HALF_BEFORE ? w->dt_past : w->dt;
-    gn_walls_book(w, dt, ledger);
-    gn_bodies_book(w, dt, ledger);
+void gn_boundary_book(const gn_step_context *ctx, const gn_boundary *boundary, gn_half half,
+                      gn_energy *ledger) {
+    double dt = half == GN_HALF_BEFORE ? ctx->dt_past : ctx->dt;
+    gn_walls_book(ctx, boundary, dt, ledger);
+    gn_bodies_book(ctx, boundary, dt, ledger);
 }
 
-void gn_boundary_measure(const gn_world *w, gn_energy *ledger) {
+void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary,
+                         gn_energy *ledger) {
     double translation, rotation;
-    gn_bodies_kinetic(w, &translation, &rotation);
+    gn_bodies_kinetic(ctx, boundary, &translation, &rotation);
     ledger->kinetic += translation;
     ledger->rotational += rotation;
 }
 
 /* Along what is free. */
-static void add_body(const gn_world *w, const gn_rigid *b, gn_balance *balance) {
+static void add_body(const gn_step_context *ctx, const gn_rigid *b, gn_balance *balance) {
     double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
     bool is_free = false;
     for (int a = 0; a < 3; a++) {
         if (!(b->inverse_mass[a] > 0.0)) continue;
         is_free = true;
-        weight[a] = b->mass * w->scene.gravity[a];
+        weight[a] = b->mass * ctx->scene.gravity[a];
         pressed[a] = b->force[a];
         resultant[a] = weight[a] + pressed[a];
     }
@@ -170,27 +181,28 @@ static void add_body(const gn_world *w, const gn_rigid *b, gn_balance *balance) 
                                          sqrt(gn_dot3(pressed, pressed)) + balance->force));
 }
 
-void gn_boundary_balance(const gn_world *w, gn_balance *balance) {
-    for (size_t k = 0; k < w->scene.body_count; k++) add_body(w, &w->boundary.bodies[k], balance);
+void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary,
+                         gn_balance *balance) {
+    for (size_t k = 0; k < ctx->scene.body_count; k++) add_body(ctx, &boundary->bodies[k], balance);
 }
 
 /* --- all of it --- */
 
-uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {
-    h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.contacts, h);
-    if (w->boundary.body_contacts.soa.count)
-        h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.body_contacts, h);
-    h = gn_body_pairs_hash(&w->boundary.pairs, h);
-    for (size_t k = 0; k < w->scene.wall_count; k++)
-        h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
-    for (size_t k = 0; k < w->scene.body_count; k++)
-        h = gn_hash_bytes(&w->boundary.bodies[k], offsetof(gn_rigid, mass), h);
+uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h) {
+    h = gn_soa_hash(&gn_wall_contact_record, &boundary->contacts, h);
+    if (boundary->body_contacts.soa.count)
+        h = gn_soa_hash(&gn_wall_contact_record, &boundary->body_contacts, h);
+    h = gn_body_pairs_hash(&boundary->pairs, h);
+    for (size_t k = 0; k < ctx->scene.wall_count; k++)
+        h = gn_hash_bytes(boundary->walls[k].point, sizeof boundary->walls[k].point, h);
+    for (size_t k = 0; k < ctx->scene.body_count; k++)
+        h = gn_hash_bytes(&boundary->bodies[k], offsetof(gn_rigid, mass), h);
     return h;
 }
 
-size_t gn_boundary_bytes(const gn_world *w) {
-    return w->boundary.contacts.soa.capacity *
-               gn_record_bytes(&gn_wall_contact_record, w->effects) +
-           w->boundary.body_contacts.soa.capacity *
-               gn_record_bytes(&gn_wall_contact_record, gn_body_wall_effects(w));
+size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary) {
+    return boundary->contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, ctx->effects) +
+           boundary->body_contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, gn_body_wall_effects(ctx));
 }

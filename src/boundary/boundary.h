@@ -3,6 +3,8 @@
 #ifndef GN_BOUNDARY_BOUNDARY_H
 #define GN_BOUNDARY_BOUNDARY_H
 
+#include "frame/parts.h"
+
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/surface.h"
@@ -30,7 +32,7 @@ static inline double gn_wall_distance(const gn_wall *wall, const double x[3]) {
     return gn_dot3(d, wall->normal);
 }
 
-typedef struct gn_boundary {
+struct gn_boundary {
     gn_wall_contacts contacts; /* of particles with walls and facets */
     int32_t *first;            /* [particles + 1] their first row */
     gn_contact_sums *sums;     /* per block of particles */
@@ -52,52 +54,68 @@ typedef struct gn_boundary {
 
     double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
-} gn_boundary;
+};
 
 /* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
-gneiss_status gn_boundary_create(gn_world *world, gneiss_error *error);
+gneiss_status gn_boundary_create(const gn_step_context *ctx, const gn_dem *dem,
+                                 gn_boundary *boundary, gn_solids *solids, gneiss_error *error);
 /* Takes what the scene of another stage says of surfaces; walls and bodies ask in every step. */
-void gn_boundary_enter(gn_world *world);
+void gn_boundary_enter(const gn_step_context *ctx, gn_boundary *boundary);
 /* A surface, of which `first`, `tree` and `force` are made. */
-gneiss_status gn_boundary_add_surface(gn_world *world, const gn_surface *surface,
+gneiss_status gn_boundary_add_surface(gn_boundary *boundary, const gn_surface *surface,
                                       gneiss_error *error);
 void gn_boundary_free(gn_boundary *boundary);
 
 /* Finds what is near each particle, in the order that the particles have; `first`: at the start,
  * where a passive wall takes contacts as they are. */
-gneiss_status gn_boundary_refresh(gn_world *world, bool first, gneiss_error *error);
+gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  const gn_solids *solids, const gn_zones *zones, bool first,
+                                  gneiss_error *error);
 /* There is another number of particles: what goes by it is made with the next lists. */
 void gn_boundary_resized(gn_boundary *boundary);
 /* All that follows from contacts, which were read. */
-gneiss_status gn_boundary_restore(gn_world *world, gneiss_error *error);
+gneiss_status gn_boundary_restore(gn_dem *dem, gn_boundary *boundary, gneiss_error *error);
 /* Particles have other numbers: place[old] is the new one. */
-gneiss_status gn_boundary_renumber(gn_world *world, const int32_t *place, gneiss_error *error);
+gneiss_status gn_boundary_renumber(gn_boundary *boundary, const int32_t *place,
+                                   gneiss_error *error);
 /* m: bound on the path of anything since the lists were made. `exact`: looks where surfaces are. */
-double gn_boundary_travel(gn_world *world, bool exact);
+double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, bool exact);
 
 /* Contacts of a block of particles, in the sweep; whether there are any. */
-bool gn_boundary_work(gn_world *world, size_t block, size_t first, size_t last);
+bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                      const gn_solids *solids, const gn_zones *zones, size_t block, size_t first,
+                      size_t last);
 /* Sums up what particles do to walls, bodies and vertices, after it. */
-void gn_boundary_forces(gn_world *world);
+void gn_boundary_forces(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 /* New velocities of bodies; new velocities of walls, and new places of both. */
-void gn_boundary_kick(gn_world *world);
-void gn_boundary_move(gn_world *world);
+void gn_boundary_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                      gn_ledger *ledger);
+void gn_boundary_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                      gn_ledger *ledger);
 /* Works: of the half before, before the kick; of the half after, after the motion. Between kick and
  * motion, adds the kinetic energy of free bodies. */
-void gn_boundary_book(const gn_world *world, gn_half half, gn_energy *ledger);
-void gn_boundary_measure(const gn_world *world, gn_energy *ledger);
+void gn_boundary_book(const gn_step_context *ctx, const gn_boundary *boundary, gn_half half,
+                      gn_energy *ledger);
+void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary,
+                         gn_energy *ledger);
 /* Adds the largest resultant on a free body over its weight, what presses it as a whole, and a mean
  * contact force. */
-void gn_boundary_balance(const gn_world *world, gn_balance *balance);
+void gn_boundary_balance(const gn_step_context *ctx, const gn_boundary *boundary,
+                         gn_balance *balance);
 /* That nothing moved too far in the step (paths.c). */
-gneiss_status gn_boundary_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, gneiss_error *error);
 
 /* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
  * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
-gneiss_status gn_boundary_yields_more(const gn_world *world, bool *more, gneiss_error *error);
-gneiss_status gn_boundary_limit(gn_world *world, bool anew, bool *due, gneiss_error *error);
+gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, const gn_solids *solids,
+                                      const gn_zones *zones, bool *more, gneiss_error *error);
+gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error);
 
-uint64_t gn_boundary_hash(const gn_world *world, uint64_t h);
-size_t gn_boundary_bytes(const gn_world *world);
+uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
+size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);
 
 #endif

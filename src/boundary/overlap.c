@@ -108,11 +108,11 @@ static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
     return count;
 }
 
-static size_t count_inside(const gn_world *w, const gn_surface *s) {
+static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *s) {
     size_t inside = 0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        const double *x = w->dem.particles.pos + 4 * p;
-        const gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
+        const double *x = dem->particles.pos + 4 * p;
+        const gn_rigid *b = s->body >= 0 ? &boundary->bodies[s->body] : NULL;
         double d[3], centre[3];
         for (int a = 0; a < 3; a++) centre[a] = d[a] = b ? x[a] - b->position[a] : x[a];
         if (b) gn_rigid_local(b, d, centre);
@@ -124,41 +124,45 @@ static size_t count_inside(const gn_world *w, const gn_surface *s) {
 /* --- touching --- */
 
 /* From the lists, which hold every particle near a surface. */
-static void measure_touches(const gn_world *w, gn_overlap *overlap) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones, gn_overlap *overlap) {
+    const gn_wall_contacts *q = &boundary->contacts;
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < q->soa.count;) {
         size_t count = 0;
-        if ((size_t)q->wall[c] < w->scene.wall_count) {
+        if ((size_t)q->wall[c] < ctx->scene.wall_count) {
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, 0.0, contacts, &count);
+        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, 0.0, contacts, &count);
         if (!count) continue;
-        gn_overlap *o = &overlap[contacts[0].surface - w->boundary.surfaces];
+        gn_overlap *o = &overlap[contacts[0].surface - boundary->surfaces];
         o->touching++;
         for (size_t k = 0; k < count; k++)
             o->deepest = fmax(o->deepest, -contacts[k].contact.overlap);
     }
 }
 
-gneiss_status gn_world_overlaps(const gn_world *w, gn_overlap *overlap, gneiss_error *error) {
-    memset(overlap, 0, w->boundary.surface_count * sizeof *overlap);
-    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    measure_touches(w, overlap);
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, gn_overlap *overlap, gneiss_error *error) {
+    memset(overlap, 0, boundary->surface_count * sizeof *overlap);
+    if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
+    measure_touches(ctx, dem, boundary, solids, zones, overlap);
+    for (size_t k = 0; k < boundary->surface_count; k++) {
         bool closed = false;
-        GN_TRY(is_closed(&w->boundary.surfaces[k].facets, &closed, error));
-        if (closed) overlap[k].inside = count_inside(w, &w->boundary.surfaces[k]);
+        GN_TRY(is_closed(&boundary->surfaces[k].facets, &closed, error));
+        if (closed) overlap[k].inside = count_inside(dem, boundary, &boundary->surfaces[k]);
     }
     return GNEISS_OK;
 }
 
-gn_overlap gn_wall_overlap(const gn_world *w, size_t wall) {
-    const gn_particles *q = &w->dem.particles;
+gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_t wall) {
+    const gn_particles *q = &dem->particles;
     gn_overlap o = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        double centre = gn_wall_distance(&w->boundary.walls[wall], q->pos + 4 * p);
+        double centre = gn_wall_distance(&boundary->walls[wall], q->pos + 4 * p);
         o.touching += centre <= q->pos[4 * p + 3];
         o.inside += centre < 0.0;
         o.deepest = fmax(o.deepest, q->pos[4 * p + 3] - centre);
@@ -169,18 +173,21 @@ gn_overlap gn_wall_overlap(const gn_world *w, size_t wall) {
 /* Share of the smallest radius: less is what a packing or the weight of a few layers leaves. */
 static const double bursting = 0.02;
 
-bool gn_overlap_bursts(const gn_world *w, const gn_overlap *overlap, char *text, size_t size) {
-    const gn_scene *s = &w->scene;
+bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_periodic_box *box, const gn_overlap *overlap, char *text,
+                       size_t size) {
+    const gn_scene *s = &ctx->scene;
     const size_t walls = s->wall_count, bodies = s->body_count;
     const char *name = NULL, *kind = "";
-    double deepest = bursting * w->dem.radius_min;
+    double deepest = bursting * dem->radius_min;
     /* Particles of another run may rest on what carries them. */
-    if (!s->has_specimen || *s->specimen.from || gn_stored_matters(w, gn_contacts_stored(w)))
+    if (!s->has_specimen || *s->specimen.from ||
+        gn_stored_matters(ctx, dem, gn_contacts_stored(ctx, dem, box)))
         return false;
-    for (size_t k = 0; k < walls + w->boundary.surface_count; k++) {
+    for (size_t k = 0; k < walls + boundary->surface_count; k++) {
         const bool wall = k < walls, body = !wall && k - walls < bodies;
         const char *of = wall ? s->walls[k].name : body ? s->bodies[k - walls].name : "elements";
-        const gn_overlap o = wall ? gn_wall_overlap(w, k) : overlap[k - walls];
+        const gn_overlap o = wall ? gn_wall_overlap(dem, boundary, k) : overlap[k - walls];
         if ((wall && s->walls[k].passive) || gn_scene_is_end(s, of) || !(o.deepest > deepest))
             continue;
         deepest = o.deepest;
@@ -192,6 +199,6 @@ bool gn_overlap_bursts(const gn_world *w, const gn_overlap *overlap, char *text,
                  "%s '%.60s' overlaps particles at the start by up to %.3g m, %.3g of the smallest "
                  "radius: it pushes them away at once, and may break bonds; a place farther out, "
                  "or passive: true of a wall, avoids it",
-                 kind, name, deepest, deepest / w->dem.radius_min);
+                 kind, name, deepest, deepest / dem->radius_min);
     return name;
 }

@@ -12,12 +12,16 @@ typedef struct gn_overlap {
 } gn_overlap;
 
 /* Of every surface, at the present positions, into overlap[world->boundary.surface_count]. */
-gneiss_status gn_world_overlaps(const gn_world *world, gn_overlap *overlap, gneiss_error *error);
+gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, gn_overlap *overlap, gneiss_error *error);
 /* Of a wall. */
-gn_overlap gn_wall_overlap(const gn_world *world, size_t wall);
+gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_t wall);
 /* Tells whether a wall, a body or elements that are no end of the test overlap particles at the
  * start, under stress that nothing inside the specimen balances; `text` then says which. `overlap`
  * as of gn_world_overlaps. */
-bool gn_overlap_bursts(const gn_world *world, const gn_overlap *overlap, char *text, size_t size);
+bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_periodic_box *box, const gn_overlap *overlap, char *text,
+                       size_t size);
 
 #endif

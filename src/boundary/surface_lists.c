@@ -22,9 +22,10 @@ void gn_rigid_local(const gn_rigid *b, const double direction[3], double local[3
                    b->axes[6 + a] * direction[2];
 }
 
-void gn_surface_centre(const gn_world *w, const gn_surface *s, size_t p, double centre[3]) {
-    const double *x = w->dem.particles.pos + 4 * p;
-    const gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+void gn_surface_centre(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *s,
+                       size_t p, double centre[3]) {
+    const double *x = dem->particles.pos + 4 * p;
+    const gn_rigid *b = s->body >= 0 ? &boundary->bodies[s->body] : NULL;
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = b ? x[a] - b->position[a] : x[a];
     if (b)
@@ -35,27 +36,28 @@ void gn_surface_centre(const gn_world *w, const gn_surface *s, size_t p, double 
 
 /* --- lists --- */
 
-size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
+size_t gn_surfaces_near(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        size_t p, int32_t *found) {
     size_t count = 0;
-    if (!(w->dem.particles.vel[4 * p + 3] > 0.0)) return 0;
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        const gn_surface *s = &w->boundary.surfaces[k];
-        double centre[3], reach = w->dem.particles.pos[4 * p + 3] + w->dem.verlet.skin;
-        gn_surface_centre(w, s, p, centre);
+    if (!(dem->particles.vel[4 * p + 3] > 0.0)) return 0;
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        const gn_surface *s = &boundary->surfaces[k];
+        double centre[3], reach = dem->particles.pos[4 * p + 3] + dem->verlet.skin;
+        gn_surface_centre(dem, boundary, s, p, centre);
         int32_t *mine = found ? found + count : NULL;
         size_t more = gn_facet_tree_near(&s->tree, &s->facets, centre, reach, mine);
         for (size_t c = 0; mine && c < more; c++)
-            mine[c] += (int32_t)w->scene.wall_count + s->first;
+            mine[c] += (int32_t)ctx->scene.wall_count + s->first;
         count += more;
     }
     return count;
 }
 
-void gn_surfaces_refer(gn_world *w) {
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        gn_surface *s = &w->boundary.surfaces[k];
+void gn_surfaces_refer(gn_boundary *boundary) {
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        gn_surface *s = &boundary->surfaces[k];
         if (s->body >= 0) {
-            gn_rigid *b = &w->boundary.bodies[s->body];
+            gn_rigid *b = &boundary->bodies[s->body];
             b->travel = 0.0;
             memcpy(b->ref_position, b->position, sizeof b->position);
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
@@ -76,24 +78,25 @@ static double body_travel(const gn_rigid *b) {
     return sqrt(d2) + sqrt(0.5 * f2) * b->reach;
 }
 
-double gn_surfaces_travel(gn_world *w, bool exact) {
+double gn_surfaces_travel(gn_boundary *boundary, bool exact) {
     double most = 0.0;
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        gn_surface *s = &w->boundary.surfaces[k];
-        gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        gn_surface *s = &boundary->surfaces[k];
+        gn_rigid *b = s->body >= 0 ? &boundary->bodies[s->body] : NULL;
         if (b && exact) b->travel = body_travel(b);
         most = fmax(most, b ? b->travel : gn_element_contact_travel(s->elements, exact));
     }
     return most;
 }
 
-size_t gn_surface_of_facet(const gn_world *w, int32_t facet) {
+size_t gn_surface_of_facet(const gn_boundary *boundary, int32_t facet) {
     size_t k = 0;
-    while (k + 1 < w->boundary.surface_count && facet >= w->boundary.surfaces[k + 1].first) k++;
+    while (k + 1 < boundary->surface_count && facet >= boundary->surfaces[k + 1].first) k++;
     return k;
 }
 
-const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
-    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
-    return &w->boundary.surfaces[gn_surface_of_facet(w, facet)];
+const gn_surface *gn_surface_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
+                                    size_t row) {
+    int32_t facet = boundary->contacts.wall[row] - (int32_t)ctx->scene.wall_count;
+    return &boundary->surfaces[gn_surface_of_facet(boundary, facet)];
 }

@@ -7,22 +7,26 @@
 #include <math.h>
 #include <string.h>
 
-static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
-    return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
+static const gn_rigid *body_of(const gn_boundary *boundary, const gn_surface *s) {
+    return s->body >= 0 ? &boundary->bodies[s->body] : NULL;
 }
 
 /* --- contacts --- */
 
 /* The facets of one surface and one particle. */
 typedef struct group {
-    const gn_world *w;
+    const gn_step_context *ctx;
+    const gn_dem *dem;
+    const gn_boundary *boundary;
+    const gn_solids *solids;
+    const gn_zones *zones;
     const gn_surface *s;
     const gn_rigid *body;
     size_t particle, begin, end;
 } group;
 
 static int32_t facet_of(const group *g, size_t row) {
-    return g->w->boundary.contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
+    return g->boundary->contacts.wall[row] - (int32_t)g->ctx->scene.wall_count - g->s->first;
 }
 
 static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
@@ -39,37 +43,42 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
 
 /* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
  * which to push it. SIZE_MAX: none. */
-static size_t row_on_facet(const gn_world *w) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const gn_solids *solids,
+                           const gn_zones *zones) {
+    const gn_wall_contacts *q = &boundary->contacts;
     size_t found = SIZE_MAX;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(w->threads) reduction(min : found)
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(ctx->threads) reduction(min : found)
     for (size_t c = 0; c < q->soa.count; c++) {
-        if ((size_t)q->wall[c] < w->scene.wall_count) continue;
-        const gn_surface *s = gn_surface_of_row(w, c);
-        group g = {w, s, body_of(w, s), (size_t)q->i[c], c, c + 1};
+        if ((size_t)q->wall[c] < ctx->scene.wall_count) continue;
+        const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
+        group g = {ctx, dem,  boundary, solids, zones, s, body_of(boundary, s), (size_t)q->i[c],
+                   c,   c + 1};
         gn_facet_near near;
         double centre[3];
-        gn_surface_centre(w, s, g.particle, centre);
+        gn_surface_centre(dem, boundary, s, g.particle, centre);
         near_of_row(&g, centre, c, &near);
-        bool on = near.distance <= 0x1p-40 * w->dem.particles.pos[4 * g.particle + 3];
+        bool on = near.distance <= 0x1p-40 * dem->particles.pos[4 * g.particle + 3];
         if (on && c < found) found = c;
     }
     return found;
 }
 
-gneiss_status gn_surfaces_check_centres(const gn_world *w, gneiss_error *error) {
-    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    size_t row = row_on_facet(w);
+gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, const gn_solids *solids,
+                                        const gn_zones *zones, gneiss_error *error) {
+    if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
+    size_t row = row_on_facet(ctx, dem, boundary, solids, zones);
     if (row == SIZE_MAX) return GNEISS_OK;
-    const gn_surface *s = gn_surface_of_row(w, row);
-    const char *name = s->body >= 0 ? w->scene.bodies[s->body].name : NULL;
-    gneiss_status status = w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
+    const char *name = s->body >= 0 ? ctx->scene.bodies[s->body].name : NULL;
+    gneiss_status status = ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
     return gn_fail(error, status,
                    "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
                    "told%s",
-                   (int)w->dem.particles.id[w->boundary.contacts.i[row]],
+                   (int)dem->particles.id[boundary->contacts.i[row]],
                    name ? "body '" : "the elements", name ? name : "", name ? "'" : "",
-                   w->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
+                   ctx->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
 }
 
 static void away_in_space(const group *g, gn_facet_near *near) {
@@ -85,7 +94,7 @@ static void away_in_space(const group *g, gn_facet_near *near) {
 static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
     double centre[3];
     size_t count = 0;
-    gn_surface_centre(g->w, g->s, g->particle, centre);
+    gn_surface_centre(g->dem, g->boundary, g->s, g->particle, centre);
     for (size_t c = g->begin; c < g->end; c++) {
         gn_facet_near near;
         near_of_row(g, centre, c, &near);
@@ -101,7 +110,7 @@ static size_t minima_within(const group *g, double reach, gn_facet_near *minima)
 static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_near *near,
                            gn_facet_contact *contacts) {
     const gn_facet_set *f = &g->s->facets;
-    const double *centre = g->w->dem.particles.pos + 4 * g->particle;
+    const double *centre = g->dem->particles.pos + 4 * g->particle;
     gn_patch_facet facet[GN_PATCH_FACETS];
     size_t count = 0;
     for (size_t c = g->begin; c < g->end && count < GN_PATCH_FACETS; c++) {
@@ -119,13 +128,13 @@ static size_t patch_within(const group *g, double radius, bool hertz, gn_facet_n
 }
 
 static bool is_patch(const group *g) {
-    return gn_surface_patched(g->s, g->w->dem.particles.pos[4 * g->particle + 3]);
+    return gn_surface_patched(g->s, g->dem->particles.pos[4 * g->particle + 3]);
 }
 
 /* Contacts that press now, and where they are. */
 static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact *contacts) {
-    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
-    if (is_patch(g)) return patch_within(g, radius, g->w->effects & GN_FX_HERTZ, near, contacts);
+    const double radius = g->dem->particles.pos[4 * g->particle + 3];
+    if (is_patch(g)) return patch_within(g, radius, g->ctx->effects & GN_FX_HERTZ, near, contacts);
     const size_t count = minima_within(g, radius, near);
     return gn_facet_contacts(near, count, radius, contacts);
 }
@@ -133,7 +142,7 @@ static size_t contacts_of(const group *g, gn_facet_near *near, gn_facet_contact 
 /* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
 static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
     double at[3], turn[3];
-    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    const double *x = g->dem->particles.pos + 4 * g->particle;
     for (int a = 0; a < 3; a++) at[a] = x[a] + arm[a] - g->body->position[a];
     gn_cross3(g->body->spin, at, turn);
     for (int a = 0; a < 3; a++) v[a] = g->body->velocity[a] + turn[a];
@@ -163,7 +172,7 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
                              const double arm[3], double v[3]) {
     if (g->body) {
         double lever[3], at[3], inverse = 0.0;
-        const double *x = g->w->dem.particles.pos + 4 * g->particle;
+        const double *x = g->dem->particles.pos + 4 * g->particle;
         rigid_velocity(g, arm, v);
         for (int a = 0; a < 3; a++) {
             at[a] = x[a] + arm[a] - g->body->position[a];
@@ -191,22 +200,22 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
  * limit knows of no dashpot. */
 static double inverse_mass_as_wholes(const group *g, const gn_facet_near *near, const gn_touch *s) {
     if (g->body || !(s->inverse_mass > 0.0)) return 0.0;
-    double own = gn_inverse_mass_along(g->w, g->particle, s->n);
+    double own = gn_inverse_mass_along(g->dem, g->particle, s->n);
     double whole = gn_element_body_inverse_mass(g->s, facet_of(g, near->row), near->weight, s->n);
-    return fmax(own + whole, g->w->dem.particles.vel[4 * g->particle + 3]);
+    return fmax(own + whole, g->dem->particles.vel[4 * g->particle + 3]);
 }
 
 /* Relative motion at a contact whose normal, overlap and arm are known. */
 static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                          const double arm[3]) {
-    const gn_particles *q = &g->w->dem.particles;
+    const gn_particles *q = &g->dem->particles;
     const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
     gn_touch s = {.gap = k->overlap, .rounding = GN_OVERLAP_ROUNDING * q->pos[4 * g->particle + 3]};
     double v[3], turn[3] = {0, 0, 0};
     memcpy(s.n, k->n, sizeof s.n);
     s.inverse_mass =
-        gn_inverse_mass_along(g->w, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
-    if (g->w->effects & GN_FX_CONTACT_DAMPING)
+        gn_inverse_mass_along(g->dem, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
+    if (g->ctx->effects & GN_FX_CONTACT_DAMPING)
         s.whole = inverse_mass_as_wholes(g, &minima[k->member], &s);
     if (spin) {
         gn_cross3(spin, arm, turn);
@@ -221,7 +230,7 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
 
 /* What turns against each other at a contact, and the moment of the last step: `roll` [3]. */
 static void take_roll(const group *g, double *roll, double *couple, gn_touch *s) {
-    const double *spin = g->w->dem.particles.spin + 4 * g->particle;
+    const double *spin = g->dem->particles.spin + 4 * g->particle;
     for (int a = 0; a < 3; a++) s->spin[a] = (g->body ? g->body->spin[a] : 0.0) - spin[a];
     s->roll = roll;
     s->roll_stride = 1;
@@ -239,10 +248,10 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
                     const gn_facet_contact *k, const gn_touch_memory *before,
                     gn_contact_sums *sums) {
     size_t stride = q->soa.capacity, own = minima[k->member].row;
-    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    const double *x = g->dem->particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
     double scale =
-        g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
+        g->ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
     for (int a = 0; a < 3; a++) arm[a] = scale * k->arm[a];
     double old[3] = {0, 0, 0}, roll[3] = {0, 0, 0}, couple[3] = {0, 0, 0};
     if (before && q->shear) {
@@ -256,7 +265,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     gn_touch s = touch_of(g, minima, k, arm);
     /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
      * dashpots add up as well. Across, friction bounds what each carries. */
-    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, k->part);
+    gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, k->part);
     if (q->closeness) {
         q->closeness[own] = before ? before->closeness : 0.0;
         s.closeness = q->closeness + own;
@@ -264,8 +273,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     s.inverse_mass /= k->part;
     s.whole /= mass_share(g, k);
     if (q->roll) take_roll(g, roll, couple, &s);
-    double total =
-        gn_touch_force(g->w, &law, own, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    double total = gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, own, &s,
+                                  q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
         force[a] = total * s.n[a] + t[a];
         q->row[8 * own + a] = force[a];
@@ -288,7 +297,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
  * that it had; false: nowhere within half its radius. */
 static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near *near) {
     gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t count = minima_within(g, 1.5 * g->w->dem.particles.pos[4 * g->particle + 3], minima);
+    size_t count = minima_within(g, 1.5 * g->dem->particles.pos[4 * g->particle + 3], minima);
     double best = 0.5;
     for (size_t k = 0; k < count; k++) {
         double cosine = gn_dot3(minima[k].away, m->n) / minima[k].distance;
@@ -305,13 +314,13 @@ static bool left_behind(const group *g, const gn_touch_memory *m, gn_facet_near 
 static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m,
                          gn_contact_sums *sums) {
     double t[3];
-    const double *x = g->w->dem.particles.pos + 4 * g->particle;
+    const double *x = g->dem->particles.pos + 4 * g->particle;
     gn_facet_near near;
     gn_facet_contact k;
     bool behind = left_behind(g, m, &near);
     if (!behind) {
         double centre[3];
-        gn_surface_centre(g->w, g->s, g->particle, centre);
+        gn_surface_centre(g->dem, g->boundary, g->s, g->particle, centre);
         near_of_row(g, centre, m->row, &near);
         away_in_space(g, &near);
     }
@@ -319,14 +328,15 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     if (!behind) memcpy(k.n, m->n, sizeof k.n);
     gn_touch s = touch_of(g, &near, &k, k.arm);
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
-    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, m->part);
+    gn_touch_side law = gn_surface_side(g->ctx, g->dem, g->s, g->particle, m->part);
     s.closeness = &m->closeness;
     double couple[3];
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
     s.whole /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
-    double total = gn_touch_force(g->w, &law, m->row, &s, q->fd ? &m->fd : NULL,
-                                  q->shear ? m->shear : NULL, 1, t, sums);
+    double total =
+        gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, m->row, &s,
+                       q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
     double *row = q->row + 8 * near.row;
     size_t stride = q->soa.capacity;
@@ -343,20 +353,23 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
 }
 
 /* The group that begins with a row, up to `end`. */
-static group group_at(const gn_world *w, size_t begin, size_t end) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
-    const gn_surface *s = gn_surface_of_row(w, begin);
-    int32_t last = (int32_t)w->scene.wall_count + s->first + (int32_t)s->facets.count;
+static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, begin);
+    int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
     while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
-    return (group){w, s, body_of(w, s), (size_t)q->i[begin], begin, past};
+    return (group){
+        ctx,   dem, boundary, solids, zones, s, body_of(boundary, s), (size_t)q->i[begin],
+        begin, past};
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add
  * up to k at least. Of more facets than there is room for the nearest are enough for a bound. */
 static size_t patch_near(const group *g, double skin, gn_facet_near *near,
                          gn_facet_contact *contacts) {
-    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    const double radius = g->dem->particles.pos[4 * g->particle + 3];
     double reach = skin, sum = 0.0;
     size_t count = patch_within(g, radius + reach, false, near, contacts);
     for (int k = 0; k < 20 && count == GN_PATCH_FACETS; k++) {
@@ -374,16 +387,18 @@ static size_t patch_near(const group *g, double skin, gn_facet_near *near,
 /* Minima up to `skin` from the particle, each for itself. */
 static size_t singles_near(const group *g, double skin, gn_facet_near *near,
                            gn_facet_contact *contacts) {
-    const double radius = g->w->dem.particles.pos[4 * g->particle + 3];
+    const double radius = g->dem->particles.pos[4 * g->particle + 3];
     if (is_patch(g)) return patch_near(g, skin, near, contacts);
     const size_t count = minima_within(g, radius + skin, near);
     for (size_t k = 0; k < count; k++) gn_facet_single(near, k, radius, &contacts[k]);
     return count;
 }
 
-size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
+size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, const gn_solids *solids,
+                              const gn_zones *zones, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count) {
-    group g = group_at(w, begin, w->boundary.contacts.soa.count);
+    group g = group_at(ctx, dem, boundary, solids, zones, begin, boundary->contacts.soa.count);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
     *count = skin > 0.0 ? singles_near(&g, skin, near, now) : contacts_of(&g, near, now);
@@ -402,20 +417,22 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
     return g.end;
 }
 
-gneiss_status gn_surfaces_check_patches(const gn_world *w, gneiss_error *error) {
+gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, const gn_solids *solids,
+                                        const gn_zones *zones, gneiss_error *error) {
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < w->boundary.contacts.soa.count;) {
+    for (size_t c = 0; c < boundary->contacts.soa.count;) {
         size_t count = 0;
-        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
+        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, 0.0, found, &count);
+        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, 0.0, found, &count);
         if (count < GN_PATCH_FACETS) continue;
-        return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+        return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                        "particle %d: expected fewer than %d facets of the elements in it at once, "
                        "found more (larger elements, or stiffer contacts)",
-                       (int)w->dem.particles.id[found->particle], GN_PATCH_FACETS);
+                       (int)dem->particles.id[found->particle], GN_PATCH_FACETS);
     }
     return GNEISS_OK;
 }
@@ -430,9 +447,12 @@ static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet
     while (gn_touch_gather(old, remembered, &opened)) open_contact(g, rows, &opened, sums);
 }
 
-size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
-    gn_wall_contacts *rows = &w->boundary.contacts;
-    group g = group_at(w, begin, end);
+size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_contact_sums *sums) {
+    gn_wall_contacts *rows = &boundary->contacts;
+    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
     gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
@@ -452,17 +472,19 @@ size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contac
     return g.end;
 }
 
-size_t gn_surface_presses(const gn_world *w, size_t begin, size_t end, const double *but,
+size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids,
+                          const gn_zones *zones, size_t begin, size_t end, const double *but,
                           double force[3]) {
-    group g = group_at(w, begin, end);
+    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
-    const gn_touch_step step = gn_touch_step_of(w);
+    const gn_touch_step step = gn_touch_step_of(ctx, dem);
     const size_t count = contacts_of(&g, near, now);
     for (size_t k = 0; k < count; k++) {
         if (but && gn_dot3(but, now[k].n) > cos(GN_FACET_SHARE)) continue;
         gn_touch s = touch_of(&g, near, &now[k], now[k].arm);
-        const gn_touch_side law = gn_surface_side(w, g.s, g.particle, now[k].part);
+        const gn_touch_side law = gn_surface_side(ctx, dem, g.s, g.particle, now[k].part);
         s.inverse_mass /= now[k].part;
         s.whole /= mass_share(&g, &now[k]);
         double total = gn_linear_press(&step, &law, &s);
@@ -495,20 +517,21 @@ static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
             s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
 }
 
-void gn_surface_velocity(const gn_world *w, size_t row, double v[3]) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
-    const gn_surface *s = gn_surface_of_row(w, row);
-    const gn_rigid *b = body_of(w, s);
+void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
+                         double v[3]) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
+    const gn_rigid *b = body_of(boundary, s);
     double touch[3], lever[3];
     for (size_t a = 0; a < 3; a++) touch[a] = q->touch[row + a * q->soa.capacity];
     if (b) {
         for (int a = 0; a < 3; a++)
-            lever[a] = touch[a] - (b->position[a] - w->dt_past * b->velocity[a]);
+            lever[a] = touch[a] - (b->position[a] - ctx->dt_past * b->velocity[a]);
         gn_cross3(b->spin, lever, v);
         for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
         return;
     }
-    int32_t facet = q->wall[row] - (int32_t)w->scene.wall_count - s->first;
+    int32_t facet = q->wall[row] - (int32_t)ctx->scene.wall_count - s->first;
     const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
     const double *x[3] = {0};
     gn_facet_near near;
@@ -520,29 +543,29 @@ void gn_surface_velocity(const gn_world *w, size_t row, double v[3]) {
             v[a] += near.weight[c] * s->velocity[4 * (int64_t)corner[c] + a];
 }
 
-void gn_surfaces_sum(gn_world *w) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
-    if (!(w->effects & GN_FX_FACETS)) return;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        memset(w->boundary.bodies[k].force, 0, sizeof w->boundary.bodies[k].force);
-        memset(w->boundary.bodies[k].moment, 0, sizeof w->boundary.bodies[k].moment);
+void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    if (!(ctx->effects & GN_FX_FACETS)) return;
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        memset(boundary->bodies[k].force, 0, sizeof boundary->bodies[k].force);
+        memset(boundary->bodies[k].moment, 0, sizeof boundary->bodies[k].moment);
     }
-    for (size_t k = 0; k < w->boundary.surface_count; k++)
-        if (w->boundary.surfaces[k].force)
-            memset(w->boundary.surfaces[k].force, 0,
-                   w->boundary.surfaces[k].vertices * 4 * sizeof(double));
+    for (size_t k = 0; k < boundary->surface_count; k++)
+        if (boundary->surfaces[k].force)
+            memset(boundary->surfaces[k].force, 0,
+                   boundary->surfaces[k].vertices * 4 * sizeof(double));
     for (size_t c = 0; c < q->soa.count; c++) {
         const double *force = q->row + 8 * c;
-        int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
+        int32_t facet = q->wall[c] - (int32_t)ctx->scene.wall_count;
         if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
-        gn_surface *s = &w->boundary.surfaces[gn_surface_of_facet(w, facet)];
+        gn_surface *s = &boundary->surfaces[gn_surface_of_facet(boundary, facet)];
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
         if (s->body < 0) {
             load_vertices(s, facet - s->first, touch, force);
             continue;
         }
-        gn_rigid *b = &w->boundary.bodies[s->body];
+        gn_rigid *b = &boundary->bodies[s->body];
         load_body(b, touch, force);
         for (size_t a = 0; q->roll && a < 3; a++) b->moment[a] -= q->roll[c + a * q->soa.capacity];
     }

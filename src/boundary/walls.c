@@ -14,48 +14,51 @@
 
 /* A plane may be given by a point far along it, whose coordinates would round the gap and the
  * motion of the wall; then the foot of the perpendicular from the origin takes its place. */
-static void take_near_point(const gn_world *w, gn_wall *wall) {
+static void take_near_point(const gn_dem *dem, gn_wall *wall) {
     const double *p = wall->point;
     double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
-    if (far <= gn_origin_reach(w->dem.radius_min)) return;
+    if (far <= gn_origin_reach(dem->radius_min)) return;
     double distance = gn_dot3(p, wall->normal);
     for (int a = 0; a < 3; a++) wall->point[a] = distance * wall->normal[a];
 }
 
-gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
-    size_t count = w->scene.wall_count;
-    w->boundary.walls = gn_alloc_array(count + 1, sizeof *w->boundary.walls);
-    w->boundary.wall_normals = gn_alloc_array(count + 1, 4 * sizeof *w->boundary.wall_normals);
-    if (!w->boundary.walls || !w->boundary.wall_normals)
+gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                              gneiss_error *error) {
+    size_t count = ctx->scene.wall_count;
+    boundary->walls = gn_alloc_array(count + 1, sizeof *boundary->walls);
+    boundary->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *boundary->wall_normals);
+    if (!boundary->walls || !boundary->wall_normals)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
     for (size_t k = 0; k < count; k++) {
-        gn_wall *wall = &w->boundary.walls[k];
-        const gn_wall_def *def = &w->scene.walls[k];
+        gn_wall *wall = &boundary->walls[k];
+        const gn_wall_def *def = &ctx->scene.walls[k];
         memcpy(wall->point, def->point, sizeof wall->point);
         memcpy(wall->normal, def->normal, sizeof wall->normal);
-        take_near_point(w, wall);
+        take_near_point(dem, wall);
         memcpy(wall->start, wall->point, sizeof wall->start);
-        memcpy(w->boundary.wall_normals + 4 * k, def->normal, sizeof def->normal);
+        memcpy(boundary->wall_normals + 4 * k, def->normal, sizeof def->normal);
         for (int a = 0; a < 3; a++) wall->velocity[a] = gn_table_at(&def->motion.velocity[a], 0.0);
     }
     return GNEISS_OK;
 }
 
-static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
-    const double *x = w->dem.particles.pos + 4 * particle;
-    return gn_wall_distance(&w->boundary.walls[wall], x) - x[3];
+static double wall_gap(const gn_dem *dem, const gn_boundary *boundary, size_t particle,
+                       size_t wall) {
+    const double *x = dem->particles.pos + 4 * particle;
+    return gn_wall_distance(&boundary->walls[wall], x) - x[3];
 }
 
 /* What overlaps with passive walls as the run begins is free of stress, and so is who wakes in a
  * wall of any kind: the elements that it comes from did not feel it. Who is awake is listed before
  * it touches. */
-static double free_gap(const gn_world *w, size_t particle, size_t wall, bool first) {
-    const bool is_free = first ? w->scene.walls[wall].passive : gn_converts(w);
-    return is_free ? fmin(0.0, wall_gap(w, particle, wall)) : 0.0;
+static double free_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       size_t particle, size_t wall, bool first) {
+    const bool is_free = first ? ctx->scene.walls[wall].passive : gn_converts(ctx);
+    return is_free ? fmin(0.0, wall_gap(dem, boundary, particle, wall)) : 0.0;
 }
 
-static bool near_wall(const gn_world *w, size_t p, size_t k) {
-    return w->dem.particles.vel[4 * p + 3] > 0.0 && wall_gap(w, p, k) <= w->dem.verlet.skin;
+static bool near_wall(const gn_dem *dem, const gn_boundary *boundary, size_t p, size_t k) {
+    return dem->particles.vel[4 * p + 3] > 0.0 && wall_gap(dem, boundary, p, k) <= dem->verlet.skin;
 }
 
 /* Old and new list are both sorted by (particle, wall); the old one is already renumbered. -1: it
@@ -80,85 +83,91 @@ static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_
 }
 
 /* Walls and facets near a particle, ascending, into `found` (NULL: only counted). */
-static size_t neighbours(const gn_world *w, size_t p, int32_t *found) {
+static size_t neighbours(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         size_t p, int32_t *found) {
     size_t count = 0;
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        if (!near_wall(w, p, k)) continue;
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        if (!near_wall(dem, boundary, p, k)) continue;
         if (found) found[count] = (int32_t)k;
         count++;
     }
-    if (w->effects & GN_FX_FACETS) count += gn_surfaces_near(w, p, found ? found + count : NULL);
+    if (ctx->effects & GN_FX_FACETS)
+        count += gn_surfaces_near(ctx, dem, boundary, p, found ? found + count : NULL);
     return count;
 }
 
-static gneiss_status count_rows(gn_world *w, size_t *count, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
+static gneiss_status count_rows(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                size_t *count, gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
     int64_t sum = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
-    for (size_t p = 0; p < n; p++) w->boundary.first[p + 1] = (int32_t)neighbours(w, p, NULL);
-    w->boundary.first[0] = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(ctx->threads)
+    for (size_t p = 0; p < n; p++)
+        boundary->first[p + 1] = (int32_t)neighbours(ctx, dem, boundary, p, NULL);
+    boundary->first[0] = 0;
     for (size_t p = 0; p < n; p++) {
-        sum += w->boundary.first[p + 1];
+        sum += boundary->first[p + 1];
         if (sum > INT32_MAX)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "expected fewer than %d contacts with walls and facets, found more",
                            INT32_MAX);
-        w->boundary.first[p + 1] = (int32_t)sum;
+        boundary->first[p + 1] = (int32_t)sum;
     }
     *count = (size_t)sum;
     return GNEISS_OK;
 }
 
-gneiss_status gn_wall_contacts_find(gn_world *w, bool first, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count, count = 0;
-    if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
-    if (!w->boundary.first) w->boundary.first = gn_alloc_array(n + 2, sizeof *w->boundary.first);
-    if (!w->boundary.first)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
-    gn_surfaces_refer(w);
-    GN_TRY(count_rows(w, &count, error));
-    gn_wall_contacts old = w->boundary.contacts, now = {0};
-    GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, w->effects, error));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
+gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    const gn_solids *solids, const gn_zones *zones, bool first,
+                                    gneiss_error *error) {
+    size_t n = dem->particles.soa.count, count = 0;
+    if (!(ctx->effects & GN_FX_WALLS)) return GNEISS_OK;
+    if (!boundary->first) boundary->first = gn_alloc_array(n + 2, sizeof *boundary->first);
+    if (!boundary->first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
+    gn_surfaces_refer(boundary);
+    GN_TRY(count_rows(ctx, dem, boundary, &count, error));
+    gn_wall_contacts old = boundary->contacts, now = {0};
+    GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, ctx->effects, error));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(ctx->threads)
     for (size_t p = 0; p < n; p++) {
-        size_t begin = (size_t)w->boundary.first[p], end = (size_t)w->boundary.first[p + 1];
-        if (begin < end) neighbours(w, p, now.wall + begin);
+        size_t begin = (size_t)boundary->first[p], end = (size_t)boundary->first[p + 1];
+        if (begin < end) neighbours(ctx, dem, boundary, p, now.wall + begin);
         for (size_t c = begin; c < end; c++) {
             size_t k = (size_t)now.wall[c];
             now.i[c] = (int32_t)p;
-            if (k < w->scene.wall_count) now.gap0[c] = free_gap(w, p, k, first);
+            if (k < ctx->scene.wall_count) now.gap0[c] = free_gap(ctx, dem, boundary, p, k, first);
             carry_over(&now, &old, c);
         }
     }
     gn_soa_destroy(&gn_wall_contact_record, &old);
-    w->boundary.contacts = now;
-    for (size_t k = 0; k < w->scene.wall_count; k++) w->boundary.walls[k].travel = 0.0;
-    return gn_surfaces_check_centres(w, error);
+    boundary->contacts = now;
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) boundary->walls[k].travel = 0.0;
+    return gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error);
 }
 
 /* What moves along the normal; the gap and the arm of the contact force are given back as well. */
-static gn_touch touch_of(const gn_world *w, size_t c, double v[3], double *arm) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_wall_contacts *list = &w->boundary.contacts;
+static gn_touch touch_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         size_t c, double v[3], double *arm) {
+    const gn_particles *q = &dem->particles;
+    const gn_wall_contacts *list = &boundary->contacts;
     size_t p = (size_t)list->i[c], k = (size_t)list->wall[c];
-    const gn_wall *wall = &w->boundary.walls[k];
-    double gap = wall_gap(w, p, k);
+    const gn_wall *wall = &boundary->walls[k];
+    double gap = wall_gap(dem, boundary, p, k);
     gn_touch s = {.gap = gap - list->gap0[c], .rounding = GN_OVERLAP_ROUNDING * q->pos[4 * p + 3]};
-    *arm = q->pos[4 * p + 3] + (w->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
+    *arm = q->pos[4 * p + 3] + (ctx->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
     for (int a = 0; a < 3; a++) {
         s.n[a] = -wall->normal[a];
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
     }
     s.speed = gn_dot3(v, s.n);
     /* A contact that stays without a dashpot needs no mass. */
-    if (w->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * w->dt_past))
-        s.inverse_mass = gn_inverse_mass_along(w, p, s.n);
+    if (ctx->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * ctx->dt_past))
+        s.inverse_mass = gn_inverse_mass_along(dem, p, s.n);
     return s;
 }
 
 /* What moves across it. */
-static void touch_across(const gn_world *w, size_t p, const double v[3], double arm, gn_touch *s) {
-    const gn_particles *q = &w->dem.particles;
+static void touch_across(const gn_dem *dem, size_t p, const double v[3], double arm, gn_touch *s) {
+    const gn_particles *q = &dem->particles;
     double turn[3] = {0, 0, 0};
     if (q->spin) {
         gn_cross3(q->spin + 4 * p, s->n, turn);
@@ -178,26 +187,29 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
     return true;
 }
 
-static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
-    gn_wall_contacts *q = &w->boundary.contacts;
+static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                         const gn_solids *solids, const gn_zones *zones, size_t c,
+                         gn_contact_sums *sums) {
+    gn_wall_contacts *q = &boundary->contacts;
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
-    gn_touch s = touch_of(w, c, v, &arm);
-    if (idle(q, c, &s, s.speed * w->dt_past)) {
+    gn_touch s = touch_of(ctx, dem, boundary, c, v, &arm);
+    if (idle(q, c, &s, s.speed * ctx->dt_past)) {
         memset(row, 0, 8 * sizeof *row);
         return;
     }
-    const gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
-    if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
+    const gn_touch_side law = gn_wall_side(ctx, dem, (size_t)q->wall[c], (size_t)q->i[c]);
+    if (q->shear) touch_across(dem, (size_t)q->i[c], v, arm, &s);
     if (q->closeness) s.closeness = q->closeness + c;
     if (q->roll) {
         s.roll = q->roll + c;
         s.roll_stride = q->soa.capacity;
         s.couple = couple;
-        const double *spin = w->dem.particles.spin + 4 * (int64_t)q->i[c];
+        const double *spin = dem->particles.spin + 4 * (int64_t)q->i[c];
         for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
     }
-    double total = gn_touch_force(w, &law, c, &s, q->fd ? q->fd + c : NULL,
-                                  q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
+    double total =
+        gn_touch_force(ctx, dem, boundary, solids, zones, &law, c, &s, q->fd ? q->fd + c : NULL,
+                       q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
         row[a] = total * s.n[a] + t[a];
@@ -207,97 +219,108 @@ static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];
 }
 
-void gn_wall_presses(const gn_world *w, size_t row, double force[3]) {
+void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     size_t row, double force[3]) {
     double arm, v[3];
-    gn_touch s = touch_of(w, row, v, &arm);
-    const gn_touch_step step = gn_touch_step_of(w);
-    const gn_touch_side law = gn_wall_side(w, (size_t)w->boundary.contacts.wall[row],
-                                           (size_t)w->boundary.contacts.i[row]);
+    gn_touch s = touch_of(ctx, dem, boundary, row, v, &arm);
+    const gn_touch_step step = gn_touch_step_of(ctx, dem);
+    const gn_touch_side law = gn_wall_side(ctx, dem, (size_t)boundary->contacts.wall[row],
+                                           (size_t)boundary->contacts.i[row]);
     double total = gn_linear_press(&step, &law, &s);
     for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
 }
 
-void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
+                           gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
-        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count)
-            wall_contact(w, c++, sums);
+        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count)
+            wall_contact(ctx, dem, boundary, solids, zones, c++, sums);
         else
-            c = gn_surface_contacts_work(w, c, end, sums);
+            c = gn_surface_contacts_work(ctx, dem, boundary, solids, zones, c, end, sums);
     }
 }
 
 /* By Hertz's law of one that is pressed as far as is expected: a servo moves a wall the less, the
  * stiffer it finds the contacts. */
-static double expected_stiffness(const gn_world *w, size_t k, size_t p) {
-    gn_touch_side side = gn_wall_side(w, k, p);
-    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3], gn_pressed_touch(w, p)).kn;
-}
-
-/* Of the spring of a wall contact as far as it is pressed. */
-static double spring_stiffness(const gn_world *w, size_t c) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
-    size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
-    if (w->effects & GN_FX_HERTZ) return expected_stiffness(w, k, p);
-    gn_touch_side side = gn_wall_side(w, k, p);
-    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3],
-                           fmax(q->gap0[c] - wall_gap(w, p, k), 0.0))
+static double expected_stiffness(const gn_step_context *ctx, const gn_dem *dem, size_t k,
+                                 size_t p) {
+    gn_touch_side side = gn_wall_side(ctx, dem, k, p);
+    return gn_touch_spring(ctx, dem, &side, dem->particles.vel[4 * p + 3], gn_pressed_touch(dem, p))
         .kn;
 }
 
-double gn_wall_held(const gn_world *w, size_t row) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+/* Of the spring of a wall contact as far as it is pressed. */
+static double spring_stiffness(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, size_t c) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
+    if (ctx->effects & GN_FX_HERTZ) return expected_stiffness(ctx, dem, k, p);
+    gn_touch_side side = gn_wall_side(ctx, dem, k, p);
+    return gn_touch_spring(ctx, dem, &side, dem->particles.vel[4 * p + 3],
+                           fmax(q->gap0[c] - wall_gap(dem, boundary, p, k), 0.0))
+        .kn;
+}
+
+double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    size_t row) {
+    const gn_wall_contacts *q = &boundary->contacts;
     const size_t p = (size_t)q->i[row], k = (size_t)q->wall[row];
-    const gn_wall *wall = &w->boundary.walls[k];
-    const double *v = w->dem.particles.vel + 4 * p;
-    const double overlap = fmax(q->gap0[row] - wall_gap(w, p, k), 0.0);
-    const double force = overlap > 0.0 ? spring_stiffness(w, row) * overlap : 0.0;
+    const gn_wall *wall = &boundary->walls[k];
+    const double *v = dem->particles.vel + 4 * p;
+    const double overlap = fmax(q->gap0[row] - wall_gap(dem, boundary, p, k), 0.0);
+    const double force = overlap > 0.0 ? spring_stiffness(ctx, dem, boundary, row) * overlap : 0.0;
     double away = 0.0;
     for (int a = 0; a < 3; a++) away += (v[a] - wall->velocity[a]) * wall->normal[a];
-    return 0.5 * force * (overlap + w->dt_past * away);
+    return 0.5 * force * (overlap + ctx->dt_past * away);
 }
 
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the
  * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
  * steps.) */
-static double step_stiffness(const gn_world *w, size_t c) {
-    double k = spring_stiffness(w, c);
-    double inverse_mass = w->dem.particles.vel[4 * (int64_t)w->boundary.contacts.i[c] + 3];
+static double step_stiffness(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, size_t c) {
+    double k = spring_stiffness(ctx, dem, boundary, c);
+    double inverse_mass = dem->particles.vel[4 * (int64_t)boundary->contacts.i[c] + 3];
     if (!(inverse_mass > 0.0)) return k;
-    return k + gn_dashpot(k, inverse_mass, w->dem.damping_fraction, w->dt) / w->dt;
+    return k + gn_dashpot(k, inverse_mass, dem->damping_fraction, ctx->dt) / ctx->dt;
 }
 
-void gn_walls_sum(gn_world *w) {
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_wall *wall = &w->boundary.walls[k];
+void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        gn_wall *wall = &boundary->walls[k];
         for (int a = 0; a < 3; a++) wall->force[a] = 0.0;
         wall->stiffness = 0.0;
     }
-    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++) {
-        if ((size_t)w->boundary.contacts.wall[c] >= w->scene.wall_count) continue;
-        const double *row = w->boundary.contacts.row + 8 * c;
-        gn_wall *wall = &w->boundary.walls[w->boundary.contacts.wall[c]];
+    for (size_t c = 0; c < boundary->contacts.soa.count; c++) {
+        if ((size_t)boundary->contacts.wall[c] >= ctx->scene.wall_count) continue;
+        const double *row = boundary->contacts.row + 8 * c;
+        gn_wall *wall = &boundary->walls[boundary->contacts.wall[c]];
         for (int a = 0; a < 3; a++) wall->force[a] -= row[a];
-        bool servo = w->scene.walls[w->boundary.contacts.wall[c]].servo.active;
-        if (servo && gn_dot3(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
+        bool servo = ctx->scene.walls[boundary->contacts.wall[c]].servo.active;
+        if (servo && gn_dot3(row, row) > 0.0)
+            wall->stiffness += step_stiffness(ctx, dem, boundary, c);
     }
 }
 
 /* The path that led here closes with the force it led to, the coming one begins with it. */
-void gn_walls_book(const gn_world *w, double dt, gn_energy *ledger) {
-    for (size_t k = 0; k < w->scene.wall_count; k++)
+void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
+                   gn_energy *ledger) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++)
         ledger->work_walls -=
-            0.5 * dt * gn_dot3(w->boundary.walls[k].force, w->boundary.walls[k].velocity);
+            0.5 * dt * gn_dot3(boundary->walls[k].force, boundary->walls[k].velocity);
 }
 
 /* Sum of the springs alone that press the wall. */
-static double springs_of(const gn_world *w, size_t k) {
+static double springs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         size_t k) {
     double sum = 0.0;
-    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++) {
-        const double *row = w->boundary.contacts.row + 8 * c;
-        if ((size_t)w->boundary.contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
-            sum += spring_stiffness(w, c);
+    for (size_t c = 0; c < boundary->contacts.soa.count; c++) {
+        const double *row = boundary->contacts.row + 8 * c;
+        if ((size_t)boundary->contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
+            sum += spring_stiffness(ctx, dem, boundary, c);
     }
-    return sum + gn_body_walls_pressing(w, k, false);
+    return sum + gn_body_walls_pressing(ctx, boundary, k, false);
 }
 
 /* The largest relaxation that leaves the loop of wall and particles stable. The wall moves by
@@ -312,33 +335,35 @@ static double springs_of(const gn_world *w, size_t k) {
  * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
-double gn_servo_share(const gn_world *w) {
-    double share = fmin(1.0, w->dt / w->stable);
-    bool dashpots = w->dem.damping_fraction > 0.0;
+double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem) {
+    double share = fmin(1.0, ctx->dt / ctx->stable);
+    bool dashpots = dem->damping_fraction > 0.0;
     return fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
 }
 
-double gn_world_servo_relaxation(const gn_world *w, size_t wall) {
-    double stiffness = w->boundary.walls[wall].stiffness, most = gn_servo_share(w);
-    bool dashpots = w->dem.damping_fraction > 0.0;
+double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, size_t wall) {
+    double stiffness = boundary->walls[wall].stiffness, most = gn_servo_share(ctx, dem);
+    bool dashpots = dem->damping_fraction > 0.0;
     if (!dashpots || !(stiffness > 0.0)) return most;
-    return most * stiffness / (2.0 * stiffness - springs_of(w, wall));
+    return most * stiffness / (2.0 * stiffness - springs_of(ctx, dem, boundary, wall));
 }
 
 /* Stiffness of the contacts that do not press yet but would within `path` of the wall, if their
  * particles go on as they do. */
-static double stiffness_within(const gn_world *w, size_t k, double path) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+static double stiffness_within(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, size_t k, double path) {
+    const gn_wall_contacts *q = &boundary->contacts;
     double sum = 0.0;
     for (size_t c = 0; c < q->soa.count; c++) {
         const double *row = q->row + 8 * c;
         if ((size_t)q->wall[c] != k || gn_dot3(row, row) > 0.0) continue;
         size_t p = (size_t)q->i[c];
-        double along = gn_dot3(w->dem.particles.vel + 4 * p, w->boundary.walls[k].normal);
-        if (wall_gap(w, p, k) - q->gap0[c] + w->dt * fmin(0.0, along) < path)
-            sum += step_stiffness(w, c);
+        double along = gn_dot3(dem->particles.vel + 4 * p, boundary->walls[k].normal);
+        if (wall_gap(dem, boundary, p, k) - q->gap0[c] + ctx->dt * fmin(0.0, along) < path)
+            sum += step_stiffness(ctx, dem, boundary, c);
     }
-    return sum + gn_body_walls_within(w, k, path);
+    return sum + gn_body_walls_within(ctx, boundary, k, path);
 }
 
 /* K by which the wall goes force/K in a step for `force` more, at most the path `most`: of what
@@ -346,18 +371,20 @@ static double stiffness_within(const gn_world *w, size_t k, double path) {
  * d, to a thousandth, for which d K(d) <= force. So a crowd that is met in one step takes no more
  * than the force that is missing, and the wall goes on as it came: a path for what presses alone
  * would be too long by the number of particles, at any step. */
-static double servo_stiffness(const gn_world *w, size_t k, double force, double most) {
-    double pressed = w->boundary.walls[k].stiffness;
-    double alone =
-        w->effects & GN_FX_HERTZ ? expected_stiffness(w, k, 0) : w->scene.walls[k].stiffness;
+static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, size_t k, double force, double most) {
+    double pressed = boundary->walls[k].stiffness;
+    double alone = ctx->effects & GN_FX_HERTZ ? expected_stiffness(ctx, dem, k, 0)
+                                              : ctx->scene.walls[k].stiffness;
     double least = pressed > 0.0 ? pressed : alone;
     double high = fmin(force / least, most);
     if (!(high > 0.0)) return least;
-    double over = pressed + stiffness_within(w, k, high);
+    double over = pressed + stiffness_within(ctx, dem, boundary, k, high);
     if (high * over <= force) return least;
-    double low = force / over, under = pressed + stiffness_within(w, k, low);
+    double low = force / over, under = pressed + stiffness_within(ctx, dem, boundary, k, low);
     while (low < 0.999 * high && under != over) {
-        double middle = 0.5 * (low + high), found = pressed + stiffness_within(w, k, middle);
+        double middle = 0.5 * (low + high),
+               found = pressed + stiffness_within(ctx, dem, boundary, k, middle);
         bool fits = middle * found <= force;
         *(fits ? &low : &high) = middle;
         *(fits ? &under : &over) = found;
@@ -365,39 +392,42 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
     return under == over ? over : force / low;
 }
 
-double gn_wall_area(const gn_world *w, size_t wall) {
+double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
     gn_facing f;
-    double area = w->scene.walls[wall].servo.area;
-    if (!(area > 0.0) && gn_wall_closes_box(&w->scene, wall)) return gn_box_section(w);
-    if (area > 0.0 || !gn_facing_find(&w->scene, wall, &f)) return area;
+    double area = ctx->scene.walls[wall].servo.area;
+    if (!(area > 0.0) && gn_wall_closes_box(&ctx->scene, wall)) return gn_box_section(ctx);
+    if (area > 0.0 || !gn_facing_find(&ctx->scene, wall, &f)) return area;
     area = 1.0;
     for (size_t k = 0; k < f.count; k++) {
-        const gn_wall *to = &w->boundary.walls[f.pair[k][1]];
-        area *= fabs(gn_wall_distance(&w->boundary.walls[f.pair[k][0]], to->point));
+        const gn_wall *to = &boundary->walls[f.pair[k][1]];
+        area *= fabs(gn_wall_distance(&boundary->walls[f.pair[k][0]], to->point));
     }
     return area;
 }
 
-double gn_wall_wanted(const gn_world *w, size_t wall, double time) {
-    const gn_servo *servo = &w->scene.walls[wall].servo;
+double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                      double time) {
+    const gn_servo *servo = &ctx->scene.walls[wall].servo;
     if (servo->force.count) return gn_table_at(&servo->force, time);
-    return gn_table_at(&servo->stress, time) * gn_wall_area(w, wall);
+    return gn_table_at(&servo->stress, time) * gn_wall_area(ctx, boundary, wall);
 }
 
 /* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
  * the springs need to take up the missing force. */
-static void servo_velocity(gn_world *w, size_t k) {
-    const gn_servo *servo = &w->scene.walls[k].servo;
-    gn_wall *wall = &w->boundary.walls[k];
-    double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
-    gn_servo_look look = {.wanted = gn_wall_wanted(w, k, w->time),
+static void servo_velocity(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                           size_t k) {
+    const gn_servo *servo = &ctx->scene.walls[k].servo;
+    gn_wall *wall = &boundary->walls[k];
+    double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(ctx, dem, boundary, k));
+    gn_servo_look look = {.wanted = gn_wall_wanted(ctx, boundary, k, ctx->time),
                           .found = -gn_dot3(wall->force, wall->normal),
                           .most = servo->max_velocity};
     double stiffness =
-        servo_stiffness(w, k, relaxation * (look.wanted - look.found), servo->max_velocity * w->dt);
+        servo_stiffness(ctx, dem, boundary, k, relaxation * (look.wanted - look.found),
+                        servo->max_velocity * ctx->dt);
     /* Springs at the wall and behind them, one after the other. */
     double uniform = wall->behind > 0.0 ? 1.0 / (1.0 + stiffness / wall->behind) : 1.0;
-    look.pace = relaxation / (stiffness * w->dt);
+    look.pace = relaxation / (stiffness * ctx->dt);
     look.answer = gn_servo_answer(relaxation, uniform);
     if (!(wall->stiffness > 0.0)) { /* it approaches, and follows nothing */
         wall->servo = (gn_servo_state){0};
@@ -408,40 +438,40 @@ static void servo_velocity(gn_world *w, size_t k) {
 }
 
 /* m: how far centres reach along a direction. */
-static double extent_along(const gn_world *w, const double n[3]) {
+static double extent_along(const gn_dem *dem, const double n[3]) {
     double low = INFINITY, high = -INFINITY;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        double at = gn_dot3(w->dem.particles.pos + 4 * p, n);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
+        double at = gn_dot3(dem->particles.pos + 4 * p, n);
         low = fmin(low, at);
         high = fmax(high, at);
     }
     return high - low;
 }
 
-void gn_walls_listed(gn_world *w) {
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_wall *wall = &w->boundary.walls[k];
+void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        gn_wall *wall = &boundary->walls[k];
         const double n[1][3] = {{wall->normal[0], wall->normal[1], wall->normal[2]}};
         double spring, dashpot, length;
-        if (!w->scene.walls[k].servo.active) continue;
-        gn_servo_answers(w, false, 1, n, &spring, &dashpot);
-        length = extent_along(w, n[0]);
+        if (!ctx->scene.walls[k].servo.active) continue;
+        gn_servo_answers(ctx, dem, false, 1, n, &spring, &dashpot);
+        length = extent_along(dem, n[0]);
         wall->behind = length > 0.0 && spring > 0.0 ? spring / (length * length) : 0.0;
     }
 }
 
-void gn_walls_move(gn_world *w) {
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_wall *wall = &w->boundary.walls[k];
-        const gn_motion *motion = &w->scene.walls[k].motion;
-        if (w->scene.walls[k].servo.active)
-            servo_velocity(w, k);
+void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary) {
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        gn_wall *wall = &boundary->walls[k];
+        const gn_motion *motion = &ctx->scene.walls[k].motion;
+        if (ctx->scene.walls[k].servo.active)
+            servo_velocity(ctx, dem, boundary, k);
         else
             wall->servo = (gn_servo_state){0};
-        for (int a = 0; a < 3 && !w->scene.walls[k].servo.active; a++)
-            wall->velocity[a] = gn_control_of(w, w->scene.walls[k].name, a) *
-                                gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
-        for (int a = 0; a < 3; a++) wall->point[a] += w->dt * wall->velocity[a];
-        wall->travel += w->dt * fabs(gn_dot3(wall->velocity, wall->normal));
+        for (int a = 0; a < 3 && !ctx->scene.walls[k].servo.active; a++)
+            wall->velocity[a] = gn_control_of(ctx, ctx->scene.walls[k].name, a) *
+                                gn_table_at(&motion->velocity[a], ctx->time + 0.5 * ctx->dt);
+        for (int a = 0; a < 3; a++) wall->point[a] += ctx->dt * wall->velocity[a];
+        wall->travel += ctx->dt * fabs(gn_dot3(wall->velocity, wall->normal));
     }
 }

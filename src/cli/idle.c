@@ -33,18 +33,18 @@ static bool all_spins_held(const gn_scene *s) {
 /* Only tangential forces turn a sphere. Forces on facets are shared out over points beside the one
  * below its centre. */
 static const char *idle_rotation(const gn_world *w) {
-    bool tangential = w->effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
-    if (all_spins_held(&w->scene))
+    bool tangential = w->ctx.effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
+    if (all_spins_held(&w->ctx.scene))
         return "all spins are held at 0: the same to rounding (law.rotation: off)";
-    if (tangential || w->effects & GN_FX_FACETS || sets_turn(&w->scene)) return NULL;
+    if (tangential || w->ctx.effects & GN_FX_FACETS || sets_turn(&w->ctx.scene)) return NULL;
     return "no tangential force and no set turns anything (law.rotation: off)";
 }
 
 static const char *idle_friction(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
-    if (w->effects & GN_FX_ROLLING) return NULL; /* moments stand beside tangential forces */
+    if (w->ctx.effects & GN_FX_ROLLING) return NULL; /* moments stand beside tangential forces */
     for (size_t p = 0; p < q->soa.count; p++)
-        if (w->scene.materials[q->material[p]].friction > 0.0) return NULL;
+        if (w->ctx.scene.materials[q->material[p]].friction > 0.0) return NULL;
     return "no particle has a material with friction";
 }
 
@@ -54,16 +54,16 @@ static const char *idle_contact_damping(const gn_world *w) {
 }
 
 static const char *idle_background(const gn_world *w) {
-    return w->scene.background_coefficient > 0.0 || w->scene.background_spin > 0.0
+    return w->ctx.scene.background_coefficient > 0.0 || w->ctx.scene.background_spin > 0.0
                ? NULL
                : "its coefficient is 0 (damping.background.model: none)";
 }
 
 static const char *idle_applied(const gn_world *w) {
-    if (w->effects & GN_FX_MEMBRANE) return NULL;
-    for (size_t k = 0; k < w->scene.set_count; k++)
-        for (int a = 0; w->scene.sets[k].has_force && a < 3; a++)
-            if (w->scene.sets[k].force[a] != 0.0) return NULL;
+    if (w->ctx.effects & GN_FX_MEMBRANE) return NULL;
+    for (size_t k = 0; k < w->ctx.scene.set_count; k++)
+        for (int a = 0; w->ctx.scene.sets[k].has_force && a < 3; a++)
+            if (w->ctx.scene.sets[k].force[a] != 0.0) return NULL;
     return "all forces of sets are 0 (sets[].force)";
 }
 
@@ -106,7 +106,7 @@ static const struct {
 void gn_print_idle(const gn_world *w) {
     bool any = false;
     for (size_t k = 0; k < sizeof idle_effects / sizeof *idle_effects; k++) {
-        bool active = w->effects & idle_effects[k].effect;
+        bool active = w->ctx.effects & idle_effects[k].effect;
         const char *why = active ? idle_effects[k].idle(w) : NULL;
         if (!why) continue;
         if (!any) printf("could be switched off\n");

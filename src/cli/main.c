@@ -75,15 +75,19 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
-    if (*gn_world_light_body(&run->world, light, sizeof light))
+    if (*gn_world_light_body(&run->world.ctx, &run->world.dem, &run->world.boundary, light,
+                             sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
-    if (run->world.step == 0 && gn_scale_doubts(&run->world, light, sizeof light))
+    if (run->world.ctx.step == 0 &&
+        gn_scale_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary, &run->world.solids,
+                        light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (gn_stage_is_overlong(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
-    if (*gn_elements_doubts(&run->world, light, sizeof light))
+    if (*gn_elements_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                            &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
-    if (*gn_conversion_watches(&run->world, light, sizeof light))
+    if (*gn_conversion_watches(&run->world.ctx, &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));
     GN_TRY(gn_print_beginning(o, run, error));
@@ -102,7 +106,7 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
         return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
-                       (long long)run->world.step, run->directory);
+                       (long long)run->world.ctx.step, run->directory);
     }
     gneiss_status status = finish(o, run, error);
     return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
@@ -192,15 +196,16 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
     if (status == GNEISS_OK) {
-        run->world.given.allow_gmsh = run->world.scene.allow_gmsh = o->allow_gmsh;
-        const int64_t before = run->world.step;
+        run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = o->allow_gmsh;
+        const int64_t before = run->world.ctx.step;
         status = go(o, run, error);
-        if (status == GNEISS_OK && run->world.step == before)
+        if (status == GNEISS_OK && run->world.ctx.step == before)
             fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
                     gn_printable(o->target, shown, sizeof shown), run->stop_reason,
-                    !o->override_count   ? ""
-                    : run->world.halt[0] ? "; the model itself ended it, which no setting changes"
-                                         : "; a later time.end or a stop condition lifted goes on");
+                    !o->override_count ? ""
+                    : run->world.outcome.halt[0]
+                        ? "; the model itself ended it, which no setting changes"
+                        : "; a later time.end or a stop condition lifted goes on");
         gn_run_free(run);
     }
     free(run);

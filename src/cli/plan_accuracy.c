@@ -112,7 +112,7 @@ static void print_floor(const gn_plan *plan, const gn_world *w) {
     printf("%.3g %% cannot be reached: the least is about %s %%, most of it by %s\n",
            100.0 * plan->wanted.error, percent(plan->best.error / 1.1, text, sizeof text),
            most->name);
-    bool shape = w->given.specimen.pack.shape != GN_SHAPE_NONE;
+    bool shape = w->ctx.given.specimen.pack.shape != GN_SHAPE_NONE;
     if (strcmp(most->name, "packing") != 0 || shape) return;
     double packings = ceil(pow(most->error / plan->wanted.error, 2.0) * 1.2);
     printf(
@@ -184,7 +184,7 @@ static void json_plan(const gn_plan *plan, const gn_world *w) {
     gn_json_number(j, "wanted", plan->wanted.error);
     gn_json_text(j, "reading", plan->wanted.reading);
     gn_json_bool(j, "reached", plan->reached);
-    gn_json_number(j, "dt", w->dt);
+    gn_json_number(j, "dt", w->ctx.dt);
     gn_json_integer(j, "particles", (int64_t)w->dem.particles.soa.count);
     gn_json_integer(j, "contacts", (int64_t)(w->dem.bonds.soa.count + w->dem.pairs.soa.count));
     gn_json_object(j, "cost");
@@ -209,7 +209,7 @@ static gneiss_status all_settings(const gn_options *o, const gn_plan *plan, cons
                                   gn_settings *settings, gneiss_error *error) {
     for (size_t k = 0; k < o->override_count; k++)
         GN_TRY(gn_settings_add(settings, o->overrides[k].key, o->overrides[k].value, error));
-    return gn_settings_make(w, plan, &plan->best, settings, error);
+    return gn_settings_make(&w->ctx, plan, &plan->best, settings, error);
 }
 
 /* How many cells there are, and which step they take, is seen by making them. */
@@ -225,7 +225,7 @@ static gneiss_status correct(const gn_options *o, const gn_settings *settings, g
     if (status == GNEISS_OK) scene->allow_gmsh = o->allow_gmsh;
     if (status == GNEISS_OK) status = gn_world_create(scene, w, error);
     if (status == GNEISS_OK) {
-        gn_plan_correct(w, plan, &plan->best);
+        gn_plan_correct(&w->ctx, &w->solids, plan, &plan->best);
         gn_world_free(w);
     }
     gn_free(scene);
@@ -265,7 +265,8 @@ gneiss_status gn_plan_accuracy(const gn_options *o, const gn_world *w, double se
     gn_wanted wanted = {.reading = o->reading ? o->reading : "strength"};
     wanted.any_particles = o->any_particles;
     gneiss_status status = gn_plan_read_error(o->error, &wanted.error, error);
-    if (status == GNEISS_OK && !w->scene.has_specimen && !o->reading) wanted.reading = "stiffness";
+    if (status == GNEISS_OK && !w->ctx.scene.has_specimen && !o->reading)
+        wanted.reading = "stiffness";
     if (status == GNEISS_OK) status = gn_plan_make(w, &wanted, setup, plan, error);
     if (status == GNEISS_OK && plan->absent)
         status =

@@ -10,34 +10,36 @@
 static void print_sleepers(const gn_world *w, const gn_foreseen *f) {
     printf("particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step "
            "of the elements alone\n",
-           gn_conversion_asleep(w), w->dem.prepared.soa.count);
+           gn_conversion_asleep(&w->dem), w->dem.prepared.soa.count);
     if (f->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them by themselves, rigorous bound %.6g s\n",
                f->all.sharp, f->all.bound);
     char watched[GNEISS_MESSAGE_SIZE];
-    if (*gn_conversion_watches(w, watched, sizeof watched)) printf("  warning: %s\n", watched);
+    if (*gn_conversion_watches(&w->ctx, &w->solids, watched, sizeof watched))
+        printf("  warning: %s\n", watched);
 }
 
 /* Where a stage has an end that may come at another time, what comes after it does as well. */
 static void print_stages(const gn_world *w, const gn_foreseen *f) {
     const gn_course *c = &f->course;
-    for (size_t k = 0; w->scene.stage_count && k < c->count; k++) {
+    for (size_t k = 0; w->ctx.scene.stage_count && k < c->count; k++) {
         const gn_course_part *p = &c->part[k];
-        const bool last = k + 1 == w->scene.stage_count;
-        printf("  stage %-10s from %.4g s to %.4g s%s\n", w->scene.stages[k].name, p->begin, p->end,
+        const bool last = k + 1 == w->ctx.scene.stage_count;
+        printf("  stage %-10s from %.4g s to %.4g s%s\n", w->ctx.scene.stages[k].name, p->begin,
+               p->end,
                p->guessed         ? ", a guess: it waits for rest, here for twenty times what "
                                     "waves take along the body"
                : p->open && !last ? " at the latest: it may end before, by what is not foretold"
                : p->open          ? " at the latest"
                                   : "");
     }
-    if (c->count < w->scene.stage_count)
-        printf("  stage %-10s not reached before time.end\n", w->scene.stages[c->count].name);
+    if (c->count < w->ctx.scene.stage_count)
+        printf("  stage %-10s not reached before time.end\n", w->ctx.scene.stages[c->count].name);
 }
 
 /* Looks come every so many steps: a limit may be reached so much before it is seen. */
 static double look_of(const gn_world *w, const gn_foreseen *f) {
-    return (double)w->scene.couple.convert.every * f->course.part[f->stage].dt;
+    return (double)w->ctx.scene.couple.convert.every * f->course.part[f->stage].dt;
 }
 
 /* s: how far a limit may be off by waves. A body lags behind a load that grows evenly, and swings
@@ -68,7 +70,7 @@ static void print_when(const gn_world *w, const gn_foreseen *f) {
         printf("  first            at %.3g s", f->time);
     else
         printf("  first            none before the end: %.3g of a limit at most", f->most);
-    if (w->scene.stage_count) printf(", in stage '%s'", w->scene.stages[f->stage].name);
+    if (w->ctx.scene.stage_count) printf(", in stage '%s'", w->ctx.scene.stages[f->stage].name);
     if (f->time < INFINITY && look_of(w, f) > 0.02 * f->time)
         printf(", seen up to %.2g s later (couple.convert.every)", look_of(w, f));
     printf("%s\n", f->time < INFINITY ? "" : "; below is what one would make of the step");
@@ -99,7 +101,7 @@ static void print_first(const gn_world *w, const gn_foreseen *f) {
         return;
     }
     print_dt(f);
-    if (w->scene.couple.spins == GN_COUPLE_SLAVED)
+    if (w->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
         printf(
             "                   roughly: what slaved spins take goes by single elements of fronts; "
             "runs had 0.4 to 2 times that\n");
@@ -148,7 +150,7 @@ static void print_steps(const gn_world *w, const gn_foreseen *f, const foreseen_
     if (s->least < one_number * s->most) printf(" to %.0f", s->alone + s->most);
     printf(" to t = %g s", end_of(f));
     if (s->most > 0.0) printf(", %.0f of them of elements alone", s->alone);
-    bool open = w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0;
+    bool open = w->ctx.scene.stop_peak_drop > 0.0 || w->ctx.scene.stop_strain > 0.0;
     for (size_t k = 0; k < f->course.count; k++) open = open || f->course.part[k].open;
     printf("%s\n", open ? " (a stop condition may come first)" : "");
 }
@@ -159,8 +161,8 @@ static void print_foreseen(const gn_world *w, const gn_foreseen *f, const double
     find_steps(f, &s);
     print_first(w, f);
     print_steps(w, f, &s);
-    printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, w->threads,
-           w->threads > 1 ? "s" : "");
+    printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, w->ctx.threads,
+           w->ctx.threads > 1 ? "s" : "");
     if (per_step[1] > 0.0)
         printf(" of elements alone, %.1f us once %zu of them are left", per_step[1] * 1e6, f->some);
     const double alone = s.alone * per_step[0];
@@ -176,7 +178,7 @@ static gneiss_status try_converting(gn_world *w, bool print, gn_foreseen *f, dou
                                     gneiss_error *error) {
     GN_TRY(gn_conversion_foresee(w, f, error));
     if (print) print_sleepers(w, f);
-    GN_TRY(gn_time_steps(w, fmin(w->scene.end, 0.5 * f->time), &per_step[0], error));
+    GN_TRY(gn_time_steps(w, fmin(w->ctx.scene.end, 0.5 * f->time), &per_step[0], error));
     if (!f->place) return GNEISS_OK;
     GN_TRY(gn_conversion_try(w, f, error));
     if (*f->halt) return GNEISS_OK;
@@ -200,7 +202,8 @@ gneiss_status gn_plan_converting(gn_world *w, bool print, double *seconds, gneis
 
 /* Steps become shorter with the first conversion, not before. */
 static void warn_of_looks(const gn_world *w, int *warnings) {
-    const double steps = w->scene.end / w->dt, every = (double)w->scene.couple.convert.every;
+    const double steps = w->ctx.scene.end / w->ctx.dt,
+                 every = (double)w->ctx.scene.couple.convert.every;
     if (every < steps) return;
     printf(
         "  warning: couple.convert.every (%.0f steps) is no less than the %.0f steps of the run: "
@@ -211,7 +214,8 @@ static void warn_of_looks(const gn_world *w, int *warnings) {
 
 static void print_places(gn_world *w, int *warnings) {
     gn_conversion_places_seen seen;
-    if (gn_conversion_begun(w) || gn_conversion_see_places(w, &seen, NULL) != GNEISS_OK) return;
+    if (gn_conversion_begun(&w->solids) || gn_conversion_see_places(w, &seen, NULL) != GNEISS_OK)
+        return;
     printf("  places           %zu looked at", seen.looked);
     if (seen.along)
         printf(": at %zu elements around go along, as particles in one are too few", seen.along);
@@ -227,21 +231,23 @@ static void print_places(gn_world *w, int *warnings) {
 
 void gn_print_conversion(gn_world *w, int *warnings) {
     gn_conversion_figures f;
-    if (!gn_converts(w) || gn_conversion_measure(w, &f, NULL) != GNEISS_OK) return;
-    const double width = w->scene.couple.convert.width;
+    if (!gn_converts(&w->ctx) ||
+        gn_conversion_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &f, NULL) != GNEISS_OK)
+        return;
+    const double width = w->ctx.scene.couple.convert.width;
     printf("conversion\n  width of a zone  %.6g m = %.3g elements (%.3g of the smallest) = %.3g "
            "particles\n",
            width, width / f.element, width / f.smallest, width / f.diameter);
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
-           gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
+           gn_conversion_elements(&w->solids), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
     char watched[GNEISS_MESSAGE_SIZE];
-    if (*gn_conversion_watches(w, watched, sizeof watched)) {
+    if (*gn_conversion_watches(&w->ctx, &w->solids, watched, sizeof watched)) {
         printf("  warning: %s\n", watched);
         (*warnings)++;
     }
     printf("  masses           %.4g times those of the elements\n", f.mass);
-    const gn_convert_def *def = &w->scene.couple.convert;
+    const gn_convert_def *def = &w->ctx.scene.couple.convert;
     if (def->relax > 0.0)
         printf("  relaxation       to %g of the mean contact force, %lld iterations at most\n",
                def->relax, (long long)def->relax_iterations);

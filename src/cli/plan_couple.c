@@ -70,7 +70,7 @@ static void warn_of_edges(const gn_zone_figures *f, int *warnings) {
 
 static void print_zone(const gn_world *w, size_t k, int *warnings) {
     gn_zone_figures f;
-    gn_zone_measure(w, k, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
     double elements = f.width / f.element, diameters = f.width / f.diameter;
     printf("zone %zu\n  width            %.6g m = %.3g elements = %.3g particles\n", k, f.width,
            elements, diameters);
@@ -93,13 +93,14 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
 }
 
 void gn_print_whole_limit(const gn_world *w) {
-    const gn_whole_limit *whole = gn_coupled_whole(w);
+    const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
     char text[96];
     if (!whole) return;
     printf("  both as one\n  sharp limit      %.6g s  (Lanczos, %d vectors)\n", whole->sharp,
            whole->iterations);
-    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit\n", gn_world_bound(w),
-           gn_world_bound(w) / whole->sharp);
+    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit\n",
+           gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones),
+           gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones) / whole->sharp);
     printf("  set by           %s; its mode is to %.0f %% in particles, to %.0f %% in elements, to "
            "%.0f %% in zones\n",
            gn_whole_culprit(whole, text, sizeof text), 100.0 * whole->share[GN_SIDE_PARTICLES],
@@ -107,9 +108,10 @@ void gn_print_whole_limit(const gn_world *w) {
 }
 
 static void print_step(const gn_world *w) {
-    const gn_whole_limit *whole = gn_coupled_whole(w);
-    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS : gn_elements_lead(w) != NULL;
-    printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", w->dt,
+    const gn_whole_limit *whole = gn_coupled_whole(&w->ctx, &w->zones);
+    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS
+                          : gn_elements_lead(&w->ctx, &w->dem, &w->solids, &w->zones) != NULL;
+    printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", w->ctx.dt,
            whole      ? gn_side_text(whole->side)
            : elements ? "elements"
                       : "particles");
@@ -117,22 +119,22 @@ static void print_step(const gn_world *w) {
 
 /* Beside zones, whose waves they scatter: docs/evidence/coupling.md. */
 static void note_diagonals(const gn_world *w) {
-    const gn_element_def *e = &w->scene.elements;
+    const gn_element_def *e = &w->ctx.scene.elements;
     const gn_diagonals diagonals = e->has_beam ? e->beam.diagonals : e->diagonals;
     if (e->mesh[0] || diagonals == GN_DIAGONALS_PARALLEL) return;
     printf("  note             diagonals alternate: nodes side by side have masses of %s, which "
            "scatter waves of some elements (elements.%s.diagonals: parallel)\n",
-           w->scene.dimension == 3 ? "5 : 1" : "2 : 1",
+           w->ctx.scene.dimension == 3 ? "5 : 1" : "2 : 1",
            e->has_beam  ? "beam"
            : e->has_box ? "box"
                         : "rectangle");
 }
 
 void gn_print_zones(const gn_world *w, int *warnings) {
-    const size_t zones = w->scene.has_couple ? w->scene.couple.zone_count : 0;
+    const size_t zones = w->ctx.scene.has_couple ? w->ctx.scene.couple.zone_count : 0;
     for (size_t k = 0; k < zones; k++) print_zone(w, k, warnings);
     if (zones > 0) note_diagonals(w);
-    if (w->scene.has_couple) print_step(w);
+    if (w->ctx.scene.has_couple) print_step(w);
 }
 
 /* What is said of all of them in one sentence is said once. */
@@ -159,13 +161,13 @@ static void print_passed(const char *wall, const gn_wall_passed *p, int *warning
 }
 
 gneiss_status gn_print_walls_passed(gn_world *w, int *warnings, gneiss_error *error) {
-    if (!w->scene.has_couple || !w->scene.wall_count) return GNEISS_OK;
-    gn_wall_passed *passed = gn_alloc_array(w->scene.wall_count, sizeof *passed);
+    if (!w->ctx.scene.has_couple || !w->ctx.scene.wall_count) return GNEISS_OK;
+    gn_wall_passed *passed = gn_alloc_array(w->ctx.scene.wall_count, sizeof *passed);
     gneiss_status status = passed
                                ? gn_wall_foresee_passed(w, passed, error)
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
-    for (size_t k = 0; status == GNEISS_OK && k < w->scene.wall_count; k++)
-        print_passed(w->scene.walls[k].name, &passed[k], warnings);
+    for (size_t k = 0; status == GNEISS_OK && k < w->ctx.scene.wall_count; k++)
+        print_passed(w->ctx.scene.walls[k].name, &passed[k], warnings);
     gn_free(passed);
     return status;
 }

@@ -9,7 +9,7 @@
 
 static void print_kernels(const gn_world *w, const gn_fem_solid *b) {
     char name[200];
-    bool refused = w->effects & GN_FX_MIXED && !b->single;
+    bool refused = w->ctx.effects & GN_FX_MIXED && !b->single;
     printf("  element %s, %s form, %s\n",
            b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
            b->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
@@ -21,13 +21,15 @@ static void print_kernels(const gn_world *w, const gn_fem_solid *b) {
 }
 
 void gn_print_element_kernels(const gn_world *w) {
-    for (size_t k = 0; k < w->element_count; k++) print_kernels(w, &w->elements[k]->solid);
+    for (size_t k = 0; k < w->solids.count; k++) print_kernels(w, &w->solids.elements[k]->solid);
 }
 
 static void print_limits(const gn_world *w, const gn_element_model *q) {
     char text[160];
     const gn_fem_limit *limit = &q->limit;
-    printf("  elements%s\n", gn_elements_lead(w) == q ? ", which set the step" : "");
+    printf("  elements%s\n", gn_elements_lead(&w->ctx, &w->dem, &w->solids, &w->zones) == q
+                                 ? ", which set the step"
+                                 : "");
     if (limit->iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
@@ -36,11 +38,11 @@ static void print_limits(const gn_world *w, const gn_element_model *q) {
                limit->iterations);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (element %d)\n", limit->bound,
            limit->bound / limit->sharp, limit->bound_element);
-    printf("  set by           %s\n", gn_elements_culprit(w, q, text, sizeof text));
+    printf("  set by           %s\n", gn_elements_culprit(&w->ctx, q, text, sizeof text));
 }
 
 void gn_print_element_limits(const gn_world *w) {
-    for (size_t k = 0; k < w->element_count; k++) print_limits(w, w->elements[k]);
+    for (size_t k = 0; k < w->solids.count; k++) print_limits(w, w->solids.elements[k]);
 }
 
 /* --- check --- */
@@ -66,7 +68,7 @@ static void print_parts(const gn_world *w, const gn_mesh_joints *j, const char *
     printf("%snote: %zu parts that share no node; the smallest has %zu of %zu elements, one at %s "
            "m\n",
            indent, j->parts, j->least, j->elements,
-           gn_point_text(w->scene.origin, j->least_at, place));
+           gn_point_text(w->ctx.scene.origin, j->least_at, place));
 }
 
 static void print_notes(const gn_world *w, const gn_element_model *q, const char *indent) {
@@ -81,7 +83,7 @@ static void print_notes(const gn_world *w, const gn_element_model *q, const char
 }
 
 void gn_print_element_notes(const gn_world *w, const char *indent) {
-    for (size_t k = 0; k < w->element_count; k++) print_notes(w, w->elements[k], indent);
+    for (size_t k = 0; k < w->solids.count; k++) print_notes(w, w->solids.elements[k], indent);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -102,7 +104,7 @@ static void print_slivers(const gn_world *w, const gn_element_model *q, int *war
     free(scale);
     if (ratio > 0.3) return;
     printf("  warning: the step is that of a sliver, %.2g of what half of the elements allow: %s\n",
-           ratio, gn_elements_culprit(w, q, text, sizeof text));
+           ratio, gn_elements_culprit(&w->ctx, q, text, sizeof text));
     (*warnings)++;
 }
 
@@ -136,8 +138,9 @@ static void print_check(const gn_world *w, const gn_element_model *q, int *warni
 
 void gn_print_element_check(const gn_world *w, int *warnings) {
     char doubts[GNEISS_MESSAGE_SIZE];
-    for (size_t k = 0; k < w->element_count; k++) print_check(w, w->elements[k], warnings);
-    if (!*gn_elements_doubts(w, doubts, sizeof doubts)) return;
+    for (size_t k = 0; k < w->solids.count; k++) print_check(w, w->solids.elements[k], warnings);
+    if (!*gn_elements_doubts(&w->ctx, &w->dem, &w->boundary, &w->solids, doubts, sizeof doubts))
+        return;
     printf("  warning: %s\n", doubts);
     (*warnings)++;
 }

@@ -21,9 +21,9 @@ typedef struct span {
 static gneiss_status take(gn_world *w, span *s, bool *over, gneiss_error *error) {
     double start = gn_now();
     for (int k = 0; k < LOOK && !*over; k++) {
-        s->particles += (double)gn_world_present(w);
+        s->particles += (double)gn_world_present(&w->dem);
         gneiss_status status = gn_world_step(w, false, error);
-        *over = status == GNEISS_ERROR_UNSTABLE || w->time >= w->scene.end;
+        *over = status == GNEISS_ERROR_UNSTABLE || w->ctx.time >= w->ctx.scene.end;
         if (status != GNEISS_ERROR_UNSTABLE) GN_TRY(status);
         s->steps++;
     }
@@ -32,7 +32,7 @@ static gneiss_status take(gn_world *w, span *s, bool *over, gneiss_error *error)
 }
 
 static bool touching(const gn_world *w) {
-    for (size_t c = 0; w->effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++)
+    for (size_t c = 0; w->ctx.effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++)
         if (w->boundary.contacts.row[8 * c] != 0.0 || w->boundary.contacts.row[8 * c + 1] != 0.0 ||
             w->boundary.contacts.row[8 * c + 2] != 0.0)
             return true;
@@ -43,7 +43,7 @@ static bool touching(const gn_world *w) {
 
 /* Of a source by a time, by its rate and from what it has let in. */
 static double number_by(const gn_world *w, size_t k, double time) {
-    const gn_source_def *d = &w->scene.sources[k];
+    const gn_source_def *d = &w->ctx.scene.sources[k];
     const gn_source_state *s = &w->dem.flow.sources[k];
     double mean = s->number > 0.0 ? s->mass / s->number : INFINITY;
     double rate = d->mass_rate > 0.0 ? d->mass_rate / mean : d->rate;
@@ -54,8 +54,8 @@ static double number_by(const gn_world *w, size_t k, double time) {
 }
 
 static double present_by(const gn_world *w, double time) {
-    double sum = (double)gn_world_present(w);
-    for (size_t k = 0; k < w->scene.source_count; k++)
+    double sum = (double)gn_world_present(&w->dem);
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++)
         sum += number_by(w, k, time) - w->dem.flow.sources[k].number;
     return sum;
 }
@@ -88,15 +88,15 @@ gneiss_status gn_plan_flow_try(gn_world *w, gn_plan_flow *p, gneiss_error *error
         p->touched = p->touched || touching(w);
     }
     fit(half, &a, &b);
-    p->tried = w->time;
-    p->step = w->dt;
-    p->present = gn_world_present(w);
+    p->tried = w->ctx.time;
+    p->step = w->ctx.dt;
+    p->present = gn_world_present(&w->dem);
     p->seconds = half[0].seconds + half[1].seconds;
-    double left = fmax(0.0, w->scene.end - w->time), part = left / PIECES;
+    double left = fmax(0.0, w->ctx.scene.end - w->ctx.time), part = left / PIECES;
     for (int k = 0; k < PIECES; k++)
-        p->seconds += part / w->dt * (a + b * present_by(w, w->time + (k + 0.5) * part));
-    p->most = present_by(w, w->scene.end);
-    p->steps = (double)w->step + ceil(left / w->dt);
+        p->seconds += part / w->ctx.dt * (a + b * present_by(w, w->ctx.time + (k + 0.5) * part));
+    p->most = present_by(w, w->ctx.scene.end);
+    p->steps = (double)w->ctx.step + ceil(left / w->ctx.dt);
     return GNEISS_OK;
 }
 
@@ -104,17 +104,17 @@ void gn_print_plan_flow(const gn_world *w, const gn_plan_flow *p) {
     char text[32];
     printf("cost, with the particles that sources bring\n");
     printf("  tried            to t = %.4g s: %lld steps, the last of %.4g s, %zu particles%s\n",
-           p->tried, (long long)w->step, p->step, p->present,
+           p->tried, (long long)w->ctx.step, p->step, p->present,
            p->touched ? "" : ", of which none has touched a wall or body yet");
     printf("  steps            %.0f to t = %g s, if they stay as long%s%s\n", p->steps,
-           w->scene.end,
+           w->ctx.scene.end,
            p->touched ? "; faster or deeper contacts make them shorter"
                       : ", which they will not once particles touch",
-           w->scene.stage_count ? " (a stop condition may come first)" : "");
+           w->ctx.scene.stage_count ? " (a stop condition may come first)" : "");
     printf(
         "  time             %s with %d thread%s, for %.4g particles at the end if none left; once "
         "they lie closely each costs more\n",
-        gn_format_seconds(p->seconds, text, sizeof text), w->threads, w->threads > 1 ? "s" : "",
-        p->most);
+        gn_format_seconds(p->seconds, text, sizeof text), w->ctx.threads,
+        w->ctx.threads > 1 ? "s" : "", p->most);
     gn_print_stages(w, p->steps > 0.0 ? p->seconds / p->steps : 0.0);
 }

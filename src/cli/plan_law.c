@@ -21,19 +21,19 @@ static void print_range(const char *name, const double *column, const gn_contact
 }
 
 static void print_area(const gn_world *w, const gn_area_check *check) {
-    bool polyhedron = w->scene.stiffness == GN_STIFFNESS_POLYHEDRON;
-    int d = (int)w->scene.dimension;
+    bool polyhedron = w->ctx.scene.stiffness == GN_STIFFNESS_POLYHEDRON;
+    int d = (int)w->ctx.scene.dimension;
     print_range("section A", w->dem.bonds.area, &w->dem.bonds, d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
         printf(", %.4f with the free faces of %zu particles that have some",
                check->filled + check->free, check->open);
     printf("\n  gamma            %.4g%s%s", w->dem.derived.gamma,
-           w->scene.gamma > 0.0                       ? " (given)"
-           : w->scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
-                                                      : " fills it with Dempack's sections",
+           w->ctx.scene.gamma > 0.0                       ? " (given)"
+           : w->ctx.scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
+                                                          : " fills it with Dempack's sections",
            polyhedron ? ", for pairs that meet later" : "");
-    if (w->scene.gamma > 0.0 || w->scene.gamma_rule == GN_GAMMA_VOLUME)
+    if (w->ctx.scene.gamma > 0.0 || w->ctx.scene.gamma_rule == GN_GAMMA_VOLUME)
         printf("; 40 e/n_c would be %.4g", check->dempack_gamma);
     printf("\n");
 }
@@ -41,10 +41,10 @@ static void print_area(const gn_world *w, const gn_area_check *check) {
 /* Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing whose
  * sections fill it: see docs/physics.md. */
 static void print_body(const gn_world *w, const gn_area_check *check) {
-    const gn_material *m = &w->scene.materials[0];
+    const gn_material *m = &w->ctx.scene.materials[0];
     double rho = m->beta / m->alpha / (2.0 * (1.0 + m->poisson)), e, nu;
-    bool space = w->scene.dimension == 3;
-    if (w->scene.material_count > 1) return;
+    bool space = w->ctx.scene.dimension == 3;
+    if (w->ctx.scene.material_count > 1) return;
     if (space) {
         e = (2.0 + 3.0 * rho) / (4.0 + rho);
         nu = (1.0 - rho) / (4.0 + rho);
@@ -64,8 +64,8 @@ gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error
     size_t n = b->soa.count;
     gn_area_check check;
     if (!n) return GNEISS_OK;
-    if (gn_scene_by_area(&w->scene)) {
-        GN_TRY(gn_areas_check(w, &check, error));
+    if (gn_scene_by_area(&w->ctx.scene)) {
+        GN_TRY(gn_areas_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &check, error));
         print_area(w, &check);
         print_body(w, &check);
     }
@@ -73,15 +73,15 @@ gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error
     print_range("k_t", b->kt, b, "N/m");
     print_range("R_n", b->rn, b, "N");
     print_range("R_t", b->rt, b, "N");
-    if (w->scene.softening == GN_SOFTENING_ENERGY)
+    if (w->ctx.scene.softening == GN_SOFTENING_ENERGY)
         printf(
             "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",
-            gn_law_cut(w),
-            w->scene.fracture_energy_of == GN_FRACTURE_BODY
+            gn_law_cut(&w->ctx, &w->dem),
+            w->ctx.scene.fracture_energy_of == GN_FRACTURE_BODY
                 ? "the body, and contacts have so much less"
                 : "contacts, and the body has so much more");
-    if (!gn_scene_by_area(&w->scene)) return GNEISS_OK;
-    if (w->scene.gamma == 0.0 && w->dem.derived.gamma > gamma_most) {
+    if (!gn_scene_by_area(&w->ctx.scene)) return GNEISS_OK;
+    if (w->ctx.scene.gamma == 0.0 && w->dem.derived.gamma > gamma_most) {
         printf(
             "  warning: gamma is %.3g: the volume holds more than the bonds join (law.gamma says "
             "what it is)\n",

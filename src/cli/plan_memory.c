@@ -25,8 +25,8 @@ static double bytes_of_writing(const gn_world *w) {
                   saved(&gn_wall_contact_record, &w->boundary.contacts.soa);
     double arrays = fmax(particle * (double)d->particles.soa.count,
                          contact * (double)(d->bonds.soa.count + d->pairs.soa.count));
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_solid *b = &w->elements[k]->solid;
+    for (size_t k = 0; k < w->solids.count; k++) {
+        const gn_fem_solid *b = &w->solids.elements[k]->solid;
         file +=
             saved(&gn_particle_record, &b->nodes.soa) + saved(&gn_element_record, &b->elements.soa);
         arrays = fmax(arrays, element * (double)b->elements.soa.count);
@@ -36,7 +36,7 @@ static double bytes_of_writing(const gn_world *w) {
 
 void gn_print_plan_memory(const gn_world *w) {
     gn_resident r;
-    const double state = (double)gn_world_bytes(w);
+    const double state = (double)gn_world_bytes(&w->ctx, &w->dem, &w->boundary, &w->solids);
 #ifdef __GLIBC__
     (void)malloc_trim(0); /* what is free counts as in use otherwise */
 #endif

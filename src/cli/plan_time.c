@@ -14,7 +14,7 @@ gneiss_status gn_time_steps(gn_world *w, double until, double *seconds, gneiss_e
             start = gn_now();
             steps = 0;
         }
-        if (steps > 0 && w->time >= until) break;
+        if (steps > 0 && w->ctx.time >= until) break;
         /* How long it goes well is for the run to see. */
         gneiss_status status = gn_world_step(w, false, error);
         if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
@@ -27,7 +27,8 @@ gneiss_status gn_time_steps(gn_world *w, double until, double *seconds, gneiss_e
 
 gneiss_status gn_time_some(gn_world *w, double *seconds, gneiss_error *error) {
     const double work = 2e7; /* of elements and particles */
-    const double size = (double)(w->dem.particles.soa.count + gn_elements_totals(w).elements);
+    const double size =
+        (double)(w->dem.particles.soa.count + gn_elements_totals(&w->solids).elements);
     const int most = (int)fmin(fmax(work / fmax(size, 1.0), 20.0), 400.0);
     double start = gn_now();
     int steps = -most / 4; /* to warm up */

@@ -73,10 +73,11 @@ static void progress_json(const gn_progress *p) {
 gneiss_status gn_expect_end(const gn_options *o, gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_estimate estimate;
-    if (o->quiet || w->step > 0 || w->scene.stage_count || w->scene.test.kind == GN_TEST_NONE)
+    if (o->quiet || w->ctx.step > 0 || w->ctx.scene.stage_count ||
+        w->ctx.scene.test.kind == GN_TEST_NONE)
         return GNEISS_OK;
-    GN_TRY(gn_estimate_make(w, &estimate, error));
-    run->expected_end = gn_estimate_end(w, &estimate);
+    GN_TRY(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &estimate, error));
+    run->expected_end = gn_estimate_end(&w->ctx, &estimate);
     return GNEISS_OK;
 }
 
@@ -88,7 +89,7 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
         return;
     }
     char rate[32], eta[32];
-    bool particles = run->world.scene.has_specimen;
+    bool particles = run->world.ctx.scene.has_specimen;
     gn_line line = {0};
     if (p.stages) gn_line_add(&line, 0, "%s %zu/%zu", p.stage, p.stage_index + 1, p.stages);
     gn_line_add(&line, 0, "step %lld", (long long)p.step);
@@ -117,20 +118,23 @@ void gn_leave_progress(const gn_options *o) {
 
 /* Where nothing touches there are no springs, and no limits of them to show. */
 static void print_limits(const gn_world *w) {
-    printf("step %.4g s", w->dt);
-    if (w->stable == INFINITY) {
+    printf("step %.4g s", w->ctx.dt);
+    if (w->ctx.stable == INFINITY) {
         printf(": nothing can %s that would limit it%s\n",
-               isfinite(gn_bodies_step(w)) ? "touch" : "move",
-               isfinite(gn_bodies_step(w)) ? ", but for how far bodies go in it" : "");
+               isfinite(gn_bodies_step(&w->ctx, &w->dem, &w->boundary)) ? "touch" : "move",
+               isfinite(gn_bodies_step(&w->ctx, &w->dem, &w->boundary))
+                   ? ", but for how far bodies go in it"
+                   : "");
         return;
     }
-    printf(" = %.2f of the stability limit %.4g s (", w->dt / w->stable, w->stable);
-    if (gn_world_sharp_limit(w) == INFINITY)
+    printf(" = %.2f of the stability limit %.4g s (", w->ctx.dt / w->ctx.stable, w->ctx.stable);
+    if (gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) == INFINITY)
         printf("of contacts to come: nothing touches yet");
     else
-        printf("undamped: sharp %.4g s, rigorous bound %.4g s", gn_world_sharp_limit(w),
-               gn_world_bound(w));
-    if (w->scene.has_specimen && w->dem.limit.literature < INFINITY)
+        printf("undamped: sharp %.4g s, rigorous bound %.4g s",
+               gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
+               gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones));
+    if (w->ctx.scene.has_specimen && w->dem.limit.literature < INFINITY)
         printf(", one-spring estimate of the literature %.4g s", w->dem.limit.literature);
     printf(")\n");
 }
@@ -145,18 +149,20 @@ static void warn_of_inside(const char *where, const char *name, size_t count) {
 }
 
 static gneiss_status warn_of_start(const gn_world *w, gneiss_error *error) {
-    if (w->step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < w->scene.wall_count; k++) /* a passive one pushes nothing out */
-        if (!w->scene.walls[k].passive)
-            warn_of_inside("behind wall", w->scene.walls[k].name, gn_wall_overlap(w, k).inside);
+    if (w->ctx.step > 0) return GNEISS_OK;
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) /* a passive one pushes nothing out */
+        if (!w->ctx.scene.walls[k].passive)
+            warn_of_inside("behind wall", w->ctx.scene.walls[k].name,
+                           gn_wall_overlap(&w->dem, &w->boundary, k).inside);
     gn_overlap *overlaps = gn_alloc_array(w->boundary.surface_count + 1, sizeof *overlaps);
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        w->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(w, overlaps, error);
+    gneiss_status status =
+        gn_world_overlaps(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, overlaps, error);
     for (size_t k = 0; status == GNEISS_OK && k < w->boundary.surface_count; k++)
-        if (k < w->scene.body_count)
-            warn_of_inside("inside body", w->scene.bodies[k].name, overlaps[k].inside);
+        if (k < w->ctx.scene.body_count)
+            warn_of_inside("inside body", w->ctx.scene.bodies[k].name, overlaps[k].inside);
         else
             warn_of_inside("inside", "elements", overlaps[k].inside);
     gn_free(overlaps);
@@ -165,20 +171,21 @@ static gneiss_status warn_of_start(const gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
-    if (w->scene.threads > w->threads)
+    if (w->ctx.scene.threads > w->ctx.threads)
         fprintf(stderr,
                 "gneiss: warning: run.threads: %lld are asked for, the OpenMP library gives %d "
                 "(OMP_THREAD_LIMIT): the results are the same, later\n",
-                (long long)w->scene.threads, w->threads);
+                (long long)w->ctx.scene.threads, w->ctx.threads);
     GN_TRY(warn_of_start(w, error));
     if (o->quiet || o->json) return GNEISS_OK;
-    printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
-    if (w->scene.has_specimen)
+    printf("%s\n", w->ctx.scene.title[0] ? w->ctx.scene.title : w->ctx.scene.source);
+    if (w->ctx.scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
                w->dem.particles.soa.count, (size_t)w->dem.bonds_at_start, w->dem.pairs.soa.count);
-    gn_element_totals elements = gn_elements_totals(w);
+    gn_element_totals elements = gn_elements_totals(&w->solids);
     if (elements.elements) printf("%zu nodes, %zu elements; ", elements.nodes, elements.elements);
-    printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
+    printf("%d thread%s, %s\n", w->ctx.threads, w->ctx.threads == 1 ? "" : "s",
+           w->ctx.kernels->name);
     gn_print_element_notes(w, "");
     print_limits(w);
     char shown[GN_PATH_SIZE];
@@ -193,7 +200,7 @@ static gneiss_status show_state(void *context, const gn_first_break *so_far, gne
     const gn_run *run = context;
     gn_line line = {0};
     (void)error;
-    gn_line_add(&line, 0, "equilibrium at t = %.4g s", run->world.time);
+    gn_line_add(&line, 0, "equilibrium at t = %.4g s", run->world.ctx.time);
     if (isfinite(so_far->time)) gn_line_add(&line, 0, "first break at %.4g s", so_far->time);
     gn_line_add(&line, 1, "%lld linear systems, %lld iterations", (long long)so_far->solutions,
                 (long long)so_far->iterations);
@@ -211,15 +218,15 @@ void gn_print_first_break(const gn_world *w, const gn_first_break *b) {
         "  (%lld states on the way, %lld linear systems, %lld iterations; loads that are left %.1g "
         "of "
         "the contact forces)\n",
-        b->time, (int)b->i, (int)b->j, gn_point_text(none, b->place, at), w->time,
-        w->time / b->time, (long long)b->steps, (long long)b->increments, (long long)b->solutions,
-        (long long)b->iterations, b->unbalanced);
+        b->time, (int)b->i, (int)b->j, gn_point_text(none, b->place, at), w->ctx.time,
+        w->ctx.time / b->time, (long long)b->steps, (long long)b->increments,
+        (long long)b->solutions, (long long)b->iterations, b->unbalanced);
 }
 
 gneiss_status gn_print_beginning(const gn_options *o, gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     const bool speaks = !o->quiet && !o->json;
-    if (w->scene.start != GN_START_FIRST_BREAK || w->step > 0) return GNEISS_OK;
+    if (w->ctx.scene.start != GN_START_FIRST_BREAK || w->ctx.step > 0) return GNEISS_OK;
     if (speaks) printf("time.start: first_break: looking for the first break without steps\n");
     fflush(stdout);
     gneiss_status status =
@@ -278,7 +285,7 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
     SCALED("Young's modulus", young_modulus, "(before bonds break, platen strain)");
     SCALED("", young_modulus_average, "(over the average strain)");
     PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
-    if (run->world.scene.dimension == 2) {
+    if (run->world.ctx.scene.dimension == 2) {
         SCALED("plane strain, E", plane_young_modulus, "");
         PRINT("plane strain, nu", plane_poisson_ratio, 1, "", "");
     }
@@ -295,7 +302,7 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
 
 static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
     const gn_readings *r;
-    const bool tested = run->world.scene.test.kind != GN_TEST_NONE;
+    const bool tested = run->world.ctx.scene.test.kind != GN_TEST_NONE;
     if (!tested && !gn_run_reads(run, GN_READING_returned_energy)) return GNEISS_OK;
     GN_TRY(gn_run_readings(run, &r, error));
     if (tested) print_test_readings(run, r);
@@ -313,10 +320,10 @@ static void print_profile(const gn_run *run) {
                    100.0 * run->world.seconds[k] / total);
     printf("  %-36s %9.3f s\n", "total", total);
     gn_progress p = gn_run_progress(run);
-    if (run->world.element_count)
+    if (run->world.solids.count)
         printf("  %s element-steps/s\n",
                gn_format_count(p.element_steps_per_second, text, sizeof text));
-    if (!run->world.scene.has_specimen) return;
+    if (!run->world.ctx.scene.has_specimen) return;
     printf("  %s particle-steps/s",
            gn_format_count(p.particle_steps_per_second, text, sizeof text));
     printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
@@ -339,12 +346,12 @@ void gn_print_notes(const gn_scene_notes *notes) {
 /* What came in and went out. */
 static void print_flow(const gn_run *run) {
     const gn_world *w = &run->world;
-    for (size_t k = 0; k < w->scene.source_count; k++)
-        printf("  source %-16.60s%9.0f particles, %.4g kg came in\n", w->scene.sources[k].name,
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++)
+        printf("  source %-16.60s%9.0f particles, %.4g kg came in\n", w->ctx.scene.sources[k].name,
                w->dem.flow.sources[k].number, w->dem.flow.sources[k].mass);
-    for (size_t k = 0; k < w->scene.sink_count; k++) {
-        double rate = gn_sink_steady_rate(&run->history, w->scene.sinks[k].name);
-        printf("  sink %-18.60s%9.0f particles, %.4g kg went out", w->scene.sinks[k].name,
+    for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
+        double rate = gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name);
+        printf("  sink %-18.60s%9.0f particles, %.4g kg went out", w->ctx.scene.sinks[k].name,
                w->dem.flow.sinks[k].number, w->dem.flow.sinks[k].mass);
         if (isfinite(rate)) printf(", %.4g kg/s when steady", rate);
         printf("\n");
@@ -357,20 +364,21 @@ static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
     gn_print_stages_done(run);
     GN_TRY(print_readings(run, error));
     GN_TRY(gn_print_budget(run, error));
-    if (w->effects & GN_FX_BONDS)
+    if (w->ctx.effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
                (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
                (long long)w->dem.bonds_at_start);
     print_flow(run);
     if (w->dem.lost) printf("  left the domain        %10lld particles\n", (long long)w->dem.lost);
-    if (w->effects & GN_FX_MASS_SCALING)
+    if (w->ctx.effects & GN_FX_MASS_SCALING)
         printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
                "without\n",
-               100.0 * w->dem.scaling.added / w->dem.mass, w->dt / w->dem.scaling.unscaled);
-    if (w->effects & GN_FX_ENERGY)
-        printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
-               gn_energy_scale(&w->reading));
-    printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
+               100.0 * w->dem.scaling.added / w->dem.mass, w->ctx.dt / w->dem.scaling.unscaled);
+    if (w->ctx.effects & GN_FX_ENERGY)
+        printf("  energy residual        %10.2e   (of %.4g J)\n",
+               gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading));
+    printf("  state hash       %016llx\n",
+           (unsigned long long)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box));
     return GNEISS_OK;
 }
 
@@ -378,18 +386,18 @@ gneiss_status gn_print_summary(const gn_options *o, const gn_run *run, gneiss_er
     const gn_world *w = &run->world;
     if (o->json) return GNEISS_OK;
     if (!o->quiet)
-        printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->step,
-               w->time);
+        printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->ctx.step,
+               w->ctx.time);
     GN_TRY(print_outcome(run, error));
     if (o->quiet) return GNEISS_OK;
     print_profile(run);
     char shown[GN_PATH_SIZE];
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n",
            gn_printable(run->directory, shown, sizeof shown),
-           w->scene.has_specimen ? ", particles.hdf.series" : "",
-           w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
-           w->scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
-           w->element_count ? ", elements.hdf.series" : "",
-           w->scene.body_count ? ", bodies.hdf.series" : "");
+           w->ctx.scene.has_specimen ? ", particles.hdf.series" : "",
+           w->ctx.effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
+           w->ctx.scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
+           w->solids.count ? ", elements.hdf.series" : "",
+           w->ctx.scene.body_count ? ", bodies.hdf.series" : "");
     return GNEISS_OK;
 }

@@ -13,23 +13,23 @@ static gneiss_status no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
-static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
+static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, const char *key,
                             const char *message, gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s", gn_scene_at(&w->scene, where, key).text,
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s", gn_scene_at(&ctx->scene, where, key).text,
                    message);
 }
 
 /* --- at the start --- */
 
 /* Springs between particles that a strain of the body does not determine. */
-static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) {
     const gn_effects without = GN_FX_BOND_MOMENTS | GN_FX_ROLLING | GN_FX_HERTZ | GN_FX_CONFINED;
-    if (!(w->effects & GN_FX_BONDS))
-        return refuse(w, w->scene.couple.convert.where, "bonds",
+    if (!(ctx->effects & GN_FX_BONDS))
+        return refuse(ctx, ctx->scene.couple.convert.where, "bonds",
                       "expected bonds beside couple.convert, found none", error);
-    if (!(w->effects & without)) return GNEISS_OK;
-    const bool moments = w->effects & GN_FX_BOND_MOMENTS, rolling = w->effects & GN_FX_ROLLING;
-    return refuse(w, moments ? w->scene.couple.convert.where : w->scene.law_where,
+    if (!(ctx->effects & without)) return GNEISS_OK;
+    const bool moments = ctx->effects & GN_FX_BOND_MOMENTS, rolling = ctx->effects & GN_FX_ROLLING;
+    return refuse(ctx, moments ? ctx->scene.couple.convert.where : ctx->scene.law_where,
                   moments   ? "bonds.radius_multiplier"
                   : rolling ? "materials"
                             : "law",
@@ -39,62 +39,67 @@ static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
 }
 
 /* Where a zone is as wide as the body no element is left with the first conversion. */
-static gneiss_status check_width(const gn_world *w, gneiss_error *error) {
-    const double side = gn_elements_longest_side(w);
+static gneiss_status check_width(const gn_step_context *ctx, const gn_solids *solids,
+                                 gneiss_error *error) {
+    const double side = gn_elements_longest_side(ctx, solids);
     char message[160];
-    if (w->scene.couple.convert.width < side) return GNEISS_OK;
+    if (ctx->scene.couple.convert.width < side) return GNEISS_OK;
     snprintf(message, sizeof message,
              "expected a zone that is narrower than the body of %g m, found %g m", side,
-             w->scene.couple.convert.width);
-    return refuse(w, w->scene.couple.convert.where, "couple.convert.width", message, error);
+             ctx->scene.couple.convert.width);
+    return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.width", message, error);
 }
 
-static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    const gn_elements *elements = &gn_coupled_solid(w)->elements;
+static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                                const gn_ties *ties, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
-    for (size_t p = 0; p < q->soa.count; p++) gn_sleeper_of(w, p)->home = -1.0;
+    for (size_t p = 0; p < q->soa.count; p++) gn_sleeper_of(dem, p)->home = -1.0;
     for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
-        w->dem.sleeper[ties->tie[k].id].home = elements->id[ties->tie[k].element];
+        dem->sleeper[ties->tie[k].id].home = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
-        if (gn_sleeper_of(w, p)->home >= 0.0) continue;
+        if (gn_sleeper_of(dem, p)->home >= 0.0) continue;
         snprintf(message, sizeof message,
                  "expected every particle in an element, found particle %d at %s m in none",
-                 q->id[p], gn_point_text(w->scene.origin, q->start + 4 * p, at));
-        return refuse(w, w->scene.specimen.where, "specimen", message, error);
+                 q->id[p], gn_point_text(ctx->scene.origin, q->start + 4 * p, at));
+        return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
     }
     return GNEISS_OK;
 }
 
 /* Elements can become particles only where these are. */
-static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
+static gneiss_status check_filled(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  gneiss_error *error) {
     gn_conversion_figures f;
     char message[200];
-    GN_TRY(gn_conversion_measure(w, &f, error));
+    GN_TRY(gn_conversion_measure(ctx, dem, boundary, solids, &f, error));
     if (!f.elements)
-        return refuse(w, w->scene.couple.convert.where, "couple.convert.box",
+        return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.box",
                       "expected elements of which all nodes start in the box, found none", error);
     if (fabs(f.mass - 1.0) <= 0.1) return GNEISS_OK;
     snprintf(message, sizeof message,
              "expected particles that weigh what the elements in the box do (to a tenth: a packing "
              "that fills it, density_basis bulk, one density), found %g times as much",
              f.mass);
-    return refuse(w, w->scene.specimen.where, "specimen", message, error);
+    return refuse(ctx, ctx->scene.specimen.where, "specimen", message, error);
 }
 
 /* Where a zone comes to what is outside of the box whatever converts, the first conversion would
  * end the run. What only motions and loads keep from converting is another matter. */
-static gneiss_status check_room(const gn_world *w, gneiss_error *error) {
-    const double width = w->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
+static gneiss_status check_room(const gn_step_context *ctx, const gn_solids *solids,
+                                gneiss_error *error) {
+    const double width = ctx->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
     char message[256];
     double room = 0.0;
     size_t ready = 0;
-    uint8_t *kind = gn_alloc(gn_conversion_elements(w) + 1);
-    gneiss_status status = kind ? gn_conversion_kinds(w, kind, error) : no_memory(error);
+    uint8_t *kind = gn_alloc(gn_conversion_elements(solids) + 1);
+    gneiss_status status = kind ? gn_conversion_kinds(ctx, solids, kind, error) : no_memory(error);
     if (status == GNEISS_OK)
-        status = gn_front_room(gn_coupled_solid(w), kind, enough, &room, error);
-    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(w); e++)
+        status = gn_front_room(gn_coupled_solid(solids), kind, enough, &room, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(solids); e++)
         ready += kind[e] == GN_FRONT_READY;
     gn_free(kind);
     if (status != GNEISS_OK || !ready || room >= enough) return status;
@@ -104,98 +109,107 @@ static gneiss_status check_room(const gn_world *w, gneiss_error *error) {
         "and what is outside of couple.convert.box (or a larger box, with a packing that fills "
         "it), found %g m",
         room, width);
-    return refuse(w, w->scene.couple.convert.where, "couple.convert.width", message, error);
+    return refuse(ctx, ctx->scene.couple.convert.where, "couple.convert.width", message, error);
 }
 
-gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
+gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    gneiss_error *error) {
     gn_ties ties;
-    GN_TRY(check_law(w, error));
-    GN_TRY(check_width(w, error));
-    w->dem.sleeper = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *w->dem.sleeper);
-    if (!w->dem.sleeper) return no_memory(error);
-    GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
-    gneiss_status status = find_homes(w, &ties, error);
+    GN_TRY(check_law(ctx, error));
+    GN_TRY(check_width(ctx, solids, error));
+    dem->sleeper = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->sleeper);
+    if (!dem->sleeper) return no_memory(error);
+    GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
+    gneiss_status status = find_homes(ctx, dem, solids, &ties, error);
     gn_ties_free(&ties);
-    if (status == GNEISS_OK) status = check_filled(w, error);
-    return status == GNEISS_OK ? check_room(w, error) : status;
+    if (status == GNEISS_OK) status = check_filled(ctx, dem, boundary, solids, error);
+    return status == GNEISS_OK ? check_room(ctx, solids, error) : status;
 }
 
 /* Once all has converted there is nothing left to compare. */
-static gneiss_status keep_difference(gn_world *w, gneiss_error *error) {
+static gneiss_status keep_difference(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     gn_zones *zones, gneiss_error *error) {
     gn_conversion_figures f;
-    GN_TRY(gn_conversion_measure(w, &f, error));
+    GN_TRY(gn_conversion_measure(ctx, dem, boundary, solids, &f, error));
     for (size_t k = f.materials; k-- > 0;) {
         const gn_zone_material *m = &f.material[k];
         if (!gn_zone_differs(m)) continue;
-        memcpy(w->couple.differs.modulus, m->modulus, sizeof m->modulus);
-        memcpy(w->couple.differs.density, m->density, sizeof m->density);
-        memcpy(w->couple.differs.tension, m->tension, sizeof m->tension);
+        memcpy(zones->state.differs.modulus, m->modulus, sizeof m->modulus);
+        memcpy(zones->state.differs.density, m->density, sizeof m->density);
+        memcpy(zones->state.differs.tension, m->tension, sizeof m->tension);
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+gneiss_status gn_conversion_lay_down(const gn_step_context *ctx, gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     gn_zones *zones, gneiss_error *error) {
+    gn_dem *d = dem;
     gn_particles *q = &d->particles;
-    GN_TRY(gn_conversion_check_neighbours(w, error));
+    GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
     d->prepared = d->bonds;
     d->bonds = (gn_contacts){0};
     GN_TRY(gn_soa_create(&gn_contact_record, &d->bonds, 0, d->prepared.soa.effects, error));
     gn_contacts_pad(&d->bonds, q);
     for (size_t p = 0; p < q->soa.count; p++) {
-        gn_sleeper_of(w, p)->mass = q->vel[4 * p + 3];
-        gn_sleeper_of(w, p)->inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
+        gn_sleeper_of(dem, p)->mass = q->vel[4 * p + 3];
+        gn_sleeper_of(dem, p)->inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
         memset(q->vel + 4 * p, 0, 4 * sizeof *q->vel);
         if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
         q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
     }
-    GN_TRY(gn_partials_build(&d->bonds, q->soa.count, w->threads, &d->bond_partials, error));
-    return keep_difference(w, error);
+    GN_TRY(gn_partials_build(&d->bonds, q->soa.count, ctx->threads, &d->bond_partials, error));
+    return keep_difference(ctx, dem, boundary, solids, zones, error);
 }
 
-gneiss_status gn_conversion_find_still(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+gneiss_status gn_conversion_find_still(gn_dem *dem, gneiss_error *error) {
+    gn_dem *d = dem;
     if (!d->still) d->still = gn_alloc(d->motion_blocks + 1);
     if (!d->still) return no_memory(error);
     memset(d->still, 1, d->motion_blocks);
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_is_asleep(w, p)) d->still[p / GN_PARTICLE_BLOCK] = 0;
+        if (!gn_is_asleep(dem, p)) d->still[p / GN_PARTICLE_BLOCK] = 0;
     return GNEISS_OK;
 }
 
 /* --- who is where --- */
 
-gneiss_status gn_conversion_ties(const gn_world *w, gn_ties *ties, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_ties *ties,
+                                 gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     size_t count;
-    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
+    int32_t *place = gn_fem_places(gn_coupled_solid(solids), &count);
     int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
     gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = w->dem.prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
-        if (gn_home_id(w, p) >= count)
+        const bool awake = dem->prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
+        if (gn_home_id(dem, p) >= count)
             status = gn_fail(error, GNEISS_ERROR_INPUT,
                              "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_home_id(w, p));
+                             count, gn_home_id(dem, p));
         else
-            element[p] = awake ? place[gn_home_id(w, p)] : -1;
+            element[p] = awake ? place[gn_home_id(dem, p)] : -1;
     }
-    if (status == GNEISS_OK) status = gn_ties_take(gn_coupled_solid(w), q, element, ties, error);
+    if (status == GNEISS_OK)
+        status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
     gn_free(place);
     gn_free(element);
     return status;
 }
 
-size_t gn_conversion_elements(const gn_world *w) {
-    return gn_coupled_solid(w)->elements.soa.count;
+size_t gn_conversion_elements(const gn_solids *solids) {
+    return gn_coupled_solid(solids)->elements.soa.count;
 }
 
-gneiss_status gn_conversion_kinds(const gn_world *w, uint8_t *kind, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
+                                  uint8_t *kind, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     uint8_t *driven = gn_alloc(b->nodes.soa.count + 1);
     if (!driven) return no_memory(error);
-    gn_elements_driven(w->elements[0], driven);
-    gn_front_kinds(b, &w->scene.couple.convert, driven, kind);
+    gn_elements_driven(solids->elements[0], driven);
+    gn_front_kinds(b, &ctx->scene.couple.convert, driven, kind);
     gn_free(driven);
     return GNEISS_OK;
 }
@@ -253,7 +267,7 @@ static void find_spin(const gn_fem_solid *b, const gn_tie *tie, double spin[3]) 
 /* With the motion of the element that it is in. */
 static void wake(const gn_conversion *c, size_t p) {
     gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     gn_tie tie = gn_tie_at(b, gn_home_of(c, p), q->start + 4 * p);
     const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &tie};
     double u[3], v[3], spin[3];
@@ -270,7 +284,7 @@ static void wake(const gn_conversion *c, size_t p) {
 
 /* What part of the body a particle is now: 1 less what the elements have at its place. */
 static double part_at(const gn_conversion *c, size_t p) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const int32_t e = gn_home_of(c, p);
     double part = 0.0;
     if (e < 0 || c->kind[e] == GN_FRONT_LEAVING) return 1.0;
@@ -283,7 +297,7 @@ static double part_at(const gn_conversion *c, size_t p) {
 
 /* What elements go, or have another part of the body than before. */
 static void find_touched(gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const double *before = c->node_part;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool touched = c->kind[e] == GN_FRONT_LEAVING;
@@ -323,7 +337,7 @@ static void find_parts(gn_conversion *c) {
     for (size_t p = 0; p < q->soa.count; p++) {
         double *part = q->blend + 2 * p;
         if (!(part[0] > 0.0) && !(part[1] > 0.0)) continue;
-        const double least = fmin(q->pos[4 * p + 3] / w->scene.couple.convert.width, 1.0);
+        const double least = fmin(q->pos[4 * p + 3] / w->ctx.scene.couple.convert.width, 1.0);
         part[1] = gn_home_of(c, p) < 0 ? part[1] : fmax(part[0], least);
     }
 }
@@ -341,7 +355,7 @@ static void wake_all(gn_conversion *c) {
             continue;
         }
         wake(c, p);
-        gn_sleeper *own = gn_sleeper_of(c->world, p);
+        gn_sleeper *own = gn_sleeper_of(&c->world->dem, p);
         q->vel[4 * p + 3] = own->mass / part;
         if (q->spin) q->spin[4 * p + 3] = own->inertia / part;
         own->mass = own->inertia = 0.0;
@@ -352,8 +366,8 @@ static void wake_all(gn_conversion *c) {
 
 /* *stuck: halted, nothing has changed. */
 static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *error) {
-    const gn_convert_def *def = &c->world->scene.couple.convert;
-    gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
+    gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
     int64_t element;
     memcpy(c->node_part, b->nodes.blend, size);
@@ -375,20 +389,21 @@ static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss
     gn_world *w = c->world;
     gn_free(w->dem.bond_sums);
     w->dem.bond_sums = NULL;
-    w->dem.verlet.last_step = w->step - NEITHER_SHORT_NOR_LONG;
+    w->dem.verlet.last_step = w->ctx.step - NEITHER_SHORT_NOR_LONG;
     GN_TRY(gn_world_rebuild(w, error));
     c->woken[0] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_relax(c, error));
     c->woken[1] = gn_conversion_held_in_contacts(c);
     GN_TRY(gn_conversion_keep(c, before, error));
-    gn_dem_masses_changed(w);
-    GN_TRY(gn_elements_converted(w->elements[0], error));
+    gn_dem_masses_changed(&w->ctx, &w->dem);
+    GN_TRY(gn_elements_converted(w->solids.elements[0], error));
     GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
 }
 
 static void put_back(gn_conversion *c) {
-    gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
+    gn_particles *q = &c->world->dem.particles,
+                 *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
     memcpy(nodes->blend, c->node_part, 2 * nodes->soa.count * sizeof *nodes->blend);
     memcpy(q->blend, c->part, 2 * q->soa.count * sizeof *q->blend);
     memset(c->active, 0, c->world->dem.prepared.soa.count);
@@ -418,7 +433,7 @@ static gneiss_status advance(gn_conversion *c, bool *stuck, gneiss_error *error)
 
 static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
-    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_fem_solid *b = gn_coupled_solid(&w->solids);
     bool stuck = false;
     GN_TRY(advance(c, &stuck, error));
     if (stuck) return GNEISS_OK;
@@ -432,24 +447,25 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_conversion_take_bonds(c, error));
     for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
     GN_TRY(gn_fem_keep(b, c->kind, error));
-    GN_TRY(gn_coupled_again(w, error));
+    GN_TRY(gn_coupled_again(&w->ctx, &w->dem, &w->solids, &w->zones, error));
     GN_TRY(make_lists(c, &before, error));
     const gn_tally now = gn_conversion_tally(c);
     gn_conversion_note_jumps(c, &before, &now);
     memcpy(held.woken, c->woken, sizeof held.woken);
     held.after = gn_conversion_held(c);
-    gn_conversion_book(w, &held, before.energy - now.energy);
+    gn_conversion_book(&w->zones, &w->ledger, &held, before.energy - now.energy);
     return GNEISS_OK;
 }
 
 static gneiss_status convert(gn_world *w, uint8_t *kind, int *rehearsed, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count + 1, elements = gn_conversion_elements(w) + 1;
-    const size_t nodes = gn_coupled_solid(w)->nodes.soa.count + 1;
+    const size_t n = w->dem.particles.soa.count + 1,
+                 elements = gn_conversion_elements(&w->solids) + 1;
+    const size_t nodes = gn_coupled_solid(&w->solids)->nodes.soa.count + 1;
     size_t count;
     gn_conversion c = {.world = w,
                        .kind = kind,
                        .rehearsed = rehearsed != NULL,
-                       .place = gn_fem_places(gn_coupled_solid(w), &count),
+                       .place = gn_fem_places(gn_coupled_solid(&w->solids), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
                        .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
                        .freed = gn_alloc_array_raw(n, 1),
@@ -481,15 +497,16 @@ gneiss_status gn_conversion_rehearse(gn_world *w, uint8_t *kind, int *rings, gne
 
 /* Below this part of the limits nothing has to be known: what was loaded as much already is not the
  * most. */
-static double least_share(const gn_world *w) {
-    return fmin(1.0, w->most_loaded.share);
+static double least_share(const gn_most_loaded *most_loaded) {
+    return fmin(1.0, most_loaded->share);
 }
 
 /* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
-static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind, double *excess,
-                                          gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const double least = least_share(w);
+static gneiss_status find_excess_by_nodes(const gn_step_context *ctx, const gn_solids *solids,
+                                          const gn_most_loaded *most_loaded, const uint8_t *kind,
+                                          double *excess, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const double least = least_share(most_loaded);
     const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
     double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
     if (!stress) return no_memory(error);
@@ -502,7 +519,7 @@ static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind
         for (int a = 0; a <= b->dimension; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess_above(&w->scene.couple.convert, mean, least);
+        excess[e] = gn_front_excess_above(&ctx->scene.couple.convert, mean, least);
     }
     gn_free(stress);
     return status;
@@ -510,13 +527,15 @@ static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind
 
 /* [elements] how far those that may go are beyond the limits; below 1: not at all, 0 as well where
  * they may not. */
-static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double *excess,
-                                 gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_convert_def *def = &w->scene.couple.convert;
-    const double least = least_share(w);
-    if (def->by == GN_CONVERT_NODES) return find_excess_by_nodes(w, kind, excess, error);
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *solids,
+                                 const gn_most_loaded *most_loaded, const uint8_t *kind,
+                                 double *excess, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const gn_convert_def *def = &ctx->scene.couple.convert;
+    const double least = least_share(most_loaded);
+    if (def->by == GN_CONVERT_NODES)
+        return find_excess_by_nodes(ctx, solids, most_loaded, kind, excess, error);
+#pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double stress[6];
         if (kind[e] != GN_FRONT_READY) continue;
@@ -527,12 +546,13 @@ static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double 
 }
 
 /* Bonds that break where elements hold on: these go. */
-static void mark_broken(const gn_world *w, const int32_t *place, uint8_t *kind) {
-    const gn_contacts *bonds = &w->dem.bonds;
+static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) {
+    const gn_contacts *bonds = &dem->bonds;
     for (size_t c = 0; c < bonds->soa.count; c++) {
         if (!gn_broken(bonds->cause[c])) continue;
         for (int end = 0; end < 2; end++) {
-            const int32_t p = end ? bonds->j[c] : bonds->i[c], e = place[gn_home_id(w, (size_t)p)];
+            const int32_t p = end ? bonds->j[c] : bonds->i[c],
+                          e = place[gn_home_id(dem, (size_t)p)];
             if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
         }
     }
@@ -577,11 +597,11 @@ static void mark_stressed(const gn_convert_def *def, size_t count, const double 
 }
 
 /* Whether an element is beyond a limit, or a bond broke where elements hold on: mostly not. */
-static bool is_due(const gn_world *w, const double *excess) {
-    const gn_contacts *bonds = &w->dem.bonds;
-    const double *part = w->dem.particles.blend;
+static bool is_due(const gn_dem *dem, const gn_solids *solids, const double *excess) {
+    const gn_contacts *bonds = &dem->bonds;
+    const double *part = dem->particles.blend;
     bool due = false;
-    for (size_t e = 0; e < gn_conversion_elements(w); e++) due = due || excess[e] >= 1.0;
+    for (size_t e = 0; e < gn_conversion_elements(solids); e++) due = due || excess[e] >= 1.0;
     for (size_t c = 0; c < bonds->soa.count && !due; c++)
         due = gn_broken(bonds->cause[c]) &&
               (part[2 * (size_t)bonds->i[c]] < 1.0 || part[2 * (size_t)bonds->j[c]] < 1.0);
@@ -589,70 +609,76 @@ static bool is_due(const gn_world *w, const double *excess) {
 }
 
 static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneiss_error *error) {
-    const size_t elements = gn_conversion_elements(w);
+    const size_t elements = gn_conversion_elements(&w->solids);
     size_t count;
     bool any = false;
-    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
+    int32_t *place = gn_fem_places(gn_coupled_solid(&w->solids), &count);
     if (!place) return no_memory(error);
-    mark_stressed(&w->scene.couple.convert, elements, excess, kind);
-    mark_broken(w, place, kind);
+    mark_stressed(&w->ctx.scene.couple.convert, elements, excess, kind);
+    mark_broken(&w->dem, place, kind);
     gn_free(place);
     for (size_t e = 0; e < elements; e++) any = any || kind[e] == GN_FRONT_LEAVING;
     return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
 }
 
-static void note_most_loaded(const gn_world *w, const double *excess, gn_most_loaded *most) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static void note_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
+                             const double *excess, gn_most_loaded *most) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     size_t at = 0;
     for (size_t e = 1; e < b->elements.soa.count; e++)
         if (excess[e] > excess[at]) at = e;
     if (!b->elements.soa.count || !(excess[at] > most->share)) return;
-    *most = (gn_most_loaded){.share = excess[at], .time = w->time, .element = b->elements.id[at]};
+    *most = (gn_most_loaded){.share = excess[at], .time = ctx->time, .element = b->elements.id[at]};
     gn_conversion_centre(b, at, most->place);
 }
 
-gneiss_status gn_conversion_look_around(const gn_world *w, uint8_t **kind, double **excess,
-                                        gneiss_error *error) {
-    const size_t elements = gn_conversion_elements(w);
+gneiss_status gn_conversion_look_around(const gn_step_context *ctx, const gn_solids *solids,
+                                        const gn_most_loaded *most_loaded, uint8_t **kind,
+                                        double **excess, gneiss_error *error) {
+    const size_t elements = gn_conversion_elements(solids);
     *kind = gn_alloc(elements + 1);
     *excess = gn_alloc_array(elements + 1, sizeof **excess);
     if (!*kind || !*excess) return no_memory(error);
-    GN_TRY(gn_conversion_kinds(w, *kind, error));
-    return find_excess(w, *kind, *excess, error);
+    GN_TRY(gn_conversion_kinds(ctx, solids, *kind, error));
+    return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
 }
 
 static gneiss_status look(gn_world *w, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
-    if (status == GNEISS_OK) note_most_loaded(w, excess, &w->most_loaded);
-    if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
+    gneiss_status status =
+        gn_conversion_look_around(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    if (status == GNEISS_OK) note_most_loaded(&w->ctx, &w->solids, excess, &w->most_loaded);
+    if (status == GNEISS_OK && is_due(&w->dem, &w->solids, excess))
+        status = act(w, excess, kind, error);
     gn_free(kind);
     gn_free(excess);
     return status;
 }
 
-gneiss_status gn_conversion_most_loaded(const gn_world *w, gn_most_loaded *most,
+gneiss_status gn_conversion_most_loaded(const gn_step_context *ctx, const gn_solids *solids,
+                                        const gn_most_loaded *most_loaded, gn_most_loaded *most,
                                         gneiss_error *error) {
     uint8_t *kind;
     double *excess;
-    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
-    *most = w->most_loaded;
-    if (status == GNEISS_OK) note_most_loaded(w, excess, most);
+    gneiss_status status =
+        gn_conversion_look_around(ctx, solids, most_loaded, &kind, &excess, error);
+    *most = *most_loaded;
+    if (status == GNEISS_OK) note_most_loaded(ctx, solids, excess, most);
     gn_free(kind);
     gn_free(excess);
     return status;
 }
 
 /* What books itself on the way. */
-static double other_seconds(const gn_world *w) {
-    return w->seconds[GN_PHASE_lists] + w->seconds[GN_PHASE_step_limit];
+static double other_seconds(const double *seconds) {
+    return seconds[GN_PHASE_lists] + seconds[GN_PHASE_step_limit];
 }
 
 gneiss_status gn_conversion_look(gn_world *w, gneiss_error *error) {
-    if (w->step == 0 || w->step % w->scene.couple.convert.every != 0) return GNEISS_OK;
-    const double start = gn_now(), others = other_seconds(w);
+    if (w->ctx.step == 0 || w->ctx.step % w->ctx.scene.couple.convert.every != 0) return GNEISS_OK;
+    const double start = gn_now(), others = other_seconds(w->seconds);
     gneiss_status status = look(w, error);
-    w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w) - others);
+    w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w->seconds) - others);
     return status;
 }

@@ -13,8 +13,8 @@ typedef struct pull {
 } pull;
 
 static void find_nodes(const gn_conversion *c, pull *q) {
-    const gn_elements *elements = &gn_coupled_solid(c->world)->elements;
-    const int corners = gn_coupled_solid(c->world)->dimension + 1;
+    const gn_elements *elements = &gn_coupled_solid(&c->world->solids)->elements;
+    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
     for (size_t e = 0; e < elements->soa.count; e++)
         for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
             q->node[gn_elements_node(elements, a)[e]] = 1;
@@ -24,7 +24,7 @@ static void find_nodes(const gn_conversion *c, pull *q) {
 }
 
 static void add_elements(const gn_conversion *c, const pull *q) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     double force[4][3];
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         if (!q->element[e]) continue;
@@ -37,7 +37,7 @@ static void add_elements(const gn_conversion *c, const pull *q) {
 
 static void hand_to_nodes(const gn_conversion *c, const pull *q, int32_t p, double side,
                           const double force[3]) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const gn_tie tie =
         gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
     for (int a = 0; a <= b->dimension; a++)
@@ -53,14 +53,14 @@ static void add_contacts(const gn_conversion *c, const pull *q, const gn_contact
         for (int m = 0; m < 2; m++)
             in[m] = c->tied[end[m]] && q->element[gn_home_of(c, (size_t)end[m])];
         if (!in[0] && !in[1]) continue;
-        gn_contact_held(c->world, list, k, n, &length, force);
+        gn_contact_held(&c->world->ctx, &c->world->dem, list, k, n, &length, force);
         for (int m = 0; m < 2; m++)
             if (in[m]) hand_to_nodes(c, q, end[m], m ? -1.0 : 1.0, force);
     }
 }
 
 static void take_rates(const gn_conversion *c, const pull *q) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const gn_particles *p = &c->world->dem.particles;
     for (size_t k = 0; k < p->soa.count; k++) {
         if (!c->freed[k]) continue;
@@ -74,8 +74,8 @@ static void take_rates(const gn_conversion *c, const pull *q) {
 }
 
 gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
-    if (!(c->world->scene.couple.convert.relax > 0.0)) return GNEISS_OK;
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    if (!(c->world->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;
     pull q = {.node = gn_alloc(b->nodes.soa.count + 1),
               .element = gn_alloc(b->elements.soa.count + 1),
               .force = gn_alloc_array(b->nodes.soa.count + 1, 3 * sizeof *q.force)};

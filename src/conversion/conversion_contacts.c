@@ -48,7 +48,7 @@ typedef struct turns {
 
 /* The mean turn of the elements at the place of a particle. */
 static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const gn_tie tie =
         gn_tie_at(b, gn_home_of(c, (size_t)p), c->world->dem.particles.start + 4 * (size_t)p);
     int32_t element[GN_AROUND_MOST];
@@ -82,8 +82,8 @@ static bool turned_branch(const gn_conversion *c, turns *known, int32_t i, int32
     const gn_particles *q = &w->dem.particles;
     const double *a = q->start + 4 * (size_t)i, *b = q->start + 4 * (size_t)j;
     double l[3], turn[2][3][3];
-    const double length = sqrt(gn_branch(w, a, b, l));
-    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double length = sqrt(gn_branch(&w->ctx, a, b, l));
+    const double half = w->ctx.scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     const double arm = (a[3] + half * (length - a[3] - b[3])) / length;
     bool first = turn_of(c, known, i, turn[0]), second = turn_of(c, known, j, turn[1]);
     if (!first && !second) return false;
@@ -97,11 +97,11 @@ static bool turned_branch(const gn_conversion *c, turns *known, int32_t i, int32
     return true;
 }
 
-void gn_contact_rate(const gn_world *w, int32_t i, int32_t j, double length, const double n[3],
-                     double rate[3]) {
-    const gn_particles *q = &w->dem.particles;
+void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
+                     double length, const double n[3], double rate[3]) {
+    const gn_particles *q = &dem->particles;
     const size_t a = 4 * (size_t)i, b = 4 * (size_t)j;
-    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double half = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     const double over = half * (length - q->pos[a + 3] - q->pos[b + 3]);
     double spin[3] = {0.0}, turning[3];
     for (size_t k = 0; q->spin && k < 3; k++)
@@ -116,11 +116,11 @@ static void strain_bond(const gn_conversion *c, turns *known, gn_contacts *list,
     double d[3], slip[3], rate[3], along = 0.0;
     const size_t i = 4 * (size_t)list->i[k], j = 4 * (size_t)list->j[k];
     if (!list->kt || !turned_branch(c, known, list->i[k], list->j[k], slip)) return;
-    const double length = sqrt(gn_branch(c->world, q->pos + i, q->pos + j, d));
+    const double length = sqrt(gn_branch(&c->world->ctx, q->pos + i, q->pos + j, d));
     for (int a = 0; a < 3; a++) d[a] /= length;
-    gn_contact_rate(c->world, list->i[k], list->j[k], length, d, rate);
+    gn_contact_rate(&c->world->ctx, &c->world->dem, list->i[k], list->j[k], length, d, rate);
     for (int a = 0; a < 3; a++) {
-        slip[a] = length * d[a] - slip[a] - c->world->dt_past * rate[a];
+        slip[a] = length * d[a] - slip[a] - c->world->ctx.dt_past * rate[a];
         along += slip[a] * d[a];
     }
     for (size_t a = 0; a < 3; a++) {
@@ -186,6 +186,6 @@ gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *err
     gn_soa_destroy(&gn_contact_record, &d->bonds);
     d->bonds = now;
     gn_contacts_pad(&d->bonds, &d->particles);
-    return gn_partials_build(&d->bonds, d->particles.soa.count, c->world->threads,
+    return gn_partials_build(&d->bonds, d->particles.soa.count, c->world->ctx.threads,
                              &d->bond_partials, error);
 }

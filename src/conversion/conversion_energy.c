@@ -14,25 +14,26 @@
 #include <string.h>
 
 /* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
-static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, double length,
-                          const double n[3], const double shear[3], double now[3], double rate[3]) {
-    gn_contact_rate(w, list->i[c], list->j[c], length, n, rate);
+static void advance_shear(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                          size_t c, double length, const double n[3], const double shear[3],
+                          double now[3], double rate[3]) {
+    gn_contact_rate(ctx, dem, list->i[c], list->j[c], length, n, rate);
     const double kt = list->kt ? list->kt[c] : 0.0, along = gn_dot3(rate, n);
-    for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * w->dt_past * (rate[a] - along * n[a]);
+    for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * ctx->dt_past * (rate[a] - along * n[a]);
 }
 
 /* What does not act has no force of its springs, and what slides none beyond its limit. */
-double gn_contact_held(const gn_world *w, const gn_contacts *list, size_t c, double n[3],
-                       double *length, double force[3]) {
+double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                       size_t c, double n[3], double *length, double force[3]) {
     const gn_law *law = gn_law_of(list->soa.effects);
-    const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
-                 *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
+    const double *a = dem->particles.pos + 4 * (size_t)list->i[c],
+                 *b = dem->particles.pos + 4 * (size_t)list->j[c];
     double shear[3], rate[3];
-    *length = sqrt(gn_branch(w, a, b, n));
+    *length = sqrt(gn_branch(ctx, a, b, n));
     const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
     for (int k = 0; k < 3; k++) n[k] /= *length;
     gn_law_held h = law->held(list, c, *length, *length - rest);
-    advance_shear(w, list, c, *length, n, h.shear, shear, rate);
+    advance_shear(ctx, dem, list, c, *length, n, h.shear, shear, rate);
     const bool bonded = gn_contact_bonded(list, c), acts = bonded || h.normal != 0.0;
     if (!bonded && law->slips(list, c, h.normal, sqrt(gn_dot3(shear, shear))))
         memcpy(shear, h.shear, sizeof shear);
@@ -40,19 +41,20 @@ double gn_contact_held(const gn_world *w, const gn_contacts *list, size_t c, dou
     return h.normal;
 }
 
-static void add_contact(const gn_world *w, const gn_contacts *list, size_t c, gn_held *sum) {
-    const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
-                 *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
-    double n[3], shear[3], rate[3], length = sqrt(gn_branch(w, a, b, n));
+static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                        size_t c, gn_held *sum) {
+    const double *a = dem->particles.pos + 4 * (size_t)list->i[c],
+                 *b = dem->particles.pos + 4 * (size_t)list->j[c];
+    double n[3], shear[3], rate[3], length = sqrt(gn_branch(ctx, a, b, n));
     const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
     for (int k = 0; k < 3; k++) n[k] /= length;
     const gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, length, length - rest);
-    advance_shear(w, list, c, length, n, h.shear, shear, rate);
+    advance_shear(ctx, dem, list, c, length, n, h.shear, shear, rate);
     double stored = h.stored, power = h.normal * gn_dot3(rate, n) + gn_dot3(shear, rate);
     if (list->kt && list->kt[c] > 0.0)
         stored += (gn_dot3(shear, shear) - gn_dot3(h.shear, h.shear)) / (2.0 * list->kt[c]);
     sum->contacts += stored;
-    sum->step -= 0.5 * w->dt_past * power;
+    sum->step -= 0.5 * ctx->dt_past * power;
 }
 
 /* Whether it has, weighs or does something else than before. */
@@ -72,22 +74,23 @@ static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool o
         const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
         const bool known =
             list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
-        if (!known) add_contact(w, list, k, sum);
+        if (!known) add_contact(&w->ctx, &w->dem, list, k, sum);
     }
 }
 
 /* Of who changes place as it is brought into balance. */
 static void add_walls(const gn_conversion *c, bool other, gn_held *sum) {
     const gn_wall_contacts *q = &c->world->boundary.contacts;
-    for (size_t k = 0; c->world->scene.wall_count && k < q->soa.count; k++)
-        if (is_other(c, q->i[k]) == other) sum->contacts += gn_wall_held(c->world, k);
+    for (size_t k = 0; c->world->ctx.scene.wall_count && k < q->soa.count; k++)
+        if (is_other(c, q->i[k]) == other)
+            sum->contacts += gn_wall_held(&c->world->ctx, &c->world->dem, &c->world->boundary, k);
 }
 
 /* Those that the conversion touches, or does not, of the elements that there are; scratch: c->some.
  */
 static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
-    const double half = 0.5 * c->world->dt_past;
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const double half = 0.5 * c->world->ctx.dt_past;
     size_t count = 0;
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;

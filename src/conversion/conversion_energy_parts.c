@@ -29,7 +29,7 @@ typedef struct gradients {
 } gradients;
 
 static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const int32_t e = gn_home_of(c, p);
     if (g->element == e) return;
     g->element = e;
@@ -42,8 +42,8 @@ static double bond_energy(const gn_conversion *c, size_t k, const gradients *g) 
     const gn_contacts *all = &c->world->dem.prepared;
     const double *start = c->world->dem.particles.start;
     double l[3], d[3] = {0.0}, slip[3], along = 0.0;
-    const double rest =
-        sqrt(gn_branch(c->world, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
+    const double rest = sqrt(
+        gn_branch(&c->world->ctx, start + 4 * (size_t)all->i[k], start + 4 * (size_t)all->j[k], l));
     for (int r = 0; r < 3; r++) {
         slip[r] = 0.0;
         for (int m = 0; m < 3; m++) {
@@ -74,8 +74,8 @@ static double springs_alike(const gn_conversion *c) {
 
 static double elements_alike(const gn_conversion *c) {
     const gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const double solid = 1.0 - gn_world_porosity(w);
+    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
+    const double solid = 1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids);
     double sum = 0.0;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
         const double taken = taken_by(c, p);
@@ -91,8 +91,9 @@ void gn_conversion_find_alike(const gn_conversion *c, double alike[2]) {
     alike[1] = springs_alike(c);
 }
 
-void gn_conversion_book(gn_world *w, const gn_held_stages *held, double kinetic) {
-    gn_conversion_parts *parts = &w->couple.parts;
+void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+                        double kinetic) {
+    gn_conversion_parts *parts = &zones->state.parts;
     const double *alike = held->alike;
     parts->sampled += held->before.elements - held->after.elements - alike[0];
     parts->stiffness += alike[0] - alike[1];
@@ -102,6 +103,6 @@ void gn_conversion_book(gn_world *w, const gn_held_stages *held, double kinetic)
     parts->step += held->woken[1] - held->after.contacts + held->before.step - held->after.step;
     parts->alike[0] += alike[0];
     parts->alike[1] += alike[1];
-    w->couple.corrected.energy += kinetic;
-    w->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
+    zones->state.corrected.energy += kinetic;
+    ledger->energy.conversion += kinetic + gn_held_sum(&held->before) - gn_held_sum(&held->after);
 }

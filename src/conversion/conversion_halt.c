@@ -13,26 +13,26 @@ static const char watched[] = "which is only watched";
 static const char too_light[] = "too much to be made up for by the";
 static const char bare[] = "conversion would leave ";
 
-bool gn_conversion_left_box(const gn_world *w) {
-    return strstr(w->halt, outside);
+bool gn_conversion_left_box(const gn_ending *outcome) {
+    return strstr(outcome->halt, outside);
 }
 
-bool gn_conversion_met_watched(const gn_world *w) {
-    return strstr(w->halt, watched);
+bool gn_conversion_met_watched(const gn_ending *outcome) {
+    return strstr(outcome->halt, watched);
 }
 
-bool gn_conversion_was_thin(const gn_world *w) {
-    return strstr(w->halt, too_light);
+bool gn_conversion_was_thin(const gn_ending *outcome) {
+    return strstr(outcome->halt, too_light);
 }
 
-bool gn_conversion_left_bare(const gn_world *w) {
-    return strstr(w->halt, bare);
+bool gn_conversion_left_bare(const gn_ending *outcome) {
+    return strstr(outcome->halt, bare);
 }
 
 /* Which side of the box an element is beyond, the first of them. */
 static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
-    const gn_convert_def *def = &c->world->scene.couple.convert;
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
+    const gn_convert_def *def = &c->world->ctx.scene.couple.convert;
     for (int k = 0; k < b->dimension; k++)
         for (int a = 0; a <= b->dimension; a++) {
             const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
@@ -74,8 +74,8 @@ static gn_node_use use_of(const gn_fem_solid *b, const uint8_t *use, size_t e) {
 }
 
 /* What holds an element: a motion that does more than watch, or a load, where there is one. */
-static const char *held_by(const gn_world *w, size_t e, char *text, size_t size) {
-    const gn_element_model *q = w->elements[0];
+static const char *held_by(const gn_solids *solids, size_t e, char *text, size_t size) {
+    const gn_element_model *q = solids->elements[0];
     uint8_t *use = gn_alloc(q->solid.nodes.soa.count + 1);
     const char *said = driven;
     if (!use) return said;
@@ -94,18 +94,18 @@ static const char *held_by(const gn_world *w, size_t e, char *text, size_t size)
 /* The model stays as it was: it has all of its elements, and the run ends. */
 void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
     gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
     double centre[3];
     char at[GN_POINT_SIZE], side[16], by[128];
     gn_conversion_centre(b, (size_t)e, centre);
-    const int told = snprintf(w->halt, sizeof w->halt,
+    const int told = snprintf(w->outcome.halt, sizeof w->outcome.halt,
                               "conversion would have to go on to element %d at %.80s m, which ",
                               b->elements.id[e], gn_point_text(b->origin, centre, at));
-    const size_t left = sizeof w->halt - (size_t)told;
+    const size_t left = sizeof w->outcome.halt - (size_t)told;
     if (c->kind[e] != GN_FRONT_FIXED)
-        snprintf(w->halt + told, left, "%s", held_by(w, (size_t)e, by, sizeof by));
+        snprintf(w->outcome.halt + told, left, "%s", held_by(&w->solids, (size_t)e, by, sizeof by));
     else
-        snprintf(w->halt + told, left,
+        snprintf(w->outcome.halt + told, left,
                  "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
                  side_beyond(c, e, side, sizeof side));
 }
@@ -114,7 +114,7 @@ void gn_conversion_halt_at(const gn_conversion *c, int64_t e) {
 
 /* kg: of an element as a whole, and by how much its part changes. */
 static double element_change(const gn_conversion *c, size_t e, double *whole) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const double mass = b->density[b->elements.material[e]] * b->elements.volume[e];
     double before = 0.0, now = 0.0;
     for (int a = 0; a <= b->dimension; a++) {
@@ -131,7 +131,7 @@ static double element_change(const gn_conversion *c, size_t e, double *whole) {
 static double particle_mass(const gn_conversion *c, size_t p) {
     const double before = c->part[2 * p + 1];
     return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
-                        : 1.0 / gn_sleeper_of(c->world, p)->mass;
+                        : 1.0 / gn_sleeper_of(&c->world->dem, p)->mass;
 }
 
 /* The same of a particle, and what of it can make up for more: kg of who has another weight, and of
@@ -150,7 +150,8 @@ static double particle_change(const gn_conversion *c, size_t p, double takes[2])
 bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
     const gn_world *w = c->world;
     double whole = 0.0, change = 0.0, takes[2] = {0.0};
-    for (size_t e = 0; e < gn_conversion_elements(w); e++) change += element_change(c, e, &whole);
+    for (size_t e = 0; e < gn_conversion_elements(&w->solids); e++)
+        change += element_change(c, e, &whole);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) change += particle_change(c, p, takes);
     missing[0] = -change;
     missing[1] = fmax(takes[0], takes[1]);
@@ -158,11 +159,11 @@ bool gn_conversion_fits(const gn_conversion *c, double missing[2]) {
 }
 
 bool gn_conversion_take_along(const gn_conversion *c) {
-    const gn_elements *q = &gn_coupled_solid(c->world)->elements;
-    const int corners = gn_coupled_solid(c->world)->dimension + 1;
+    const gn_elements *q = &gn_coupled_solid(&c->world->solids)->elements;
+    const int corners = gn_coupled_solid(&c->world->solids)->dimension + 1;
     uint8_t *at = c->reached;
     bool any = false;
-    memset(at, 0, gn_coupled_solid(c->world)->nodes.soa.count);
+    memset(at, 0, gn_coupled_solid(&c->world->solids)->nodes.soa.count);
     for (size_t e = 0; e < q->soa.count; e++)
         for (int a = 0; a < corners && c->kind[e] == GN_FRONT_LEAVING; a++)
             at[gn_elements_node(q, a)[e]] = 1;
@@ -177,13 +178,13 @@ bool gn_conversion_take_along(const gn_conversion *c) {
 }
 
 void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     size_t e = 0;
     double centre[3];
     char at[GN_POINT_SIZE];
     while (e + 1 < b->elements.soa.count && c->kind[e] != GN_FRONT_LEAVING) e++;
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->halt, sizeof c->world->halt,
+    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
              "conversion at element %d at %.80s m would change the mass of the body by %.2g kg, "
              "%s %.2g kg of particles there",
              b->elements.id[e], gn_point_text(b->origin, centre, at), -missing[0], too_light,
@@ -196,7 +197,7 @@ void gn_conversion_halt_thin(const gn_conversion *c, const double missing[2]) {
  * with the parts found, of them and of the particles in them. */
 static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
     const gn_particles *q = &c->world->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const int corners = b->dimension + 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double before = 0.0, now = 0.0;
@@ -223,16 +224,16 @@ static void weigh_nodes(const gn_conversion *c, double (*mass)[2]) {
 }
 
 /* r/width of the mean radius: what masses in zones have at least (find_parts). */
-static double least_part(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double least_part(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double sum = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
-    return fmin(1.0, sum / (double)q->soa.count / w->scene.couple.convert.width);
+    return fmin(1.0, sum / (double)q->soa.count / ctx->scene.couple.convert.width);
 }
 
 /* Mostly the front is far from what may not go. */
 static bool holds_shared(const gn_conversion *c) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     for (size_t e = 0; e < b->elements.soa.count; e++)
         for (int a = 0; a <= b->dimension && c->kind[e] == GN_FRONT_HELD; a++)
             if (b->nodes.blend[2 * (size_t)gn_elements_node(&b->elements, a)[e]] < 1.0) return true;
@@ -240,22 +241,22 @@ static bool holds_shared(const gn_conversion *c) {
 }
 
 static void halt_bare(const gn_conversion *c, size_t e, double share) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     double centre[3];
     char at[GN_POINT_SIZE], by[128];
     gn_conversion_centre(b, e, centre);
-    snprintf(c->world->halt, sizeof c->world->halt,
+    snprintf(c->world->outcome.halt, sizeof c->world->outcome.halt,
              "%s%.2g of the body's mass at a node of element %d at %.80s m, which %s", bare, share,
              b->elements.id[e], gn_point_text(b->origin, centre, at),
-             held_by(c->world, e, by, sizeof by));
+             held_by(&c->world->solids, e, by, sizeof by));
 }
 
 gneiss_status gn_conversion_look_for_bare(const gn_conversion *c, bool *found,
                                           gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     *found = false;
     if (!holds_shared(c)) return GNEISS_OK;
-    const double least = least_part(c->world);
+    const double least = least_part(&c->world->ctx, &c->world->dem);
     double(*mass)[2] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *mass), share = least;
     size_t at = 0;
     if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
@@ -307,15 +308,16 @@ static void say_who_watches(const gn_element_model *q, const uint8_t *found, cha
              count == 1 ? "s" : "ve");
 }
 
-const char *gn_conversion_watches(const gn_world *w, char *text, size_t size) {
-    const size_t elements = gn_converts(w) ? gn_conversion_elements(w) : 0;
+const char *gn_conversion_watches(const gn_step_context *ctx, const gn_solids *solids, char *text,
+                                  size_t size) {
+    const size_t elements = gn_converts(ctx) ? gn_conversion_elements(solids) : 0;
     *text = '\0';
     if (!elements) return text;
-    const gn_element_model *q = w->elements[0];
+    const gn_element_model *q = solids->elements[0];
     const size_t nodes = q->solid.nodes.soa.count;
     uint8_t *kind = gn_alloc(elements + 1), *use = gn_alloc(2 * nodes + 1),
             *found = gn_alloc(q->def->motion_count + 1);
-    if (kind && use && found && gn_conversion_kinds(w, kind, NULL) == GNEISS_OK) {
+    if (kind && use && found && gn_conversion_kinds(ctx, solids, kind, NULL) == GNEISS_OK) {
         gn_elements_driven(q, use);
         find_watching(q, kind, use, use + nodes, found);
         say_who_watches(q, found, text, size);

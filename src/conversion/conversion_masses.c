@@ -52,7 +52,7 @@ static void add_spin(gn_tally *t, size_t dimension, double inertia, const double
 }
 
 static const gn_coupled *coupled_of(const gn_conversion *c) {
-    return c->world->coupled;
+    return c->world->zones.coupled;
 }
 
 /* Who does not move by itself. */
@@ -72,8 +72,8 @@ static double inertia_of(const gn_conversion *c, size_t p) {
 
 gn_tally gn_conversion_tally(const gn_conversion *c) {
     const gn_world *w = c->world;
-    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
-    const size_t d = (size_t)w->scene.dimension;
+    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(&w->solids)->nodes;
+    const size_t d = (size_t)w->ctx.scene.dimension;
     gn_tally t = {0};
     mark_tied(c);
     for (size_t n = 0; n < nodes->soa.count; n++)
@@ -168,14 +168,15 @@ static void second_about(const gn_conversion *c, const double centre[3], const d
                          double own, double out[SECOND_MOST]) {
     double r[3];
     for (int a = 0; a < 3; a++) r[a] = x[a] - centre[a];
-    second_of((size_t)c->world->scene.dimension, r, own, out);
+    second_of((size_t)c->world->ctx.scene.dimension, r, own, out);
 }
 
 /* 1, the place and the second moments about the centre, over the size, that a unit of the mass of a
  * particle has: at the nodes, where it is in a zone. */
 static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b[BASIS_MOST]) {
-    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    const size_t d = (size_t)c->world->scene.dimension, seconds = second_count(d);
+    const gn_particles *q = &c->world->dem.particles,
+                       *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
+    const size_t d = (size_t)c->world->ctx.scene.dimension, seconds = second_count(d);
     const double *x = q->pos + 4 * p, own = inertia_of(c, p) * q->vel[4 * p + 3];
     double second[SECOND_MOST];
     b[0] = 1.0;
@@ -197,7 +198,7 @@ static void basis_at(const gn_conversion *c, const spread *s, size_t p, double b
 /* The same of what is missing. */
 static void missing_about(const gn_conversion *c, const spread *s, const gn_tally *missing,
                           double b[BASIS_MOST]) {
-    const size_t d = (size_t)c->world->scene.dimension;
+    const size_t d = (size_t)c->world->ctx.scene.dimension;
     const gn_tally about = gn_tally_about(missing, d, s->centre);
     b[0] = about.mass;
     for (size_t a = 0; a < d; a++) b[1 + a] = about.moment[a] / s->size;
@@ -237,7 +238,7 @@ static bool polynomial(const gn_conversion *c, gn_scaled who, const spread *s,
  */
 static bool scale_masses(const gn_conversion *c, gn_scaled who, const gn_tally *missing) {
     gn_particles *q = &c->world->dem.particles;
-    const size_t d = (size_t)c->world->scene.dimension;
+    const size_t d = (size_t)c->world->ctx.scene.dimension;
     const size_t counts[] = {1 + d + second_count(d), 1 + d, 1};
     const spread s = spread_of(c, who);
     double f[BASIS_MOST], b[BASIS_MOST];
@@ -267,7 +268,8 @@ static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
         "%s: expected a zone that is wide enough for its mass to be kept (three elements "
         "and six particles across), found one with which a conversion would change that "
         "of %.6g kg by %.2g kg",
-        gn_scene_at(&c->world->scene, c->world->scene.couple.convert.where, "couple.convert.width")
+        gn_scene_at(&c->world->ctx.scene, c->world->ctx.scene.couple.convert.where,
+                    "couple.convert.width")
             .text,
         before->mass, now - before->mass);
 }
@@ -278,7 +280,7 @@ gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
     gn_scaled who = GN_SCALED_CHANGED;
     bool taken = scale_masses(c, who, &missing);
     if (!taken) taken = scale_masses(c, who = GN_SCALED_TIED, &missing);
-    GN_TRY(gn_coupled_weigh(c->world, error));
+    GN_TRY(gn_coupled_weigh(&c->world->dem, &c->world->solids, &c->world->zones, error));
     if (!taken) GN_TRY(check_mass(c, before, error));
     gn_conversion_keep_momentum(c, before, who);
     return GNEISS_OK;

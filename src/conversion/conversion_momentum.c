@@ -38,7 +38,7 @@ typedef struct rigid {
  * another part than before are touched, so that the ledger sees what this does to them. */
 static bool node_takes(const rigid *r, size_t n, size_t a) {
     const gn_conversion *c = r->c;
-    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_fem_solid *b = gn_coupled_solid(&c->world->solids);
     const int32_t slot = b->prescribed.count ? b->nodes.slot[n] : -1;
     const double part = b->nodes.blend[2 * n];
     if (!(b->nodes.vel[4 * n + 3] > 0.0) || (slot >= 0 && b->prescribed.mask[slot] >> a & 1))
@@ -56,8 +56,9 @@ static bool particle_takes(const rigid *r, size_t p) {
 
 /* About where most of those are who take, whatever holds them. */
 static rigid rigid_of(const gn_conversion *c, takers who) {
-    const gn_particles *q = &c->world->dem.particles, *nodes = &gn_coupled_solid(c->world)->nodes;
-    const size_t d = (size_t)c->world->scene.dimension;
+    const gn_particles *q = &c->world->dem.particles,
+                       *nodes = &gn_coupled_solid(&c->world->solids)->nodes;
+    const size_t d = (size_t)c->world->ctx.scene.dimension;
     rigid r = {.c = c, .who = who, .dimension = d, .count = d == 3 ? 6 : 3};
     const gn_particles *all[2] = {q, nodes};
     double mass = 0.0, sum[3] = {0.0}, square = 0.0;
@@ -113,7 +114,7 @@ static void add_mass(const rigid *r, const double *x, size_t a, double mass,
 /* What those who take have of mass and inertia, by the motion. */
 static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) {
     const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(r->c->world)->nodes;
+                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) add_mass(r, q->pos + 4 * p, a, 1.0 / q->vel[4 * p + 3], m);
@@ -129,7 +130,7 @@ static void find_masses(const rigid *r, double m[GN_BASIS_MOST][GN_BASIS_MOST]) 
 /* m/s: the most that a component changes by. */
 static double most_change(const rigid *r) {
     const gn_particles *q = &r->c->world->dem.particles,
-                       *nodes = &gn_coupled_solid(r->c->world)->nodes;
+                       *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
     double most = 0.0;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
@@ -141,7 +142,8 @@ static double most_change(const rigid *r) {
 }
 
 static void change(const rigid *r) {
-    gn_particles *q = &r->c->world->dem.particles, *nodes = &gn_coupled_solid(r->c->world)->nodes;
+    gn_particles *q = &r->c->world->dem.particles,
+                 *nodes = &gn_coupled_solid(&r->c->world->solids)->nodes;
     for (size_t a = 0; a < r->dimension; a++) {
         for (size_t p = 0; p < q->soa.count; p++)
             if (particle_takes(r, p)) q->vel[4 * p + a] += change_at(r, q->pos + 4 * p, a);
@@ -229,7 +231,7 @@ static double beyond_rounding(double missing, double size) {
 }
 
 static lack lack_of(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
-    const size_t d = (size_t)c->world->scene.dimension;
+    const size_t d = (size_t)c->world->ctx.scene.dimension;
     const gn_tally now = gn_conversion_tally(c), missing = gn_tally_less(before, &now);
     const means m = means_of(c, who);
     const gn_tally about = gn_tally_about(&missing, d, m.centre);
@@ -299,7 +301,7 @@ static double find_rest(const gn_conversion *c, const lack *l, rigid *r) {
 
 void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before, gn_scaled who) {
     gn_world *w = c->world;
-    gn_corrections *all = &w->couple.corrected;
+    gn_corrections *all = &w->zones.state.corrected;
     const lack l = lack_of(c, before, who);
     rigid r;
     const bool taken = find_takers(c, &l, true, &r);
@@ -307,12 +309,13 @@ void gn_conversion_keep_momentum(const gn_conversion *c, const gn_tally *before,
     const bool wider = r.who != TAKERS_CHANGED;
     const double beside = wider ? gn_conversion_held_beside(c) : 0.0;
     change(&r);
-    gn_fem_to_single(gn_coupled_solid(w));
-    gn_coupled_follow(w); /* particles of zones go where nodes take them */
+    gn_fem_to_single(gn_coupled_solid(&w->solids));
+    gn_coupled_follow(&w->ctx, &w->dem, &w->solids,
+                      &w->zones); /* particles of zones go where nodes take them */
     if (wider) {
         const double more = beside - gn_conversion_held_beside(c);
-        w->energy.conversion += more;
-        w->couple.parts.step += more;
+        w->ledger.energy.conversion += more;
+        w->zones.state.parts.step += more;
     }
     if (!taken) all->least = all->missed > 0.0 ? fmin(all->least, part) : part;
     all->count += 1.0;
@@ -345,8 +348,8 @@ double gn_tally_turns(const gn_tally *t, size_t dimension) {
 /* Whatever moves the body on between two conversions keeps what these did to its angular momentum
  * and to the place of its centre, if it flies: vectors add up. */
 void gn_conversion_note_jumps(const gn_conversion *c, const gn_tally *before, const gn_tally *now) {
-    const size_t d = (size_t)c->world->scene.dimension;
-    gn_corrections *all = &c->world->couple.corrected;
+    const size_t d = (size_t)c->world->ctx.scene.dimension;
+    gn_corrections *all = &c->world->zones.state.corrected;
     double from[3], to[3];
     const gn_tally was = about_own(before, d, from), is = about_own(now, d, to);
     for (int a = 0; a < 3; a++) {

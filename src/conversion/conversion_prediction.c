@@ -10,11 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static double largest(const gn_world *w, const double *excess, size_t *at) {
+static double largest(const gn_solids *solids, const double *excess, size_t *at) {
     *at = 0;
-    for (size_t e = 1; e < gn_conversion_elements(w); e++)
+    for (size_t e = 1; e < gn_conversion_elements(solids); e++)
         if (excess[e] > excess[*at]) *at = e;
-    return gn_conversion_elements(w) ? excess[*at] : 0.0;
+    return gn_conversion_elements(solids) ? excess[*at] : 0.0;
 }
 
 /* Of displacements, so that turns are small as well. */
@@ -43,9 +43,11 @@ static gneiss_status look_at(const looks *q, size_t part, double time, look *out
     size_t at;
     gn_rest_find(q->rest, part, time);
     const bool any = gn_rest_put(q->rest, small_part);
-    gneiss_status status = gn_conversion_look_around(q->rest->w, &kind, &excess, error);
+    gneiss_status status = gn_conversion_look_around(
+        &q->rest->w->ctx, &q->rest->w->solids, &q->rest->w->most_loaded, &kind, &excess, error);
     *out = (look){.part = part, .time = time};
-    if (status == GNEISS_OK && any) out->share = largest(q->rest->w, excess, &at) / small_part;
+    if (status == GNEISS_OK && any)
+        out->share = largest(&q->rest->w->solids, excess, &at) / small_part;
     gn_free(kind);
     gn_free(excess);
     return status;
@@ -149,8 +151,9 @@ static gneiss_status convert(gn_world *w, double least, gneiss_error *error) {
     uint8_t *kind;
     double *excess;
     bool any = false;
-    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
-    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(w); e++)
+    gneiss_status status =
+        gn_conversion_look_around(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(&w->solids); e++)
         if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= least) {
             kind[e] = GN_FRONT_LEAVING;
             any = true;
@@ -161,12 +164,15 @@ static gneiss_status convert(gn_world *w, double least, gneiss_error *error) {
     return status;
 }
 
-static gneiss_status find_most(const gn_world *w, double *most, gneiss_error *error) {
+static gneiss_status find_most(const gn_step_context *ctx, const gn_solids *solids,
+                               const gn_most_loaded *most_loaded, double *most,
+                               gneiss_error *error) {
     uint8_t *kind;
     double *excess;
     size_t at;
-    gneiss_status status = gn_conversion_look_around(w, &kind, &excess, error);
-    *most = status == GNEISS_OK ? largest(w, excess, &at) : 0.0;
+    gneiss_status status =
+        gn_conversion_look_around(ctx, solids, most_loaded, &kind, &excess, error);
+    *most = status == GNEISS_OK ? largest(solids, excess, &at) : 0.0;
     gn_free(kind);
     gn_free(excess);
     return status;
@@ -178,18 +184,19 @@ static bool is_near(double a, double b) {
 
 static const char by_collisions[] = "collisions";
 
-static const char *side_of(const gn_world *w) {
-    const double share = gn_world_nonviscous_share(w), elements = gn_elements_stable(w);
-    const int32_t p = w->dem.limit.sharp_id;
-    if (is_near(w->dt, w->dem.resolution.step)) return by_collisions;
-    if (is_near(w->dt, 0.98 * w->dem.listed)) return "contacts that may close";
-    if (w->stable < 0.9 * share * fmin(elements, w->dem.stable)) return "slaved spins of the zone";
-    if (elements <= w->dem.stable) return "elements that are left, by their rigorous bound";
-    return p >= 0 && gn_coupled_has(w->coupled, p) ? "particles of the zone" : "particles";
+static const char *side_of(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                           const gn_zones *zones) {
+    const double share = gn_world_nonviscous_share(ctx), elements = gn_elements_stable(solids);
+    const int32_t p = dem->limit.sharp_id;
+    if (is_near(ctx->dt, dem->resolution.step)) return by_collisions;
+    if (is_near(ctx->dt, 0.98 * dem->listed)) return "contacts that may close";
+    if (ctx->stable < 0.9 * share * fmin(elements, dem->stable)) return "slaved spins of the zone";
+    if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
+    return p >= 0 && gn_coupled_has(zones->coupled, p) ? "particles of the zone" : "particles";
 }
 
-static gneiss_status keep_places(const gn_world *w, gn_foreseen *f, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static gneiss_status keep_places(const gn_solids *solids, gn_foreseen *f, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     const size_t size = 4 * b->nodes.soa.count;
     f->place = gn_alloc_array_raw(size + 1, sizeof *f->place);
     if (!f->place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for places of nodes");
@@ -201,9 +208,10 @@ static gneiss_status keep_places(const gn_world *w, gn_foreseen *f, gneiss_error
 static gneiss_status find_all(gn_world *w, gn_foreseen *f, gneiss_error *error) {
     gn_resolution collision;
     GN_TRY(gn_conversion_limit(w, &f->all, error));
-    gn_conversion_turn_over(w);
-    gneiss_status status = gn_resolution_listed(w, &collision, error);
-    gn_conversion_turn_over(w);
+    gn_conversion_turn_over(&w->ctx, &w->dem);
+    gneiss_status status = gn_resolution_listed(&w->ctx, &w->dem, &w->boundary, &w->solids,
+                                                &w->zones, &collision, error);
+    gn_conversion_turn_over(&w->ctx, &w->dem);
     f->collision = collision.step;
     return status;
 }
@@ -213,7 +221,7 @@ static gneiss_status keep_found(gn_rest *r, const look *found, gn_foreseen *f,
     if (!(found->share > 0.0)) return GNEISS_OK;
     gn_rest_find(r, found->part, found->time);
     gn_rest_put(r, found->share >= 1.0 ? 1.001 / found->share : small_part);
-    GN_TRY(keep_places(r->w, f, error));
+    GN_TRY(keep_places(&r->w->solids, f, error));
     f->period = gn_rest_period(r);
     return gn_rest_burst(r, &f->burst, error);
 }
@@ -238,7 +246,7 @@ gneiss_status gn_conversion_foresee(gn_world *w, gn_foreseen *f, gneiss_error *e
     gn_rest r = {0};
     *f = (gn_foreseen){.time = INFINITY};
     GN_TRY(find_all(w, f, error));
-    GN_TRY(gn_course_make(w, GN_SETTLING * gn_wave_travel(w), &f->course, error));
+    GN_TRY(gn_course_make(w, GN_SETTLING * gn_wave_travel(&w->ctx, &w->solids), &f->course, error));
     gneiss_status status = gn_rest_make(w, &f->course, &r, error);
     if (status == GNEISS_OK) status = foresee(&r, f, error);
     if (status == GNEISS_OK) gn_rest_put(&r, 0.0);
@@ -246,40 +254,44 @@ gneiss_status gn_conversion_foresee(gn_world *w, gn_foreseen *f, gneiss_error *e
     return status;
 }
 
-static void note(const gn_world *w, gn_foreseen_step *s) {
-    *s = (gn_foreseen_step){.dt = w->dt, .elements = gn_conversion_elements(w), .side = side_of(w)};
+static void note(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                 const gn_zones *zones, gn_foreseen_step *s) {
+    *s = (gn_foreseen_step){.dt = ctx->dt,
+                            .elements = gn_conversion_elements(solids),
+                            .side = side_of(ctx, dem, solids, zones)};
 }
 
 /* What a crack wakes on its way are more particles, of which any may be the fastest: of all of them
  * none makes the step shorter than this. */
-static void note_least(const gn_world *w, gn_foreseen *f) {
-    const double all = gn_world_nonviscous_share(w) * w->scene.safety * f->all.sharp;
+static void note_least(const gn_step_context *ctx, gn_foreseen *f) {
+    const double all = gn_world_nonviscous_share(ctx) * ctx->scene.safety * f->all.sharp;
     if (f->grown.dt > f->first.dt) f->grown = f->first; /* it never rises while a run goes on */
     f->least = f->grown;
-    if (w->scene.step > 0.0 || fmin(all, f->collision) >= f->least.dt) return;
+    if (ctx->scene.step > 0.0 || fmin(all, f->collision) >= f->least.dt) return;
     f->least.dt = fmin(all, f->collision);
     f->least.side = all <= f->collision ? "particles" : by_collisions;
 }
 
 /* Nodes where they were solved for. */
-static void put_nodes(gn_world *w, const gn_foreseen *f) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+static void put_nodes(const gn_solids *solids, gn_most_loaded *most_loaded, gn_ending *outcome,
+                      const gn_foreseen *f) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
     memcpy(b->nodes.pos, f->place, 4 * b->nodes.soa.count * sizeof *f->place);
     gn_fem_moved(b);
     gn_fem_to_single(b);
-    w->most_loaded.share = 0.0; /* all is to be looked at, however little it is loaded */
-    *w->halt = '\0';
+    most_loaded->share = 0.0; /* all is to be looked at, however little it is loaded */
+    *outcome->halt = '\0';
 }
 
 /* *halt: why the run would end there. A given step that particles do not bear is such a reason. */
 static gneiss_status try_first(gn_world *w, gn_foreseen *f, gneiss_error *error) {
-    put_nodes(w, f);
-    GN_TRY(find_most(w, &f->most_then, error));
+    put_nodes(&w->solids, &w->most_loaded, &w->outcome, f);
+    GN_TRY(find_most(&w->ctx, &w->solids, &w->most_loaded, &f->most_then, error));
     /* Waves may have been faster. */
-    if (gn_conversion_begun(w)) return GNEISS_OK;
+    if (gn_conversion_begun(&w->solids)) return GNEISS_OK;
     const gneiss_status status = convert(w, f->most_then, error);
     snprintf(f->halt, sizeof f->halt, "%.400s",
-             status == GNEISS_ERROR_UNSTABLE ? error->message : w->halt);
+             status == GNEISS_ERROR_UNSTABLE ? error->message : w->outcome.halt);
     return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
 }
 
@@ -294,10 +306,11 @@ static gneiss_status follow_fronts(gn_world *w, gn_foreseen *f, double least, gn
         f->fronts++;
         const gneiss_status status = convert(w, f->part * f->most_then, error);
         if (status != GNEISS_OK && status != GNEISS_ERROR_UNSTABLE) return status;
-        snprintf(f->stop, sizeof f->stop, "%.400s", status == GNEISS_OK ? w->halt : error->message);
-        if (!*f->stop) note(w, &f->grown);
+        snprintf(f->stop, sizeof f->stop, "%.400s",
+                 status == GNEISS_OK ? w->outcome.halt : error->message);
+        if (!*f->stop) note(&w->ctx, &w->dem, &w->solids, &w->zones, &f->grown);
     }
-    *w->halt = '\0';
+    *w->outcome.halt = '\0';
     return GNEISS_OK;
 }
 
@@ -305,18 +318,18 @@ static gneiss_status follow_fronts(gn_world *w, gn_foreseen *f, double least, gn
  * hold, the run says so. */
 static gneiss_status follow_stages(gn_world *w, gn_foreseen *f, gneiss_error *error) {
     for (size_t k = f->stage; k < f->course.count; k++) {
-        const gneiss_status status = k > w->stage ? gn_world_enter(w, k, error) : GNEISS_OK;
+        const gneiss_status status = k > w->stages.now ? gn_world_enter(w, k, error) : GNEISS_OK;
         if (status == GNEISS_ERROR_MEMORY) return status;
-        f->course.part[k].later = status == GNEISS_OK ? w->dt : f->course.part[k].dt;
+        f->course.part[k].later = status == GNEISS_OK ? w->ctx.dt : f->course.part[k].dt;
     }
     return GNEISS_OK;
 }
 
 gneiss_status gn_conversion_try(gn_world *w, gn_foreseen *f, gneiss_error *error) {
-    if (f->stage > w->stage) GN_TRY(gn_world_enter(w, f->stage, error));
+    if (f->stage > w->stages.now) GN_TRY(gn_world_enter(w, f->stage, error));
     GN_TRY(try_first(w, f, error));
     if (*f->halt) return GNEISS_OK;
-    note(w, &f->first);
+    note(&w->ctx, &w->dem, &w->solids, &w->zones, &f->first);
     f->grown = f->first;
     f->part = 1.0;
     return follow_fronts(w, f, some_part, error);
@@ -324,9 +337,9 @@ gneiss_status gn_conversion_try(gn_world *w, gn_foreseen *f, gneiss_error *error
 
 gneiss_status gn_conversion_try_more(gn_world *w, gn_foreseen *f, gneiss_error *error) {
     const size_t some = f->grown.elements;
-    put_nodes(w, f);
+    put_nodes(&w->solids, &w->most_loaded, &w->outcome, f);
     GN_TRY(follow_fronts(w, f, 1.0 / f->reach, error));
-    note_least(w, f);
+    note_least(&w->ctx, f);
     f->some = some;
     return follow_stages(w, f, error);
 }

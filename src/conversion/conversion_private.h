@@ -27,30 +27,32 @@ typedef struct gn_conversion {
 
 /* The element, by place before, that a particle is in; -1: gone already. */
 static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
-    return c->place[gn_home_id(c->world, p)];
+    return c->place[gn_home_id(&c->world->dem, p)];
 }
 
 /* [elements] gn_front_kind, and how many times the nearest limit elements are loaded that may go;
  * both are the caller's whatever happens. */
-gneiss_status gn_conversion_look_around(const gn_world *world, uint8_t **kind, double **excess,
-                                        gneiss_error *error);
+gneiss_status gn_conversion_look_around(const gn_step_context *ctx, const gn_solids *solids,
+                                        const gn_most_loaded *most_loaded, uint8_t **kind,
+                                        double **excess, gneiss_error *error);
 
 /* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
  * the bonds that all have. */
-gneiss_status gn_conversion_check_neighbours(const gn_world *world, gneiss_error *error);
+gneiss_status gn_conversion_check_neighbours(const gn_step_context *ctx, const gn_dem *dem,
+                                             gneiss_error *error);
 
 /* Contacts (conversion_contacts.c): those that there are get their new part; bonds of who has woken
  * are added, with the forces that the strain of the elements makes. Before elements go. */
 gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error);
 
 /* m/s: at which the ends of a contact part where they meet, along and across n. */
-void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length, const double n[3],
-                     double rate[3]);
+void gn_contact_rate(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
+                     double length, const double n[3], double rate[3]);
 
 /* N, of the springs of a contact on its first particle at the instant, in the sense of leap-frog;
  * what of it is along n, from the first to the second; m, between both (conversion_energy.c). */
-double gn_contact_held(const gn_world *world, const gn_contacts *list, size_t c, double n[3],
-                       double *length, double force[3]);
+double gn_contact_held(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                       size_t c, double n[3], double *length, double force[3]);
 
 /* The accelerations of those that will be freed, before anything changes
  * (conversion_accelerations.c). */
@@ -82,7 +84,8 @@ typedef struct gn_held_stages {
     double alike[2], woken[2];
     gn_held before, after;
 } gn_held_stages;
-void gn_conversion_book(gn_world *world, const gn_held_stages *held, double kinetic);
+void gn_conversion_book(gn_zones *zones, gn_ledger *ledger, const gn_held_stages *held,
+                        double kinetic);
 
 /* Where it ends the run (conversion_halt.c): the model stays as it was. At an element that would
  * have to go, or be of a zone, and may not; where particles cannot have the mass. */

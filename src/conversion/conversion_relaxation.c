@@ -43,7 +43,12 @@ typedef struct link {
 } link;
 
 typedef struct relaxation {
-    gn_world *w;
+    const gn_step_context *ctx;
+    gn_dem *dem;
+    gn_boundary *boundary;
+    gn_solids *solids;
+    gn_zones *zones;
+    gn_ledger *ledger;
     const gn_conversion *c;
     size_t count, links;
     int32_t *particle, *local; /* [count]; [particles] its place there, -1: held */
@@ -86,7 +91,7 @@ static void release(relaxation *r) {
 }
 
 static bool find_particles(relaxation *r) {
-    const size_t n = r->w->dem.particles.soa.count;
+    const size_t n = r->dem->particles.soa.count;
     r->local = gn_alloc_array_raw(n + 1, sizeof *r->local);
     r->particle = gn_alloc_array_raw(n + 1, sizeof *r->particle);
     for (size_t p = 0; r->local && r->particle && p < n; p++) {
@@ -111,7 +116,7 @@ static size_t find_links(relaxation *r, gn_contacts *list, bool take) {
 }
 
 static gneiss_status begin(relaxation *r, gneiss_error *error) {
-    gn_dem *d = &r->w->dem;
+    gn_dem *d = r->dem;
     bool held = find_particles(r);
     if (held && r->count)
         held = allocate(r, find_links(r, &d->bonds, false) + find_links(r, &d->pairs, false));
@@ -119,8 +124,8 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
     if (!r->count) return GNEISS_OK;
     find_links(r, &d->bonds, true);
     find_links(r, &d->pairs, true);
-    r->components = r->w->scene.dimension == 3 ? 0x7u : 0x3u;
-    if (d->particles.spin) r->components |= r->w->scene.dimension == 3 ? 0x38u : 0x20u;
+    r->components = r->ctx->scene.dimension == 3 ? 0x7u : 0x3u;
+    if (d->particles.spin) r->components |= r->ctx->scene.dimension == 3 ? 0x38u : 0x20u;
     memset(r->moves, (int)r->components, r->count);
     return GNEISS_OK;
 }
@@ -147,11 +152,11 @@ static void look_at(relaxation *r, size_t k) {
     gn_held_spring *s = &r->spring[k];
     const gn_contacts *list = l->list;
     const gn_law *law = gn_law_of(list->soa.effects);
-    const gn_particles *q = &r->w->dem.particles;
+    const gn_particles *q = &r->dem->particles;
     const double *i = q->pos + 4 * (size_t)list->i[l->at], *j = q->pos + 4 * (size_t)list->j[l->at];
-    const double half = r->w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    const double half = r->ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     double length, across[3];
-    l->normal = gn_contact_held(r->w, list, l->at, s->n, &length, l->force);
+    l->normal = gn_contact_held(r->ctx, r->dem, list, l->at, s->n, &length, l->force);
     for (int a = 0; a < 3; a++) across[a] = l->force[a] - l->normal * s->n[a];
     const double rest = list->length0 ? list->length0[l->at] : i[3] + j[3];
     const double shear = sqrt(gn_dot3(across, across));
@@ -182,7 +187,7 @@ static void add_load(relaxation *r, int32_t p, double side, double arm, const do
 
 /* What is left of the forces on a particle, N; moments over its radius. */
 static double left_on(const relaxation *r, size_t k) {
-    const double radius = r->w->dem.particles.pos[4 * (size_t)r->particle[k] + 3];
+    const double radius = r->dem->particles.pos[4 * (size_t)r->particle[k] + 3];
     double square = 0.0;
     for (size_t a = 0; a < N; a++) {
         const double f = a < 3 ? r->load[N * k + a] : r->load[N * k + a] / radius;
@@ -206,7 +211,7 @@ static void weigh_loads(relaxation *r, double force) {
 }
 
 static void evaluate(relaxation *r) {
-    const gn_particles *q = &r->w->dem.particles;
+    const gn_particles *q = &r->dem->particles;
     double force = 0.0, stiffness = 0.0, reach = 0.0;
     size_t carry = 0;
     memset(r->load, 0, N * r->count * sizeof *r->load);
@@ -231,7 +236,7 @@ static void evaluate(relaxation *r) {
             reach = fmax(reach, fabs(q->pos[4 * p + a]));
         }
     }
-    r->rounding = roundings * 2.3e-16 * stiffness * reach / r->w->scene.couple.convert.relax;
+    r->rounding = roundings * 2.3e-16 * stiffness * reach / r->ctx->scene.couple.convert.relax;
     weigh_loads(r, carry ? force / (double)carry : 0.0);
 }
 
@@ -284,7 +289,7 @@ static bool keep_loose(relaxation *r) {
     bool any = false;
     for (size_t k = 0; k < r->count; k++) {
         const double *u = r->u + N * k,
-                     most = farthest * r->w->dem.particles.pos[4 * (size_t)r->particle[k] + 3];
+                     most = farthest * r->dem->particles.pos[4 * (size_t)r->particle[k] + 3];
         if ((gn_dot3(u, u) <= most * most && gn_dot3(u + 3, u + 3) <= farthest * farthest) ||
             r->kept[k])
             continue;
@@ -306,7 +311,7 @@ static void turn(double *o, const double *by) {
 
 /* Keeps what a step changes, or puts it back. */
 static void keep_state(relaxation *r, bool back) {
-    gn_particles *q = &r->w->dem.particles;
+    gn_particles *q = &r->dem->particles;
     for (size_t k = 0; k < r->links; k++) {
         gn_contacts *list = r->link[k].list;
         for (size_t a = 0; a < 3; a++) {
@@ -330,7 +335,7 @@ static void keep_state(relaxation *r, bool back) {
 
 /* By this part of the ways. */
 static void move(relaxation *r, double part) {
-    gn_particles *q = &r->w->dem.particles;
+    gn_particles *q = &r->dem->particles;
     for (size_t k = 0; k < r->links; k++) {
         gn_contacts *list = r->link[k].list;
         const gn_held_spring *s = &r->spring[k];
@@ -358,7 +363,7 @@ static void move(relaxation *r, double part) {
 }
 
 static void move_back(relaxation *r, double part) {
-    gn_particles *q = &r->w->dem.particles;
+    gn_particles *q = &r->dem->particles;
     keep_state(r, true);
     for (size_t k = 0; k < r->count; k++)
         for (size_t a = 0; a < 3; a++) {
@@ -403,7 +408,7 @@ static bool find_ways(relaxation *r, double wanted, int most) {
 
 /* Returns the ratio before. */
 static double relax(relaxation *r) {
-    const gn_convert_def *def = &r->w->scene.couple.convert;
+    const gn_convert_def *def = &r->ctx->scene.couple.convert;
     evaluate(r);
     const double before = r->ratio;
     for (int k = 0; k < PASSES && r->moving > def->relax; k++) {
@@ -413,14 +418,14 @@ static double relax(relaxation *r) {
 }
 
 static void note(const relaxation *r, double before) {
-    gn_relaxations *all = &r->w->couple.relaxed;
-    const double wanted = r->w->scene.couple.convert.relax;
+    gn_relaxations *all = &r->zones->state.relaxed;
+    const double wanted = r->ctx->scene.couple.convert.relax;
     if (!(before > wanted)) return;
     all->count += 1.0;
     all->iterations += r->iterations;
     for (size_t k = 0; k < r->count; k++) all->kept += r->kept[k];
     if (!(r->ratio > wanted)) return;
-    const bool tired = r->iterations >= (int)r->w->scene.couple.convert.relax_iterations;
+    const bool tired = r->iterations >= (int)r->ctx->scene.couple.convert.relax_iterations;
     all->missed += 1.0;
     if (r->broke)
         all->broke += 1.0;
@@ -430,13 +435,13 @@ static void note(const relaxation *r, double before) {
         all->tired += 1.0;
     if (!(r->ratio > all->worst)) return;
     all->worst = r->ratio;
-    all->time = r->w->time;
+    all->time = r->ctx->time;
 }
 
 /* Lists know of where they are. */
 static void tell_lists(relaxation *r) {
-    gn_verlet *v = &r->w->dem.verlet;
-    const gn_particles *q = &r->w->dem.particles;
+    gn_verlet *v = &r->dem->verlet;
+    const gn_particles *q = &r->dem->particles;
     double most = 0.0;
     for (size_t k = 0; k < r->count; k++) {
         const size_t p = 4 * (size_t)r->particle[k];
@@ -450,13 +455,19 @@ static void tell_lists(relaxation *r) {
 
 gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
-    relaxation r = {.w = w, .c = c};
-    if (!(w->scene.couple.convert.relax > 0.0)) return GNEISS_OK;
+    relaxation r = {.ctx = &w->ctx,
+                    .dem = &w->dem,
+                    .boundary = &w->boundary,
+                    .solids = &w->solids,
+                    .zones = &w->zones,
+                    .ledger = &w->ledger,
+                    .c = c};
+    if (!(w->ctx.scene.couple.convert.relax > 0.0)) return GNEISS_OK;
     gneiss_status status = begin(&r, error);
     if (status == GNEISS_OK && r.count) {
         note(&r, relax(&r));
         tell_lists(&r);
-        gn_near_forget(w);
+        gn_near_forget(&w->ctx, &w->dem);
     }
     release(&r);
     return status;

@@ -35,22 +35,24 @@ static bool goes_on(const gn_scene *s) {
 
 /* s: of a step of elements alone, their sharp limit being what it is; the first part has the
  * world's. */
-static double step_of(const gn_world *w, const gn_scene *s) {
-    if (s == &w->scene) return w->dt;
+static double step_of(const gn_step_context *ctx, const gn_solids *solids, const gn_scene *s) {
+    if (s == &ctx->scene) return ctx->dt;
     if (s->step > 0.0) return s->step;
-    return s->safety * gn_scene_nonviscous_share(s, gn_scene_effects(s)) * gn_elements_stable(w);
+    return s->safety * gn_scene_nonviscous_share(s, gn_scene_effects(s)) *
+           gn_elements_stable(solids);
 }
 
-static void set_end(const gn_world *w, double settle, size_t k, gn_course_part *p) {
-    const gn_stage *e = &w->given.stages[k];
+static void set_end(const gn_step_context *ctx, const gn_solids *solids, double settle, size_t k,
+                    gn_course_part *p) {
+    const gn_stage *e = &ctx->given.stages[k];
     double length = INFINITY;
     if (e->time >= 0.0) length = e->time;
-    p->dt = step_of(w, p->scene);
+    p->dt = step_of(ctx, solids, p->scene);
     if (e->steps >= 0) length = fmin(length, (double)e->steps * p->dt);
     p->open = is_open(e);
     p->guessed = p->open && length == INFINITY && !goes_on(p->scene);
     if (p->guessed) length = settle;
-    p->end = fmin(p->begin + length, w->scene.end);
+    p->end = fmin(p->begin + length, ctx->scene.end);
 }
 
 /* --- making it --- */
@@ -59,11 +61,11 @@ static gneiss_status scene_of(gn_world *w, size_t k, double begin, gn_scene **sc
                               gneiss_error *error) {
     *scene = calloc(1, sizeof **scene); /* too large for a stack */
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
-    const size_t stage = w->stage;
-    w->stage = k;
-    w->stages[k].time = begin;
+    const size_t stage = w->stages.now;
+    w->stages.now = k;
+    w->stages.state[k].time = begin;
     gneiss_status status = gn_stages_scene(w, *scene, error);
-    w->stage = stage;
+    w->stages.now = stage;
     if (status == GNEISS_OK) return status;
     free(*scene);
     *scene = NULL;
@@ -72,26 +74,26 @@ static gneiss_status scene_of(gn_world *w, size_t k, double begin, gn_scene **sc
 
 static gneiss_status add_stage(gn_world *w, double settle, gn_course *c, gneiss_error *error) {
     gn_course_part *p = &c->part[c->count];
-    *p = (gn_course_part){.scene = &w->scene, .begin = c->count ? p[-1].end : w->time};
+    *p = (gn_course_part){.scene = &w->ctx.scene, .begin = c->count ? p[-1].end : w->ctx.time};
     if (c->count) GN_TRY(scene_of(w, c->count, p->begin, &p->scene, error));
-    set_end(w, settle, c->count++, p);
+    set_end(&w->ctx, &w->solids, settle, c->count++, p);
     return GNEISS_OK;
 }
 
 gneiss_status gn_course_make(gn_world *w, double settle, gn_course *c, gneiss_error *error) {
-    const size_t stages = w->scene.stage_count;
+    const size_t stages = w->ctx.scene.stage_count;
     gneiss_status status = GNEISS_OK;
     *c = (gn_course){.part = gn_alloc_array(stages + 1, sizeof *c->part)};
     if (!c->part) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu stages", stages);
     if (!stages) {
         c->part[c->count++] = (gn_course_part){
-            .scene = &w->scene, .begin = w->time, .end = w->scene.end, .dt = w->dt};
+            .scene = &w->ctx.scene, .begin = w->ctx.time, .end = w->ctx.scene.end, .dt = w->ctx.dt};
         return GNEISS_OK;
     }
     while (status == GNEISS_OK && c->count < stages &&
-           (c->count == 0 || gn_course_end(c) < w->scene.end))
+           (c->count == 0 || gn_course_end(c) < w->ctx.scene.end))
         status = add_stage(w, settle, c, error);
-    for (size_t k = 1; k < c->count; k++) w->stages[k].time = 0.0;
+    for (size_t k = 1; k < c->count; k++) w->stages.state[k].time = 0.0;
     return status;
 }
 

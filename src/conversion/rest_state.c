@@ -16,12 +16,12 @@ void gn_rest_free(gn_rest *r) {
 
 /* The time of a run is long beside its waves; where it is not, inertia is what holds. */
 gneiss_status gn_rest_make(gn_world *w, const gn_course *course, gn_rest *r, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_fem_solid *b = gn_coupled_solid(&w->solids);
     const size_t d = (size_t)b->dimension, nodes = b->nodes.soa.count;
     *r = (gn_rest){.w = w,
                    .course = *course,
                    .count = d * nodes,
-                   .inertia = 1.0 / (w->scene.end * w->scene.end)};
+                   .inertia = 1.0 / (w->ctx.scene.end * w->ctx.scene.end)};
     GN_TRY(gn_fem_linear_make(b, true, &r->linear, error));
     double **blocks[] = {&r->u,      &r->load,  &r->weight, &r->residual,
                          &r->search, &r->image, &r->better};
@@ -40,7 +40,7 @@ gneiss_status gn_rest_make(gn_world *w, const gn_course *course, gn_rest *r, gne
 
 /* m: of a component that a motion drives, up to a time. */
 static double path_of(const gn_rest *r, int32_t motion, size_t a, size_t part, double time) {
-    const gn_element_model *q = r->w->elements[0];
+    const gn_element_model *q = r->w->solids.elements[0];
     for (size_t k = 0; k < q->def->motion_count; k++)
         if (q->motion[k] == motion) return gn_course_path(&r->course, part, k, a, time);
     return 0.0;
@@ -48,7 +48,7 @@ static double path_of(const gn_rest *r, int32_t motion, size_t a, size_t part, d
 
 /* [count] m of what is driven, 0 of what is free. */
 static void set_paths(const gn_rest *r, size_t part, double time, double *path) {
-    const gn_fem_solid *b = &r->w->elements[0]->solid;
+    const gn_fem_solid *b = &r->w->solids.elements[0]->solid;
     const size_t d = (size_t)b->dimension;
     memset(path, 0, r->count * sizeof *path);
     for (size_t n = 0; b->prescribed.count && n < b->nodes.soa.count; n++) {
@@ -61,7 +61,7 @@ static void set_paths(const gn_rest *r, size_t part, double time, double *path) 
 
 /* Loads of a part on the nodes, which the world has of its own stage and time. */
 static void set_applied(const gn_rest *r, size_t part, double time) {
-    gn_element_model *q = r->w->elements[0];
+    gn_element_model *q = r->w->solids.elements[0];
     const gn_element_def *own = q->def;
     q->def = &r->course.part[part].scene->elements;
     gn_elements_set_loads(q, time);
@@ -70,7 +70,7 @@ static void set_applied(const gn_rest *r, size_t part, double time) {
 
 /* What loads, gravity and driven nodes do to those that are free. */
 static void set_load(gn_rest *r, size_t part, double time) {
-    gn_fem_solid *b = gn_coupled_solid(r->w);
+    gn_fem_solid *b = gn_coupled_solid(&r->w->solids);
     double *scale = r->linear.scale;
     const size_t d = (size_t)b->dimension;
     const double *gravity = r->course.part[part].scene->gravity;
@@ -92,11 +92,11 @@ static void set_load(gn_rest *r, size_t part, double time) {
                             : b->nodes.applied[4 * n + a] + gravity[a] / b->nodes.vel[4 * n + 3];
             r->load[k] = scale[k] > 0.0 ? scale[k] * force - r->image[k] : 0.0;
         }
-    gn_elements_set_loads(r->w->elements[0], r->w->time);
+    gn_elements_set_loads(r->w->solids.elements[0], r->w->ctx.time);
 }
 
 static double dot(const gn_rest *r, const double *x, const double *y) {
-    return gn_eigen_dot(r->count, x, y, r->w->threads);
+    return gn_eigen_dot(r->count, x, y, r->w->ctx.threads);
 }
 
 static void apply(const gn_rest *r, const double *x, double *out) {
@@ -133,7 +133,7 @@ static void solve(gn_rest *r, double left) {
 
 /* Puts nodes where the solution has them, so many times as far; whether any moves. */
 bool gn_rest_put(const gn_rest *r, double times) {
-    gn_fem_solid *b = gn_coupled_solid(r->w);
+    gn_fem_solid *b = gn_coupled_solid(&r->w->solids);
     const size_t d = (size_t)b->dimension;
     bool any = false;
     set_paths(r, r->at, r->time, r->search);
@@ -158,15 +158,15 @@ void gn_rest_find(gn_rest *r, size_t part, double time) {
 
 /* --- waves --- */
 
-double gn_wave_travel(const gn_world *w) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+double gn_wave_travel(const gn_step_context *ctx, const gn_solids *solids) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     double slow2 = INFINITY;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double l = b->elements.lambda[e], m = b->elements.mu[e];
         slow2 =
             fmin(slow2, m * (3.0 * l + 2.0 * m) / (l + m) / b->density[b->elements.material[e]]);
     }
-    return gn_elements_longest_side(w) / sqrt(slow2);
+    return gn_elements_longest_side(ctx, solids) / sqrt(slow2);
 }
 
 double gn_rest_period(gn_rest *r) {
@@ -179,22 +179,23 @@ double gn_rest_period(gn_rest *r) {
         solve(r, 1e-3);
         rate2 = dot(r, r->u, r->load) / dot(r, r->u, r->u) - r->inertia;
     }
-    return rate2 > 3.0 * r->inertia ? 2.0 * pi / sqrt(rate2) : 2.0 * gn_wave_travel(r->w);
+    return rate2 > 3.0 * r->inertia ? 2.0 * pi / sqrt(rate2)
+                                    : 2.0 * gn_wave_travel(&r->w->ctx, &r->w->solids);
 }
 
 gneiss_status gn_rest_burst(const gn_rest *r, double *times, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(r->w);
-    const double speed = gn_course_jump(&r->course, gn_wave_travel(r->w));
+    const gn_fem_solid *b = gn_coupled_solid(&r->w->solids);
+    const double speed = gn_course_jump(&r->course, gn_wave_travel(&r->w->ctx, &r->w->solids));
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     *times = 0.0;
     if (!kind) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
-    gneiss_status status = gn_conversion_kinds(r->w, kind, error);
+    gneiss_status status = gn_conversion_kinds(&r->w->ctx, &r->w->solids, kind, error);
     for (size_t e = 0; status == GNEISS_OK && e < b->elements.soa.count; e++) {
         const double l = b->elements.lambda[e], confined = l + 2.0 * b->elements.mu[e];
         const double stress = sqrt(confined * b->density[b->elements.material[e]]) * speed;
         const double across = l / confined * stress;
         const double pull[6] = {stress, across, across}, press[6] = {-stress, -across, -across};
-        const gn_convert_def *def = &r->w->scene.couple.convert;
+        const gn_convert_def *def = &r->w->ctx.scene.couple.convert;
         if (kind[e] != GN_FRONT_READY) continue;
         *times = fmax(*times, gn_front_excess_above(def, pull, 0.0));
         *times = fmax(*times, gn_front_excess_above(def, press, 0.0));

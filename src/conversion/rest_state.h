@@ -29,7 +29,7 @@ void gn_rest_find(gn_rest *rest, size_t part, double time);
 /* Puts nodes where the solution has them, so many times as far; whether any moves. */
 bool gn_rest_put(const gn_rest *rest, double times);
 /* s: of waves along the longest side of a body, of a bar's speed. */
-double gn_wave_travel(const gn_world *world);
+double gn_wave_travel(const gn_step_context *ctx, const gn_solids *solids);
 /* s: the longest period of what the last loads move, by inverse iteration; of a body that nothing
  * holds that of waves along it. 0: nothing moves. The solution is lost. */
 double gn_rest_period(gn_rest *rest);

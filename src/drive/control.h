@@ -3,39 +3,33 @@
 #ifndef GN_DRIVE_CONTROL_H
 #define GN_DRIVE_CONTROL_H
 
+#include "frame/step_context.h"
+
 #include <stddef.h>
 
-struct gn_world;
-
 /* Sections across the axis of a test, of what its ends strain (section.c). 0 where it is even. */
-typedef struct gn_bar_section {
+struct gn_bar_section {
     double mean, narrowest; /* m2 */
     double uneven;          /* mean of A times mean of 1/A */
     double length;          /* m, that is strained */
     double waist;           /* 1: narrower than before and behind it */
     double guessed;         /* 1: no shape measures its volume and areas */
     double spread;          /* share by which a slender bar is stiffer */
-} gn_bar_section;
+};
 
 /* How the ends of a test come to its specimen (approach.c). */
-typedef struct gn_approach {
+struct gn_approach {
     double
         away[2]; /* 1: the lower (upper) end began away, and has not yet borne when the other did */
     double gap;  /* m, at the start, of the ends that were away */
     double way;  /* m, of both ends when the last of them touched it */
-} gn_approach;
+};
 
-typedef struct gn_machine {
-    double wanted; /* of the reading: m or 1 */
-    double factor; /* of the prescribed motion of the ends along the axis */
-    double looked; /* s: when the reading was last looked at */
-} gn_machine;
-
-void gn_control_create(struct gn_world *world);
+void gn_control_create(gn_step_context *ctx);
 /* Looks at the reading every so many steps; before the forces of a step. */
-void gn_control_look(struct gn_world *world);
+void gn_control_look(gn_world *world);
 /* By what the prescribed velocity of a wall, set, body or motion of elements along an axis is to be
  * multiplied: 1 for what is no end of a test that is controlled. */
-double gn_control_of(const struct gn_world *world, const char *name, int axis);
+double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
 
 #endif

@@ -4,16 +4,17 @@
 
 #include <math.h>
 
-static void add_list(const gn_world *w, const gn_contacts *list, bool all, size_t count,
-                     const double (*n)[3], double *spring, double *dashpot) {
-    const gn_particles *q = &w->dem.particles;
+static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                     bool all, size_t count, const double (*n)[3], double *spring,
+                     double *dashpot) {
+    const gn_particles *q = &dem->particles;
     const gn_law *law = gn_law_of(list->soa.effects);
     for (size_t c = 0; c < list->soa.count; c++) {
         const double *x = q->pos + 4 * (size_t)list->i[c], *y = q->pos + 4 * (size_t)list->j[c];
-        double l[3], length = sqrt(gn_branch(w, x, y, l));
+        double l[3], length = sqrt(gn_branch(ctx, x, y, l));
         double rest = list->length0 ? list->length0[c] : x[3] + y[3];
         if (!all && length >= rest && !gn_contact_bonded(list, c)) continue;
-        double overlap = fmax(rest - length, 0.0) + (all ? w->dem.verlet.skin : 0.0);
+        double overlap = fmax(rest - length, 0.0) + (all ? dem->verlet.skin : 0.0);
         gn_law_spring k = law->spring(list, c, overlap);
         for (size_t a = 0; a < count; a++) {
             double along = gn_dot3(l, n[a]);
@@ -23,11 +24,11 @@ static void add_list(const gn_world *w, const gn_contacts *list, bool all, size_
     }
 }
 
-void gn_servo_answers(const gn_world *w, bool all, size_t count, const double (*n)[3],
-                      double *spring, double *dashpot) {
+void gn_servo_answers(const gn_step_context *ctx, const gn_dem *dem, bool all, size_t count,
+                      const double (*n)[3], double *spring, double *dashpot) {
     for (size_t a = 0; a < count; a++) spring[a] = dashpot[a] = 0.0;
-    add_list(w, &w->dem.bonds, all, count, n, spring, dashpot);
-    add_list(w, &w->dem.pairs, all, count, n, spring, dashpot);
+    add_list(ctx, dem, &dem->bonds, all, count, n, spring, dashpot);
+    add_list(ctx, dem, &dem->pairs, all, count, n, spring, dashpot);
 }
 
 double gn_servo_answer(double share, double uniform) {

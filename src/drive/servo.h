@@ -21,12 +21,12 @@
 #ifndef GN_DRIVE_SERVO_H
 #define GN_DRIVE_SERVO_H
 
+#include "frame/parts.h"
+
 #include "base/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>
-
-struct gn_world;
 
 /* What lasts from step to step; doubles only. */
 typedef struct gn_servo_state {
@@ -43,8 +43,8 @@ typedef struct gn_servo_look {
 /* Sums over the contacts that act, or over all that are listed, as pressed as they may come to be,
  * along each of `count` unit vectors n: J, (k_n + k_t) (l n)^2, the most that springs answer a
  * strain along n with, sides held too; J s, c_n (l n)^2. */
-void gn_servo_answers(const struct gn_world *world, bool all, size_t count, const double (*n)[3],
-                      double *spring, double *dashpot);
+void gn_servo_answers(const gn_step_context *ctx, const gn_dem *dem, bool all, size_t count,
+                      const double (*n)[3], double *spring, double *dashpot);
 
 /* a of a servo that makes up `share`, with uniform strain's S over K. */
 double gn_servo_answer(double share, double uniform);

@@ -55,7 +55,7 @@ static void file(gn_room *r, size_t k) {
 /* No more cells than there is use for. */
 static gneiss_status make_cells(gn_room *r, const double lower[3], const double upper[3],
                                 double radius, gneiss_error *error) {
-    const int dimension = (int)r->world->scene.dimension;
+    const int dimension = (int)r->ctx->scene.dimension;
     double number = INFINITY, most = 8.0 * (double)r->count + 4096.0;
     r->cell = 2.0 * fmax(radius, r->most);
     for (int a = 0; a < 3; a++) r->cells[a] = 1;
@@ -81,9 +81,9 @@ static gneiss_status make_cells(gn_room *r, const double lower[3], const double 
 static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
                              const double upper[3], double reach, gneiss_error *error) {
     int64_t least[3] = {0}, most[3] = {0};
-    for (int a = 0; a < (int)r->world->scene.dimension; a++) {
+    for (int a = 0; a < (int)r->ctx->scene.dimension; a++) {
         double wide = reach + x[3],
-               period = r->world->effects & GN_FX_PERIODIC ? r->world->period[a] : 0.0;
+               period = r->ctx->effects & GN_FX_PERIODIC ? r->ctx->period[a] : 0.0;
         if (period > 0.0) {
             least[a] = (int64_t)ceil((lower[a] - wide - x[a]) / period);
             most[a] = (int64_t)floor((upper[a] + wide - x[a]) / period);
@@ -96,19 +96,20 @@ static gneiss_status collect(gn_room *r, const double *x, const double lower[3],
             for (int64_t k = least[2]; k <= most[2]; k++) {
                 if (r->count == r->space) GN_TRY(reserve(r, 2 * r->space + 64, error));
                 double *image = r->sphere + 4 * r->count++;
-                image[0] = x[0] + (double)i * r->world->period[0];
-                image[1] = x[1] + (double)j * r->world->period[1];
-                image[2] = x[2] + (double)k * r->world->period[2];
+                image[0] = x[0] + (double)i * r->ctx->period[0];
+                image[1] = x[1] + (double)j * r->ctx->period[1];
+                image[2] = x[2] + (double)k * r->ctx->period[2];
                 image[3] = x[3];
                 r->most = fmax(r->most, x[3]);
             }
     return GNEISS_OK;
 }
 
-gneiss_status gn_room_open(const gn_world *w, const double lower[3], const double upper[3],
-                           double radius, gn_room *r, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    *r = (gn_room){.world = w};
+gneiss_status gn_room_open(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const double lower[3],
+                           const double upper[3], double radius, gn_room *r, gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    *r = (gn_room){.ctx = ctx, .dem = dem, .boundary = boundary};
     gneiss_status status = reserve(r, 64, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++)
         if (q->vel[4 * p + 3] > 0.0)
@@ -151,22 +152,23 @@ static bool meets_particle(const gn_room *r, const double *s) {
 
 /* Boxes of the tree about nodes are those of the last lists, since when they moved by less than the
  * skin. */
-static bool meets_surface(const gn_world *w, const gn_surface *f, const double *s) {
+static bool meets_surface(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *f,
+                          const double *s) {
     double d[3], centre[3], reach = s[3] * (1.0 + apart);
     if (f->body < 0)
-        return gn_facet_tree_near(&f->tree, &f->facets, s, reach + w->dem.verlet.skin, NULL) > 0;
-    const gn_rigid *b = &w->boundary.bodies[f->body];
+        return gn_facet_tree_near(&f->tree, &f->facets, s, reach + dem->verlet.skin, NULL) > 0;
+    const gn_rigid *b = &boundary->bodies[f->body];
     for (int a = 0; a < 3; a++) d[a] = s[a] - b->position[a];
     gn_rigid_local(b, d, centre);
     return gn_facet_tree_near(&f->tree, &f->facets, centre, reach, NULL) > 0;
 }
 
 bool gn_room_free(const gn_room *r, const double s[4]) {
-    for (size_t k = 0; k < r->world->scene.wall_count; k++)
-        if (gn_wall_distance(&r->world->boundary.walls[k], s) < s[3] * (1.0 + apart)) return false;
+    for (size_t k = 0; k < r->ctx->scene.wall_count; k++)
+        if (gn_wall_distance(&r->boundary->walls[k], s) < s[3] * (1.0 + apart)) return false;
     if (meets_particle(r, s)) return false;
-    for (size_t k = 0; k < r->world->boundary.surface_count; k++)
-        if (meets_surface(r->world, &r->world->boundary.surfaces[k], s)) return false;
+    for (size_t k = 0; k < r->boundary->surface_count; k++)
+        if (meets_surface(r->dem, r->boundary, &r->boundary->surfaces[k], s)) return false;
     return true;
 }
 

@@ -5,7 +5,9 @@
 #include "world/world.h"
 
 typedef struct gn_room {
-    const gn_world *world;
+    const gn_step_context *ctx;
+    const gn_dem *dem;
+    const gn_boundary *boundary;
     size_t count, space;
     double *sphere;  /* [count][4] particles about the box, and their images */
     double most;     /* m, the largest of their radii */
@@ -16,8 +18,10 @@ typedef struct gn_room {
 } gn_room;
 
 /* For centres in the box of spheres up to `radius`. */
-gneiss_status gn_room_open(const gn_world *world, const double lower[3], const double upper[3],
-                           double radius, gn_room *room, gneiss_error *error);
+gneiss_status gn_room_open(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const double lower[3],
+                           const double upper[3], double radius, gn_room *room,
+                           gneiss_error *error);
 void gn_room_close(gn_room *room);
 
 /* Whether a sphere touches no particle, stands on the side of all walls where particles are, and

@@ -8,8 +8,9 @@
 #include <string.h>
 
 /* What goes by the number of particles or of their blocks is made anew when the lists are. */
-static gneiss_status forget_sizes(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+static gneiss_status forget_sizes(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error) {
+    gn_dem *d = dem;
     gn_free(d->motion_sums);
     gn_free(d->around);
     gn_free(d->pieces.parent);
@@ -19,35 +20,36 @@ static gneiss_status forget_sizes(gn_world *w, gneiss_error *error) {
     d->around = NULL;
     d->pieces = (gn_pieces){0};
     gn_hold_free(&d->hold);
-    gn_boundary_resized(&w->boundary);
-    return gn_pieces_create(w, error);
+    gn_boundary_resized(boundary);
+    return gn_pieces_create(ctx, dem, error);
 }
 
 /* --- more --- */
 
-static void fill(gn_world *w, const gn_arrival *a, size_t p) {
-    gn_particles *q = &w->dem.particles;
-    const gn_source_def *d = &w->scene.sources[a->source];
-    int material = gn_scene_find_material(&w->scene, d->material);
-    double r = a->sphere[3],
-           mass = w->scene.materials[material].density * gn_ball_volume((int)w->scene.dimension, r);
+static void fill(const gn_step_context *ctx, gn_dem *dem, const gn_arrival *a, size_t p) {
+    gn_particles *q = &dem->particles;
+    const gn_source_def *d = &ctx->scene.sources[a->source];
+    int material = gn_scene_find_material(&ctx->scene, d->material);
+    double r = a->sphere[3], mass = ctx->scene.materials[material].density *
+                                    gn_ball_volume((int)ctx->scene.dimension, r);
     memcpy(q->pos + 4 * p, a->sphere, sizeof a->sphere);
     memcpy(q->start + 4 * p, a->sphere, sizeof a->sphere);
     memcpy(q->ref + 4 * p, a->sphere, sizeof a->sphere);
     memcpy(q->vel + 4 * p, a->velocity, sizeof a->velocity);
     q->vel[4 * p + 3] = 1.0 / mass;
-    if (q->spin) q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
-    q->id[p] = (int32_t)w->dem.ids++;
+    if (q->spin)
+        q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
+    q->id[p] = (int32_t)dem->ids++;
     q->material[p] = material;
     if (q->slot) q->slot[p] = -1;
     if (q->orientation) q->orientation[4 * p] = 1.0;
-    w->dem.radius_min = fmin(w->dem.radius_min, r);
-    if (w->dem.loose) w->dem.loose[q->id[p]] = 1;
+    dem->radius_min = fmin(dem->radius_min, r);
+    if (dem->loose) dem->loose[q->id[p]] = 1;
 }
 
 /* Tables by id for `ids` of them. */
-static gneiss_status grow_tables(gn_world *w, size_t ids, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+static gneiss_status grow_tables(gn_dem *dem, size_t ids, gneiss_error *error) {
+    gn_dem *d = dem;
     int32_t *index = gn_alloc_array(ids + 1, sizeof *index);
     uint8_t *loose = d->loose ? gn_alloc(ids + 1) : NULL;
     if (!index || (d->loose && !loose)) {
@@ -64,58 +66,58 @@ static gneiss_status grow_tables(gn_world *w, size_t ids, gneiss_error *error) {
 }
 
 /* `order` [count]: old places, -1: a new one. */
-static gneiss_status take_rows(gn_world *w, const int32_t *order, size_t count,
-                               gneiss_error *error) {
+static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                               const int32_t *order, size_t count, gneiss_error *error) {
     gn_particles now = {0};
-    GN_TRY(gn_soa_create(&gn_particle_record, &now, count, w->effects, error));
-    gn_soa_permute(&gn_particle_record, &now, &w->dem.particles, order);
-    gn_soa_destroy(&gn_particle_record, &w->dem.particles);
-    w->dem.particles = now;
-    gn_dem_null_particles(w);
-    return forget_sizes(w, error);
+    GN_TRY(gn_soa_create(&gn_particle_record, &now, count, ctx->effects, error));
+    gn_soa_permute(&gn_particle_record, &now, &dem->particles, order);
+    gn_soa_destroy(&gn_particle_record, &dem->particles);
+    dem->particles = now;
+    gn_dem_null_particles(ctx, dem);
+    return forget_sizes(ctx, dem, boundary, error);
 }
 
 /* Rows stay where they are; behind the last one stand other null particles. */
-static gneiss_status pad_lists(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+static gneiss_status pad_lists(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_dem *d = dem;
     if (d->pairs.soa.capacity) gn_contacts_pad(&d->pairs, &d->particles);
     if (!d->bonds.soa.capacity) return GNEISS_OK;
     gn_contacts_pad(&d->bonds, &d->particles);
-    return gn_partials_build(&d->bonds, d->particles.soa.count, w->threads, &d->bond_partials,
+    return gn_partials_build(&d->bonds, d->particles.soa.count, ctx->threads, &d->bond_partials,
                              error);
 }
 
-gneiss_status gn_dem_grow(gn_world *w, const gn_arrival *arrivals, size_t count,
-                          gneiss_error *error) {
-    size_t before = w->dem.particles.soa.count, after = before + count;
-    if ((size_t)w->dem.ids + count > INT32_MAX - 2 * GN_LANES_MAX)
+gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          const gn_arrival *arrivals, size_t count, gneiss_error *error) {
+    size_t before = dem->particles.soa.count, after = before + count;
+    if ((size_t)dem->ids + count > INT32_MAX - 2 * GN_LANES_MAX)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "step %lld, t = %g s: sources: %lld particles that came in are more than "
                        "the engine can number",
-                       (long long)w->step, w->time, (long long)w->dem.ids);
+                       (long long)ctx->step, ctx->time, (long long)dem->ids);
     int32_t *order = gn_alloc_array(after + 1, sizeof *order);
     if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", after);
     for (size_t p = 0; p < after; p++) order[p] = p < before ? (int32_t)p : -1;
-    gneiss_status status = grow_tables(w, (size_t)w->dem.ids + count, error);
-    if (status == GNEISS_OK) status = take_rows(w, order, after, error);
+    gneiss_status status = grow_tables(dem, (size_t)dem->ids + count, error);
+    if (status == GNEISS_OK) status = take_rows(ctx, dem, boundary, order, after, error);
     gn_free(order);
     GN_TRY(status);
     for (size_t k = 0; k < count; k++) {
         const double *v = arrivals[k].velocity;
-        fill(w, &arrivals[k], before + k);
+        fill(ctx, dem, &arrivals[k], before + k);
         /* What follows flights looks at the fastest. */
-        w->dem.done.motion.speed2 = fmax(w->dem.done.motion.speed2, gn_dot3(v, v));
+        dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
     }
-    gn_dem_number_ids(w);
-    return pad_lists(w, error);
+    gn_dem_number_ids(dem);
+    return pad_lists(ctx, dem, error);
 }
 
 /* --- fewer --- */
 
 /* Places of those that stay, -1 of the others; returns how many stay. */
-static size_t find_stays(const gn_world *w, int32_t *place, int32_t *order) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_contacts *b = &w->dem.bonds;
+static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *b = &dem->bonds;
     size_t count = 0;
     for (size_t p = 0; p < q->soa.count; p++) place[p] = q->vel[4 * p + 3] > 0.0 ? 1 : -1;
     for (size_t c = 0; c < b->soa.count; c++) place[b->i[c]] = place[b->j[c]] = 1;
@@ -127,28 +129,30 @@ static size_t find_stays(const gn_world *w, int32_t *place, int32_t *order) {
     return count;
 }
 
-static gneiss_status drop(gn_world *w, const int32_t *order, size_t count, const int32_t *place,
+static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          const int32_t *order, size_t count, const int32_t *place,
                           gneiss_error *error) {
-    GN_TRY(take_rows(w, order, count, error));
-    gn_dem_number_ids(w);
-    if (w->dem.bonds.soa.capacity) GN_TRY(gn_contacts_rename(&w->dem.bonds, place, error));
-    if (w->dem.pairs.soa.capacity) GN_TRY(gn_contacts_rename(&w->dem.pairs, place, error));
-    GN_TRY(pad_lists(w, error));
-    return gn_boundary_renumber(w, place, error);
+    GN_TRY(take_rows(ctx, dem, boundary, order, count, error));
+    gn_dem_number_ids(dem);
+    if (dem->bonds.soa.capacity) GN_TRY(gn_contacts_rename(&dem->bonds, place, error));
+    if (dem->pairs.soa.capacity) GN_TRY(gn_contacts_rename(&dem->pairs, place, error));
+    GN_TRY(pad_lists(ctx, dem, error));
+    return gn_boundary_renumber(boundary, place, error);
 }
 
-gneiss_status gn_dem_drop(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    if (!gn_scene_flows(&w->scene) || n == 0) return GNEISS_OK;
+gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
+    if (!gn_scene_flows(&ctx->scene) || n == 0) return GNEISS_OK;
     int32_t *place = gn_alloc_array(n + 1, sizeof *place),
             *order = gn_alloc_array(n + 1, sizeof *order);
     gneiss_status status = GNEISS_OK;
     if (!place || !order)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    size_t stay = status == GNEISS_OK ? find_stays(w, place, order) : 0;
+    size_t stay = status == GNEISS_OK ? find_stays(dem, place, order) : 0;
     /* Some rows of nothing cost less than taking them out; one at least is there. */
     if (status == GNEISS_OK && stay > 0 && n - stay > n / 16)
-        status = drop(w, order, stay, place, error);
+        status = drop(ctx, dem, boundary, order, stay, place, error);
     gn_free(place);
     gn_free(order);
     return status;

@@ -37,66 +37,68 @@ static bool is_done(const gn_source_def *d, const gn_source_state *s) {
     return d->end > 0.0 && amount(d, s) >= rate(d) * (d->end - d->start) * (1.0 - 1e-12);
 }
 
-static bool due(const gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    const gn_source_state *s = &w->dem.flow.sources[k];
-    if (w->time < d->start || is_done(d, s)) return false;
-    return amount(d, s) <= rate(d) * running(d, w->time);
+static bool due(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const gn_source_state *s = &dem->flow.sources[k];
+    if (ctx->time < d->start || is_done(d, s)) return false;
+    return amount(d, s) <= rate(d) * running(d, ctx->time);
 }
 
-bool gn_flow_due(const gn_world *w) {
-    if (!gn_scene_flows(&w->scene) || w->step - w->dem.verlet.last_step < STEPS_BETWEEN)
+bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem) {
+    if (!gn_scene_flows(&ctx->scene) || ctx->step - dem->verlet.last_step < STEPS_BETWEEN)
         return false;
-    for (size_t k = 0; k < w->scene.source_count; k++)
-        if (due(w, k)) return true;
+    for (size_t k = 0; k < ctx->scene.source_count; k++)
+        if (due(ctx, dem, k)) return true;
     return false;
 }
 
-double gn_flow_behind(const gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    const gn_source_state *s = &w->dem.flow.sources[k];
+double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const gn_source_state *s = &dem->flow.sources[k];
     if (d->total > 0 && s->number >= (double)d->total) return 0.0;
-    return fmax(0.0, running(d, w->time) - amount(d, s) / rate(d));
+    return fmax(0.0, running(d, ctx->time) - amount(d, s) / rate(d));
 }
 
-bool gn_flow_brings(const gn_world *w) {
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++) {
-        const gn_source_def *d = &w->scene.sources[k];
-        const gn_source_state *s = &w->dem.flow.sources[k];
-        const bool waits = gn_flow_behind(w, k) > 2.0 * STEPS_BETWEEN * w->dt;
-        if (!is_done(d, s) && !waits && d->start + amount(d, s) / rate(d) <= w->scene.end)
+bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem) {
+    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.source_count; k++) {
+        const gn_source_def *d = &ctx->scene.sources[k];
+        const gn_source_state *s = &dem->flow.sources[k];
+        const bool waits = gn_flow_behind(ctx, dem, k) > 2.0 * STEPS_BETWEEN * ctx->dt;
+        if (!is_done(d, s) && !waits && d->start + amount(d, s) / rate(d) <= ctx->scene.end)
             return true;
     }
     return false;
 }
 
 /* In the unit of the rate: one particle. */
-static double one(const gn_world *w, size_t k) {
-    const gn_source_state *s = &w->dem.flow.sources[k];
-    if (!(w->scene.sources[k].mass_rate > 0.0)) return 1.0;
+static double one(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_state *s = &dem->flow.sources[k];
+    if (!(ctx->scene.sources[k].mass_rate > 0.0)) return 1.0;
     return s->number > 0.0 ? s->mass / s->number : 0.0;
 }
 
-bool gn_flow_is_behind(const gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    const double behind = gn_flow_behind(w, k);
-    return behind > 0.01 * fmax(0.0, running(d, w->time)) && behind * rate(d) > one(w, k);
+bool gn_flow_is_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const double behind = gn_flow_behind(ctx, dem, k);
+    return behind > 0.01 * fmax(0.0, running(d, ctx->time)) && behind * rate(d) > one(ctx, dem, k);
 }
 
-double gn_flow_late(const gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    const double most = running(d, w->scene.end) * rate(d), late = STEPS_BETWEEN * w->dt * rate(d);
-    const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * w->dt < w->scene.end;
-    const bool full = d->total > 0 && most - late > (double)d->total * one(w, k);
-    if (over || full || !(most > 0.0) || !(one(w, k) > 0.0)) return 0.0;
-    return late > one(w, k) && late > 0.01 * most ? fmin(late / one(w, k), gn_flow_expected(w, k))
-                                                  : 0.0;
+double gn_flow_late(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const double most = running(d, ctx->scene.end) * rate(d),
+                 late = STEPS_BETWEEN * ctx->dt * rate(d);
+    const bool over = d->end > 0.0 && d->end + STEPS_BETWEEN * ctx->dt < ctx->scene.end;
+    const bool full = d->total > 0 && most - late > (double)d->total * one(ctx, dem, k);
+    if (over || full || !(most > 0.0) || !(one(ctx, dem, k) > 0.0)) return 0.0;
+    return late > one(ctx, dem, k) && late > 0.01 * most
+               ? fmin(late / one(ctx, dem, k), gn_flow_expected(ctx, dem, k))
+               : 0.0;
 }
 
-double gn_flow_expected(const gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    if (!(one(w, k) > 0.0)) return 0.0;
-    const double fed = fmax(0.0, running(d, w->scene.end)) * rate(d) / one(w, k);
+double gn_flow_expected(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    if (!(one(ctx, dem, k) > 0.0)) return 0.0;
+    const double fed = fmax(0.0, running(d, ctx->scene.end)) * rate(d) / one(ctx, dem, k);
     return d->total > 0 ? fmin(fed, (double)d->total) : fed;
 }
 
@@ -104,46 +106,46 @@ double gn_flow_expected(const gn_world *w, size_t k) {
 
 /* Numbers of a source's own, apart from those for places and for velocities. */
 enum { FOR_SIZES, FOR_PLACES, FOR_VELOCITIES, PURPOSES };
-static uint64_t seed_of(const gn_world *w, size_t k, int purpose) {
-    return gn_random_bits(w->scene.seed ^ UINT64_C(0x736f75726365),
+static uint64_t seed_of(const gn_step_context *ctx, size_t k, int purpose) {
+    return gn_random_bits(ctx->scene.seed ^ UINT64_C(0x736f75726365),
                           PURPOSES * (uint64_t)k + (uint64_t)purpose);
 }
 
-static double draw_radius(gn_world *w, size_t k) {
-    const gn_source_def *d = &w->scene.sources[k];
-    gn_source_state *s = &w->dem.flow.sources[k];
+static double draw_radius(const gn_step_context *ctx, gn_dem *dem, size_t k) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    gn_source_state *s = &dem->flow.sources[k];
     const gn_sizes sizes = {d->sizes,       d->size_ratio, d->size_variation,
-                            d->sieve_count, d->sieve,      (int)w->scene.dimension};
-    gn_drawn drawn = {seed_of(w, k, FOR_SIZES), (uint64_t)s->sizes};
-    double radius = w->dem.flow.unit[k] * gn_sizes_draw(&sizes, &drawn);
+                            d->sieve_count, d->sieve,      (int)ctx->scene.dimension};
+    gn_drawn drawn = {seed_of(ctx, k, FOR_SIZES), (uint64_t)s->sizes};
+    double radius = dem->flow.unit[k] * gn_sizes_draw(&sizes, &drawn);
     s->sizes = (double)drawn.count;
     return radius;
 }
 
 /* Uniform in the region; false: none was found in it, which takes a region that hardly fills its
  * box. */
-static bool draw_place(gn_world *w, size_t k, double x[3]) {
+static bool draw_place(const gn_step_context *ctx, gn_dem *dem, size_t k, double x[3]) {
     double lower[3], upper[3];
-    gn_source_state *s = &w->dem.flow.sources[k];
-    const uint64_t seed = seed_of(w, k, FOR_PLACES);
-    gn_domain_bounds(w->dem.flow.region[k], lower, upper);
+    gn_source_state *s = &dem->flow.sources[k];
+    const uint64_t seed = seed_of(ctx, k, FOR_PLACES);
+    gn_domain_bounds(dem->flow.region[k], lower, upper);
     for (int n = 0; n < SAMPLES; n++) {
         for (int a = 0; a < 3; a++)
             x[a] = lower[a] + (upper[a] - lower[a]) * 0.5 *
                                   (1.0 + gn_random_symmetric(seed, (uint64_t)s->places++));
-        if (gn_domain_depth(w->dem.flow.region[k], x) >= 0.0) return true;
+        if (gn_domain_depth(dem->flow.region[k], x) >= 0.0) return true;
     }
     return false;
 }
 
-static void draw_velocity(const gn_world *w, size_t k, double v[3]) {
-    const gn_source_def *d = &w->scene.sources[k];
-    const uint64_t from = 3 * (uint64_t)w->dem.flow.sources[k].number;
+static void draw_velocity(const gn_step_context *ctx, const gn_dem *dem, size_t k, double v[3]) {
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const uint64_t from = 3 * (uint64_t)dem->flow.sources[k].number;
     for (int a = 0; a < 3; a++) {
         v[a] = d->velocity[a];
-        if (a < (int)w->scene.dimension && d->random_velocity > 0.0)
+        if (a < (int)ctx->scene.dimension && d->random_velocity > 0.0)
             v[a] += d->random_velocity *
-                    gn_random_symmetric(seed_of(w, k, FOR_VELOCITIES), from + (uint64_t)a);
+                    gn_random_symmetric(seed_of(ctx, k, FOR_VELOCITIES), from + (uint64_t)a);
     }
 }
 
@@ -170,96 +172,104 @@ static gneiss_status keep(arrivals *list, const gn_arrival *a, gneiss_error *err
 }
 
 /* What the energy ledger begins with is stored at the start; later it comes in. */
-static void book(gn_world *w, const gn_arrival *a) {
-    gn_source_state *s = &w->dem.flow.sources[a->source];
-    const gn_source_def *d = &w->scene.sources[a->source];
-    int material = gn_scene_find_material(&w->scene, d->material);
-    double mass = w->scene.materials[material].density *
-                  gn_ball_volume((int)w->scene.dimension, a->sphere[3]);
+static void book(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, const gn_arrival *a) {
+    gn_source_state *s = &dem->flow.sources[a->source];
+    const gn_source_def *d = &ctx->scene.sources[a->source];
+    int material = gn_scene_find_material(&ctx->scene, d->material);
+    double mass = ctx->scene.materials[material].density *
+                  gn_ball_volume((int)ctx->scene.dimension, a->sphere[3]);
     double energy = 0.5 * mass * gn_dot3(a->velocity, a->velocity);
     s->number += 1.0;
     s->mass += mass;
     s->energy += energy;
     for (int c = 0; c < 3; c++) s->momentum[c] += mass * a->velocity[c];
-    if (w->step > 0) w->energy.inserted += energy;
+    if (ctx->step > 0) ledger->energy.inserted += energy;
 }
 
 /* A particle that finds no room keeps its radius, so that crowding does not favour small ones. */
-static bool find_place(gn_world *w, size_t k, const gn_room *room, double sphere[4]) {
-    gn_source_state *s = &w->dem.flow.sources[k];
-    if (!(s->radius > 0.0)) s->radius = draw_radius(w, k);
+static bool find_place(const gn_step_context *ctx, gn_dem *dem, size_t k, const gn_room *room,
+                       double sphere[4]) {
+    gn_source_state *s = &dem->flow.sources[k];
+    if (!(s->radius > 0.0)) s->radius = draw_radius(ctx, dem, k);
     sphere[3] = s->radius;
     for (int n = 0; n < TRIES; n++) {
-        if (!draw_place(w, k, sphere)) break;
+        if (!draw_place(ctx, dem, k, sphere)) break;
         if (gn_room_free(room, sphere)) return true;
     }
     s->full += 1.0;
     return false;
 }
 
-static gneiss_status let_in(gn_world *w, size_t k, gn_room *room, arrivals *list,
-                            gneiss_error *error) {
-    while (due(w, k)) {
+static gneiss_status let_in(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger, size_t k,
+                            gn_room *room, arrivals *list, gneiss_error *error) {
+    while (due(ctx, dem, k)) {
         gn_arrival a = {.source = k};
-        if (!find_place(w, k, room, a.sphere)) return GNEISS_OK;
-        draw_velocity(w, k, a.velocity);
+        if (!find_place(ctx, dem, k, room, a.sphere)) return GNEISS_OK;
+        draw_velocity(ctx, dem, k, a.velocity);
         GN_TRY(gn_room_take(room, a.sphere, error));
         GN_TRY(keep(list, &a, error));
-        w->dem.flow.sources[k].radius = 0.0;
-        book(w, &a);
+        dem->flow.sources[k].radius = 0.0;
+        book(ctx, dem, ledger, &a);
     }
     return GNEISS_OK;
 }
 
-static gneiss_status find_arrivals(gn_world *w, arrivals *list, gneiss_error *error) {
+static gneiss_status find_arrivals(const gn_step_context *ctx, gn_dem *dem,
+                                   const gn_boundary *boundary, gn_ledger *ledger, arrivals *list,
+                                   gneiss_error *error) {
     double lower[3], upper[3];
     gn_room room;
-    gn_flow_bounds(w, lower, upper);
-    GN_TRY(gn_room_open(w, lower, upper, gn_flow_largest_radius(w), &room, error));
+    gn_flow_bounds(ctx, dem, lower, upper);
+    GN_TRY(gn_room_open(ctx, dem, boundary, lower, upper, gn_flow_largest_radius(ctx, dem), &room,
+                        error));
     gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < w->scene.source_count; k++)
-        status = let_in(w, k, &room, list, error);
+    for (size_t k = 0; status == GNEISS_OK && k < ctx->scene.source_count; k++)
+        status = let_in(ctx, dem, ledger, k, &room, list, error);
     gn_room_close(&room);
     return status;
 }
 
-const char *gn_flow_wall_before(const gn_world *w, size_t k) {
+const char *gn_flow_wall_before(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, size_t k) {
     double bound[2][3];
-    gn_domain_bounds(w->dem.flow.region[k], bound[0], bound[1]);
-    for (size_t i = 0; i < w->scene.wall_count; i++) {
+    gn_domain_bounds(dem->flow.region[k], bound[0], bound[1]);
+    for (size_t i = 0; i < ctx->scene.wall_count; i++) {
         double farthest = -INFINITY;
         for (int c = 0; c < 8; c++) {
             const double x[3] = {bound[c & 1][0], bound[c >> 1 & 1][1], bound[c >> 2][2]};
-            farthest = fmax(farthest, gn_wall_distance(&w->boundary.walls[i], x));
+            farthest = fmax(farthest, gn_wall_distance(&boundary->walls[i], x));
         }
-        if (farthest < gn_flow_least_radius(w)) return w->scene.walls[i].name;
+        if (farthest < gn_flow_least_radius(ctx, dem)) return ctx->scene.walls[i].name;
     }
     return NULL;
 }
 
-static gneiss_status nothing_came(const gn_world *w, gneiss_error *error) {
+static gneiss_status nothing_came(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, gneiss_error *error) {
     size_t k = 0;
-    while (w->scene.sources[k].start > 0.0) k++;
-    const gn_source_def *d = &w->scene.sources[k];
-    const char *wall = gn_flow_wall_before(w, k);
+    while (ctx->scene.sources[k].start > 0.0) k++;
+    const gn_source_def *d = &ctx->scene.sources[k];
+    const char *wall = gn_flow_wall_before(ctx, dem, boundary, k);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected room for a first particle, radius %g m, in source '%s', found "
                    "%s%s%s",
-                   gn_scene_at(&w->scene, d->where, "sources").text, w->dem.flow.sources[k].radius,
+                   gn_scene_at(&ctx->scene, d->where, "sources").text, dem->flow.sources[k].radius,
                    d->name, wall ? "all of it behind wall '" : "", wall ? wall : "",
                    wall ? "', whose normal points to where particles may be"
                         : "walls or bodies wherever it was tried");
 }
 
-gneiss_status gn_flow_arrive(gn_world *w, bool first, gneiss_error *error) {
+gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                             gn_ledger *ledger, bool first, gneiss_error *error) {
     arrivals list = {0};
     bool any = false;
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++)
-        any = any || due(w, k);
+    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.source_count; k++)
+        any = any || due(ctx, dem, k);
     if (!any) return GNEISS_OK;
-    gneiss_status status = find_arrivals(w, &list, error);
-    if (status == GNEISS_OK && list.count) status = gn_dem_grow(w, list.item, list.count, error);
+    gneiss_status status = find_arrivals(ctx, dem, boundary, ledger, &list, error);
+    if (status == GNEISS_OK && list.count)
+        status = gn_dem_grow(ctx, dem, boundary, list.item, list.count, error);
     gn_free(list.item);
     GN_TRY(status);
-    return first && !w->dem.particles.soa.count ? nothing_came(w, error) : GNEISS_OK;
+    return first && !dem->particles.soa.count ? nothing_came(ctx, dem, boundary, error) : GNEISS_OK;
 }

@@ -35,57 +35,61 @@ static void add(const visit *v, double centre, double reach) {
     }
 }
 
-static void visit_set(const gn_world *w, size_t set, size_t axis, const visit *v) {
-    const gn_particles *q = &w->dem.particles;
+static void visit_set(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t axis,
+                      const visit *v) {
+    const gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_set_selected(w, set, p)) add(v, q->start[4 * p + axis], q->pos[4 * p + 3]);
+        if (gn_set_selected(ctx, dem, set, p)) add(v, q->start[4 * p + axis], q->pos[4 * p + 3]);
 }
 
-static void visit_motion(const gn_world *w, size_t motion, size_t axis, const visit *v) {
+static void visit_motion(const gn_solids *solids, size_t motion, size_t axis, const visit *v) {
     const gn_particles *nodes;
-    const gn_fem_set *set = gn_elements_motion_set(w, motion, &nodes);
+    const gn_fem_set *set = gn_elements_motion_set(solids, motion, &nodes);
     for (size_t k = 0; k < set->count; k++)
         add(v, nodes->start[4 * (size_t)set->node[k] + axis], 0);
 }
 
 /* As far as it reaches from its reference point, however it is turned. */
-static void visit_body(const gn_world *w, size_t body, size_t axis, const visit *v) {
+static void visit_body(const gn_boundary *boundary, size_t body, size_t axis, const visit *v) {
     size_t first = 0;
     double reach = 0.0;
-    for (size_t k = 0; k < body; k++) first += (size_t)w->boundary.body_shape[k][0];
-    for (size_t n = first; n < first + (size_t)w->boundary.body_shape[body][0]; n++) {
-        const double *x = w->boundary.body_vertex + 4 * n;
+    for (size_t k = 0; k < body; k++) first += (size_t)boundary->body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)boundary->body_shape[body][0]; n++) {
+        const double *x = boundary->body_vertex + 4 * n;
         reach = fmax(reach, sqrt(gn_dot3(x, x)));
     }
-    add(v, w->boundary.bodies[body].start[axis], reach);
+    add(v, boundary->bodies[body].start[axis], reach);
 }
 
 /* False: a wall is among its parts. */
-static bool visit_end(const gn_world *w, const gn_test_end *end, size_t axis, const visit *v) {
-    const gn_scene *s = &w->scene;
+static bool visit_end(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      const gn_solids *solids, const gn_test_end *end, size_t axis,
+                      const visit *v) {
+    const gn_scene *s = &ctx->scene;
     for (size_t k = 0; k < end->count; k++) {
         int set = gn_scene_find_set(s, end->name[k]), body = gn_scene_find_body(s, end->name[k]),
             motion = gn_scene_find_element_motion(s, end->name[k]);
         if (set >= 0)
-            visit_set(w, (size_t)set, axis, v);
+            visit_set(ctx, dem, (size_t)set, axis, v);
         else if (motion >= 0)
-            visit_motion(w, (size_t)motion, axis, v);
+            visit_motion(solids, (size_t)motion, axis, v);
         else if (body >= 0)
-            visit_body(w, (size_t)body, axis, v);
+            visit_body(boundary, (size_t)body, axis, v);
         else
             return false;
     }
     return true;
 }
 
-static places places_of(const gn_world *w, const gn_test_end *end, size_t axis) {
+static places places_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, const gn_test_end *end, size_t axis) {
     places p = {.low = INFINITY, .high = -INFINITY, .left_high = -INFINITY, .right_low = INFINITY};
     visit v = {.into = &p};
-    if (!visit_end(w, end, axis, &v)) p.known = false;
+    if (!visit_end(ctx, dem, boundary, solids, end, axis, &v)) p.known = false;
     if (!p.known) return p;
     v.sides = true;
     v.middle = 0.5 * (p.low + p.high);
-    visit_end(w, end, axis, &v);
+    visit_end(ctx, dem, boundary, solids, end, axis, &v);
     return p;
 }
 
@@ -110,15 +114,16 @@ static void hold(report *r, const char *key, double given, double low, double hi
 }
 
 /* Across z in 2D; in 3D along the longer of the sides that the load is not along. */
-static size_t along_beam(const gn_world *w) {
-    size_t axis = (size_t)w->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
-    if (w->scene.dimension == 2) return 1 - axis;
-    return gn_world_side(w, (int)a) >= gn_world_side(w, (int)b) ? a : b;
+static size_t along_beam(const gn_step_context *ctx, const gn_solids *solids) {
+    size_t axis = (size_t)ctx->scene.test.axis, a = (axis + 1) % 3, b = (axis + 2) % 3;
+    if (ctx->scene.dimension == 2) return 1 - axis;
+    return gn_world_side(ctx, solids, (int)a) >= gn_world_side(ctx, solids, (int)b) ? a : b;
 }
 
-static void hold_spans(const gn_world *w, size_t along, const places *supports, report *r) {
-    const gn_test *t = &w->scene.test;
-    const places loads = places_of(w, &t->upper, along);
+static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, size_t along, const places *supports, report *r) {
+    const gn_test *t = &ctx->scene.test;
+    const places loads = places_of(ctx, dem, boundary, solids, &t->upper, along);
     if (supports->known)
         hold(r, "span", t->span, supports->right_low - supports->left_high,
              supports->high - supports->low, "the supports are apart by");
@@ -137,31 +142,32 @@ static void hold_spans(const gn_world *w, size_t along, const places *supports, 
     int more =
         snprintf(r->text + r->used, r->size - r->used,
                  "%sthe load is at %.4g to %.4g m along %c, mid-span at %.4g m",
-                 r->used > r->before ? "; " : "", gn_point_out(w->scene.origin[along], loads.low),
-                 gn_point_out(w->scene.origin[along], loads.high), "xyz"[along],
-                 gn_point_out(w->scene.origin[along], 0.5 * (low + high)));
+                 r->used > r->before ? "; " : "", gn_point_out(ctx->scene.origin[along], loads.low),
+                 gn_point_out(ctx->scene.origin[along], loads.high), "xyz"[along],
+                 gn_point_out(ctx->scene.origin[along], 0.5 * (low + high)));
     r->used += more > 0 ? (size_t)more : 0;
 }
 
 /* Of particles that are not packed into a shape the surface is known to a radius. */
-static void hold_extent(const gn_world *w, const char *key, double given, size_t axis, report *r) {
-    const gn_pack_def *pack = &w->scene.specimen.pack;
-    double low = gn_world_side(w, (int)axis), high = low;
+static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                        const char *key, double given, size_t axis, report *r) {
+    const gn_pack_def *pack = &ctx->scene.specimen.pack;
+    double low = gn_world_side(ctx, solids, (int)axis), high = low;
     if (!(given > 0.0)) return;
     /* Of one body: of elements, or with the particles, which stick out a little where they fill it.
      */
-    if (w->scene.has_couple) {
+    if (ctx->scene.has_couple) {
         double side[3];
-        gn_elements_sides(w, side);
+        gn_elements_sides(solids, side);
         hold(r, key, given, side[axis], high, "the specimen has");
         return;
     }
-    if (pack->shape == GN_SHAPE_NONE && w->dem.particles.soa.count) {
-        low -= 2.0 * gn_world_mean_radius(w);
+    if (pack->shape == GN_SHAPE_NONE && dem->particles.soa.count) {
+        low -= 2.0 * gn_world_mean_radius(dem);
     } else if (pack->shape == GN_SHAPE_RECTANGLE || pack->shape == GN_SHAPE_BOX) {
         low = high = fmax(high, pack->size[axis]);
     } else if (pack->shape == GN_SHAPE_POLYGON) {
-        double least = w->lower[axis], most = w->upper[axis];
+        double least = ctx->lower[axis], most = ctx->upper[axis];
         for (size_t k = 0; k < pack->corner_count; k++) {
             least = fmin(least, pack->corners[2 * k + axis]);
             most = fmax(most, pack->corners[2 * k + axis]);
@@ -173,8 +179,8 @@ static void hold_extent(const gn_world *w, const char *key, double given, size_t
 
 /* The deepest corner of an outline between the supports that is neither below nor above; below 0:
  * nothing is known of a notch. */
-static double notch_of(const gn_world *w, size_t along, const places *supports) {
-    const gn_scene *s = &w->scene;
+static double notch_of(const gn_step_context *ctx, size_t along, const places *supports) {
+    const gn_scene *s = &ctx->scene;
     const gn_pack_def *pack = &s->specimen.pack;
     const size_t axis = (size_t)s->test.axis;
     double deepest = 0.0, least = INFINITY, most = -INFINITY;
@@ -192,29 +198,32 @@ static double notch_of(const gn_world *w, size_t along, const places *supports) 
     return deepest;
 }
 
-bool gn_bending_outside(const gn_world *w) {
-    const size_t along = along_beam(w);
-    const places supports = places_of(w, &w->scene.test.lower, along),
-                 loads = places_of(w, &w->scene.test.upper, along);
+bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids) {
+    const size_t along = along_beam(ctx, solids);
+    const places supports = places_of(ctx, dem, boundary, solids, &ctx->scene.test.lower, along),
+                 loads = places_of(ctx, dem, boundary, solids, &ctx->scene.test.upper, along);
     if (!supports.known || !loads.known) return false;
     return loads.high < supports.low || loads.low > supports.high;
 }
 
-bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {
-    const gn_test *t = &w->scene.test;
+bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, char *text, size_t size) {
+    const gn_test *t = &ctx->scene.test;
     if (t->kind != GN_TEST_BENDING) return false;
-    const int place = snprintf(text, size, "%s: ", gn_scene_at(&w->scene, t->where, "test").text);
+    const int place = snprintf(text, size, "%s: ", gn_scene_at(&ctx->scene, t->where, "test").text);
     const size_t before = place > 0 ? (size_t)place : 0;
     report r = {text, size, before, before};
-    const size_t along = along_beam(w), axis = (size_t)t->axis;
-    const places supports = places_of(w, &t->lower, along);
-    hold_spans(w, along, &supports, &r);
-    hold_extent(w, "height", t->height, axis, &r);
-    if (w->scene.dimension == 3) hold_extent(w, "thickness", t->thickness, 3 - axis - along, &r);
-    const double notch = notch_of(w, along, &supports);
+    const size_t along = along_beam(ctx, solids), axis = (size_t)t->axis;
+    const places supports = places_of(ctx, dem, boundary, solids, &t->lower, along);
+    hold_spans(ctx, dem, boundary, solids, along, &supports, &r);
+    hold_extent(ctx, dem, solids, "height", t->height, axis, &r);
+    if (ctx->scene.dimension == 3)
+        hold_extent(ctx, dem, solids, "thickness", t->thickness, 3 - axis - along, &r);
+    const double notch = notch_of(ctx, along, &supports);
     /* A shape without one may have it cut otherwise, as by groups that do not bond. */
-    const bool whole = notch == 0.0 && w->scene.has_elements && w->scene.elements.has_beam &&
-                       !w->scene.has_specimen;
+    const bool whole = notch == 0.0 && ctx->scene.has_elements && ctx->scene.elements.has_beam &&
+                       !ctx->scene.has_specimen;
     if (notch > 0.0 || whole) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
     return r.used > before;
 }

@@ -7,10 +7,12 @@
 /* Whether span, load_span, height, notch or thickness of a bending test are off by more than a
  * hundredth of what the scene shows: where supports and loads hold the specimen at the start, and
  * its extent. `text` then has each with both numbers, else it is "". */
-bool gn_bending_doubts(const gn_world *world, char *text, size_t size);
+bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, char *text, size_t size);
 
 /* Whether all of the upper end is beside all of the lower one along the beam: no support, or no
  * load, is between. False where a wall is among them. */
-bool gn_bending_outside(const gn_world *world);
+bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids);
 
 #endif

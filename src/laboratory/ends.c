@@ -8,13 +8,15 @@
 
 /* From where it stood at the start, along the axis. */
 static double part_travel(const gn_world *w, const char *name, int axis) {
-    const gn_scene *s = &w->scene;
+    const gn_scene *s = &w->ctx.scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
     if (wall >= 0) return w->boundary.walls[wall].point[axis] - w->boundary.walls[wall].start[axis];
     if (body >= 0)
         return w->boundary.bodies[body].position[axis] - w->boundary.bodies[body].start[axis];
-    if (motion < 0) return gn_set_travel(w, (size_t)gn_scene_find_set(s, name), axis);
+    if (motion < 0)
+        return gn_set_travel(&w->ctx, &w->dem, &w->solids, (size_t)gn_scene_find_set(s, name),
+                             axis);
     double travel[3];
     gn_elements_travel(w, (size_t)motion, travel);
     return travel[axis];
@@ -28,19 +30,19 @@ static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
 
 /* A wall along the sheared plane that is not moved along it lies on what is sheared, as a lid with
  * a servo does: it presses there and has no part in how far that went. */
-static bool only_presses(const gn_world *w, const char *name, int axis) {
-    const int wall = gn_scene_find_wall(&w->scene, name);
-    if (wall < 0 || !gn_test_in(w->scene.test.kind, GN_TESTS_SHEARED)) return false;
-    const gn_wall_def *def = &w->scene.walls[wall];
+static bool only_presses(const gn_step_context *ctx, const char *name, int axis) {
+    const int wall = gn_scene_find_wall(&ctx->scene, name);
+    if (wall < 0 || !gn_test_in(ctx->scene.test.kind, GN_TESTS_SHEARED)) return false;
+    const gn_wall_def *def = &ctx->scene.walls[wall];
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
 
 /* Of an end of the test along its axis; of nothing but such walls all count. */
 static double loaded_travel(const gn_world *w, const gn_test_end *end) {
-    const int axis = (int)w->scene.test.axis;
+    const int axis = (int)w->ctx.scene.test.axis;
     double sum = 0.0, count = 0.0;
     for (size_t k = 0; k < end->count; k++) {
-        if (only_presses(w, end->name[k], axis)) continue;
+        if (only_presses(&w->ctx, end->name[k], axis)) continue;
         sum += part_travel(w, end->name[k], axis);
         count += 1.0;
     }
@@ -49,7 +51,7 @@ static double loaded_travel(const gn_world *w, const gn_test_end *end) {
 
 /* Force with which a part loads the specimen along the axis. */
 static double part_force(const gn_world *w, const char *name, int axis) {
-    const gn_scene *s = &w->scene;
+    const gn_scene *s = &w->ctx.scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
     if (wall >= 0) return -w->boundary.walls[wall].force[axis];
@@ -70,28 +72,28 @@ static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
     return sum;
 }
 
-static double test_sign(const gn_world *w) {
-    return gn_test_sign(w->scene.test.kind);
+static double test_sign(const gn_step_context *ctx) {
+    return gn_test_sign(ctx->scene.test.kind);
 }
 
 double gn_ends_deflection(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    return test_sign(w) * (loaded_travel(w, &t->upper) - loaded_travel(w, &t->lower));
+    const gn_test *t = &w->ctx.scene.test;
+    return test_sign(&w->ctx) * (loaded_travel(w, &t->upper) - loaded_travel(w, &t->lower));
 }
 
 double gn_ends_opening(const gn_world *w) {
-    const gn_opening *o = &w->scene.test.opening;
+    const gn_opening *o = &w->ctx.scene.test.opening;
     int axis = (int)o->axis;
     return end_travel(w, &o->upper, axis) - end_travel(w, &o->lower, axis);
 }
 
 void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
-    double sign = test_sign(w);
-    const gn_test *t = &w->scene.test;
+    double sign = test_sign(&w->ctx);
+    const gn_test *t = &w->ctx.scene.test;
     *lower = -sign * end_force(w, &t->lower, (int)t->axis);
     *upper = sign * end_force(w, &t->upper, (int)t->axis);
-    if (!gn_scene_end_drives(&w->scene, &w->scene.test.lower)) *lower = *upper;
-    if (!gn_scene_end_drives(&w->scene, &w->scene.test.upper)) *upper = *lower;
+    if (!gn_scene_end_drives(&w->ctx.scene, &w->ctx.scene.test.lower)) *lower = *upper;
+    if (!gn_scene_end_drives(&w->ctx.scene, &w->ctx.scene.test.upper)) *upper = *lower;
 }
 
 /* Whether a part can bear or load along an axis. */
@@ -102,63 +104,66 @@ static bool acts_along(const gn_scene *s, const char *name, int axis) {
     return s->sets[set].motion.velocity[axis].count || s->sets[set].has_force;
 }
 
-static bool end_acts_along(const gn_world *w, const gn_test_end *end, int axis) {
+static bool end_acts_along(const gn_step_context *ctx, const gn_test_end *end, int axis) {
     bool acts = false;
-    for (size_t k = 0; k < end->count; k++) acts |= acts_along(&w->scene, end->name[k], axis);
+    for (size_t k = 0; k < end->count; k++) acts |= acts_along(&ctx->scene, end->name[k], axis);
     return acts;
 }
 
 void gn_ends_normals(const gn_world *w, double *lower, double *upper) {
-    const gn_test *t = &w->scene.test;
+    const gn_test *t = &w->ctx.scene.test;
     const int normal = (int)t->normal;
     *lower = end_force(w, &t->lower, normal);
     *upper = -end_force(w, &t->upper, normal);
-    if (!end_acts_along(w, &t->lower, normal)) *lower = *upper;
-    if (!end_acts_along(w, &t->upper, normal)) *upper = *lower;
+    if (!end_acts_along(&w->ctx, &t->lower, normal)) *lower = *upper;
+    if (!end_acts_along(&w->ctx, &t->upper, normal)) *upper = *lower;
 }
 
 double gn_ends_dilation(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
+    const gn_test *t = &w->ctx.scene.test;
     int normal = (int)t->normal;
     return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
 }
 
 /* The place farthest along `sense` (+1, -1) times the normal, times `sense`; -infinity: not known
  * (yet). */
-static double body_reach(const gn_world *w, size_t body, double sense) {
-    const int normal = (int)w->scene.test.normal;
+static double body_reach(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
+                         double sense) {
+    const int normal = (int)ctx->scene.test.normal;
     double reach = -INFINITY;
     size_t first = 0;
-    if (!w->boundary.body_vertex) return reach;
-    for (size_t k = 0; k < body; k++) first += (size_t)w->boundary.body_shape[k][0];
-    for (size_t n = first; n < first + (size_t)w->boundary.body_shape[body][0]; n++)
-        reach = fmax(reach, sense * (w->boundary.bodies[body].start[normal] +
-                                     w->boundary.body_vertex[4 * n + (size_t)normal]));
+    if (!boundary->body_vertex) return reach;
+    for (size_t k = 0; k < body; k++) first += (size_t)boundary->body_shape[k][0];
+    for (size_t n = first; n < first + (size_t)boundary->body_shape[body][0]; n++)
+        reach = fmax(reach, sense * (boundary->bodies[body].start[normal] +
+                                     boundary->body_vertex[4 * n + (size_t)normal]));
     return reach;
 }
 
-static double set_reach(const gn_world *w, size_t set, double sense) {
-    const gn_particles *q = &w->dem.particles;
+static double set_reach(const gn_step_context *ctx, const gn_dem *dem, size_t set, double sense) {
+    const gn_particles *q = &dem->particles;
     double reach = -INFINITY;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_set_selected(w, set, p))
-            reach = fmax(reach, sense * q->start[4 * p + (size_t)w->scene.test.normal]);
+        if (gn_set_selected(ctx, dem, set, p))
+            reach = fmax(reach, sense * q->start[4 * p + (size_t)ctx->scene.test.normal]);
     return reach;
 }
 
-static double motion_reach(const gn_world *w, size_t motion, double sense) {
+static double motion_reach(const gn_step_context *ctx, const gn_solids *solids, size_t motion,
+                           double sense) {
     double reach = -INFINITY;
     const gn_particles *nodes;
-    if (w->scene.has_specimen) return reach; /* particles are what is sheared */
-    const gn_fem_set *set = gn_elements_motion_set(w, motion, &nodes);
+    if (ctx->scene.has_specimen) return reach; /* particles are what is sheared */
+    const gn_fem_set *set = gn_elements_motion_set(solids, motion, &nodes);
     for (size_t k = 0; k < set->count; k++)
-        reach = fmax(reach,
-                     sense * nodes->start[4 * (size_t)set->node[k] + (size_t)w->scene.test.normal]);
+        reach = fmax(
+            reach, sense * nodes->start[4 * (size_t)set->node[k] + (size_t)ctx->scene.test.normal]);
     return reach;
 }
 
-static double end_reach(const gn_world *w, const gn_test_end *end, double sense) {
-    const gn_scene *s = &w->scene;
+static double end_reach(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, const gn_test_end *end, double sense) {
+    const gn_scene *s = &ctx->scene;
     double reach = -INFINITY;
     for (size_t k = 0; k < end->count; k++) {
         const int wall = gn_scene_find_wall(s, end->name[k]),
@@ -166,21 +171,25 @@ static double end_reach(const gn_world *w, const gn_test_end *end, double sense)
                   body = gn_scene_find_body(s, end->name[k]),
                   motion = gn_scene_find_element_motion(s, end->name[k]);
         if (wall >= 0) reach = fmax(reach, sense * s->walls[wall].point[s->test.normal]);
-        if (set >= 0) reach = fmax(reach, set_reach(w, (size_t)set, sense));
-        if (body >= 0) reach = fmax(reach, body_reach(w, (size_t)body, sense));
-        if (motion >= 0) reach = fmax(reach, motion_reach(w, (size_t)motion, sense));
+        if (set >= 0) reach = fmax(reach, set_reach(ctx, dem, (size_t)set, sense));
+        if (body >= 0) reach = fmax(reach, body_reach(ctx, boundary, (size_t)body, sense));
+        if (motion >= 0) reach = fmax(reach, motion_reach(ctx, solids, (size_t)motion, sense));
     }
     return reach;
 }
 
-double gn_ends_gap(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    return -end_reach(w, &t->upper, -1.0) - end_reach(w, &t->lower, 1.0);
+double gn_ends_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                   const gn_solids *solids) {
+    const gn_test *t = &ctx->scene.test;
+    return -end_reach(ctx, dem, boundary, solids, &t->upper, -1.0) -
+           end_reach(ctx, dem, boundary, solids, &t->lower, 1.0);
 }
 
-double gn_ends_free(const gn_world *w) {
-    const int normal = (int)w->scene.test.normal;
-    const double height = gn_world_side(w, normal), gap = gn_ends_gap(w),
-                 least = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w) : 0.0;
+double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    const gn_solids *solids) {
+    const int normal = (int)ctx->scene.test.normal;
+    const double height = gn_world_side(ctx, solids, normal),
+                 gap = gn_ends_gap(ctx, dem, boundary, solids),
+                 least = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem) : 0.0;
     return gap > least && gap < height ? gap : height;
 }

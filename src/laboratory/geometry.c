@@ -19,24 +19,25 @@ typedef struct size_given {
 
 enum { SIZES_MOST = 3 };
 
-static double extent(const gn_world *w, int axis) {
-    return w->upper[axis] - w->lower[axis];
+static double extent(const gn_step_context *ctx, int axis) {
+    return ctx->upper[axis] - ctx->lower[axis];
 }
 
 /* Of particles that are not packed into a shape the surface is known to a radius. */
-static size_given length_along(const gn_world *w, const char *key, double given, int axis) {
-    size_given s = {key, "m", given, extent(w, axis), extent(w, axis)};
-    if (w->scene.specimen.pack.shape == GN_SHAPE_NONE && w->dem.particles.soa.count)
-        s.low -= 2.0 * gn_world_mean_radius(w);
+static size_given length_along(const gn_step_context *ctx, const gn_dem *dem, const char *key,
+                               double given, int axis) {
+    size_given s = {key, "m", given, extent(ctx, axis), extent(ctx, axis)};
+    if (ctx->scene.specimen.pack.shape == GN_SHAPE_NONE && dem->particles.soa.count)
+        s.low -= 2.0 * gn_world_mean_radius(dem);
     return s;
 }
 
-static double solid_volume(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double solid_volume(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double sum = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double r = q->pos[4 * p + 3];
-        sum += w->scene.dimension == 2 ? M_PI * r * r : 4.0 / 3.0 * M_PI * r * r * r;
+        sum += ctx->scene.dimension == 2 ? M_PI * r * r : 4.0 / 3.0 * M_PI * r * r * r;
     }
     return sum;
 }
@@ -50,54 +51,58 @@ static bool cut_by_groups(const gn_scene *s) {
 
 /* The section across an axis: no more than that of the box about it. Of what is the same all along
  * it is the mean one; of others, which may have a waist, nothing is known of the least. */
-static size_given section_across(const gn_world *w, int axis) {
-    const gn_test *t = &w->scene.test;
-    const gn_shape_kind shape = w->scene.specimen.pack.shape;
-    const bool space = w->scene.dimension == 3;
+static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_solids *solids, int axis) {
+    const gn_test *t = &ctx->scene.test;
+    const gn_shape_kind shape = ctx->scene.specimen.pack.shape;
+    const bool space = ctx->scene.dimension == 3;
     size_given s = {"area", "m2", t->area, 0.0, 1.0};
     if (t->diameter > 0.0) {
         s.key = space ? "the area of a circle of diameter" : "the area by diameter, 1 m thick,";
         s.given = space ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
     }
-    for (int a = 0; a < (int)w->scene.dimension; a++)
-        if (a != axis) s.high *= extent(w, a);
+    for (int a = 0; a < (int)ctx->scene.dimension; a++)
+        if (a != axis) s.high *= extent(ctx, a);
     const bool prism = shape == GN_SHAPE_BOX || shape == GN_SHAPE_RECTANGLE ||
                        (shape == GN_SHAPE_CYLINDER && axis == 2);
-    if (prism && !w->element_count && !cut_by_groups(&w->scene)) {
+    if (prism && !solids->count && !cut_by_groups(&ctx->scene)) {
         if (shape == GN_SHAPE_CYLINDER) s.high *= M_PI / 4.0;
         s.low = s.high;
-    } else if (shape == GN_SHAPE_NONE && !w->element_count && !cut_by_groups(&w->scene)) {
-        s.low = fmin(s.high, solid_volume(w) / extent(w, axis));
+    } else if (shape == GN_SHAPE_NONE && !solids->count && !cut_by_groups(&ctx->scene)) {
+        s.low = fmin(s.high, solid_volume(ctx, dem) / extent(ctx, axis));
     }
     return s;
 }
 
-static size_t sizes_of(const gn_world *w, size_given sizes[SIZES_MOST]) {
-    const gn_test *t = &w->scene.test;
+static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, size_given sizes[SIZES_MOST]) {
+    const gn_test *t = &ctx->scene.test;
     size_t count = 0;
     const bool sheared = gn_test_in(t->kind, GN_TESTS_SHEARED);
     const int way = (int)(sheared ? t->normal : t->axis);
     /* What begins loose is another specimen once stages have settled and bonded it. */
-    if (w->given.stage_count && w->given.bonds != GN_SWITCH_ON) return 0;
+    if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return 0;
     /* Of particles beside elements either may be what is tested. */
-    if (!w->dem.particles.soa.count == !w->element_count) return 0;
+    if (!dem->particles.soa.count == !solids->count) return 0;
     if (t->kind == GN_TEST_BRAZILIAN) {
-        if (t->diameter > 0.0) sizes[count++] = length_along(w, "diameter", t->diameter, way);
-        if (t->thickness > 0.0 && w->scene.dimension == 3)
-            sizes[count++] = length_along(w, "thickness", t->thickness, 2);
+        if (t->diameter > 0.0)
+            sizes[count++] = length_along(ctx, dem, "diameter", t->diameter, way);
+        if (t->thickness > 0.0 && ctx->scene.dimension == 3)
+            sizes[count++] = length_along(ctx, dem, "thickness", t->thickness, 2);
         return count;
     }
-    if (!gn_test_in(t->kind, GN_TESTS_PRISMS | GN_TESTS_SHEARED) || w->scene.source_count) return 0;
-    if (t->length > 0.0 && !gn_scene_periodic_along(&w->scene, way)) {
-        sizes[count] = length_along(w, "length", t->length, way);
+    if (!gn_test_in(t->kind, GN_TESTS_PRISMS | GN_TESTS_SHEARED) || ctx->scene.source_count)
+        return 0;
+    if (t->length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
+        sizes[count] = length_along(ctx, dem, "length", t->length, way);
         /* Or what the ends leave between them, of sets to a radius at each side. */
-        const double gap = sheared ? gn_ends_gap(w) : INFINITY,
-                     sides = w->dem.particles.soa.count ? 2.0 * gn_world_mean_radius(w) : 0.0;
+        const double gap = sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
+                     sides = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
         count++;
     }
-    if ((t->area > 0.0 || t->diameter > 0.0) && !w->scene.has_periodic)
-        sizes[count++] = section_across(w, way);
+    if ((t->area > 0.0 || t->diameter > 0.0) && !ctx->scene.has_periodic)
+        sizes[count++] = section_across(ctx, dem, solids, way);
     return count;
 }
 
@@ -113,18 +118,20 @@ static int told(const size_given *s, char *text, size_t size) {
                     s->unit, s->high, s->unit);
 }
 
-bool gn_geometry_doubts(const gn_world *w, char *text, size_t size) {
+bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, char *text, size_t size) {
     size_given sizes[SIZES_MOST];
-    if (w->scene.test.kind == GN_TEST_BENDING) return gn_bending_doubts(w, text, size);
-    const size_t count = sizes_of(w, sizes);
-    const gn_scene_place where = w->scene.test.where;
+    if (ctx->scene.test.kind == GN_TEST_BENDING)
+        return gn_bending_doubts(ctx, dem, boundary, solids, text, size);
+    const size_t count = sizes_of(ctx, dem, boundary, solids, sizes);
+    const gn_scene_place where = ctx->scene.test.where;
     size_t used = 0;
     bool any = false;
     *text = '\0';
     for (size_t k = 0; k < count; k++) {
         if (!beyond(&sizes[k], tolerance) || used >= size) continue;
         int more = any ? snprintf(text + used, size - used, "; ")
-                       : snprintf(text, size, "%s: ", gn_scene_at(&w->scene, where, "test").text);
+                       : snprintf(text, size, "%s: ", gn_scene_at(&ctx->scene, where, "test").text);
         used += more > 0 ? (size_t)more : 0;
         if (used < size) more = told(&sizes[k], text + used, size - used);
         used += more > 0 ? (size_t)more : 0;
@@ -135,13 +142,15 @@ bool gn_geometry_doubts(const gn_world *w, char *text, size_t size) {
 
 /* A bar that its ends bend, or something that is pulled out of a block, has lengths and areas of
  * its own: these are warned of alone. */
-gneiss_status gn_geometry_check(const gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
+gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
     size_given sizes[SIZES_MOST];
     char text[256];
     if (!gn_test_in(s->test.kind, GN_TESTS_CONFINED | GN_TESTS(BRAZILIAN) | GN_TESTS(OEDOMETER)))
         return GNEISS_OK;
-    const size_t count = sizes_of(w, sizes);
+    const size_t count = sizes_of(ctx, dem, boundary, solids, sizes);
     for (size_t k = 0; k < count; k++) {
         if (!beyond(&sizes[k], nonsense - 1.0)) continue;
         told(&sizes[k], text, sizeof text);

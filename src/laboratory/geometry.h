@@ -7,10 +7,13 @@
 /* Whether length, area, diameter or thickness of a test are off by more than a tenth of what the
  * specimen has at the start, or a beam by a hundredth (laboratory/bending.h). `text` then has each
  * with both numbers, else it is "". */
-bool gn_geometry_doubts(const gn_world *world, char *text, size_t size);
+bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, char *text, size_t size);
 
 /* GNEISS_ERROR_INPUT where a disc, or a specimen between platens under a pressure or in an
  * oedometer, has nothing like them: less than half or more than twice. After all parts are made. */
-gneiss_status gn_geometry_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                gneiss_error *error);
 
 #endif

@@ -46,9 +46,9 @@ static void add_element(slabs *s, double low, double high, double volume) {
     }
 }
 
-static void add_elements(const gn_world *w, int axis, slabs *s) {
-    for (size_t m = 0; m < w->element_count; m++) {
-        const gn_fem_solid *q = &w->elements[m]->solid;
+static void add_elements(const gn_solids *solids, int axis, slabs *s) {
+    for (size_t m = 0; m < solids->count; m++) {
+        const gn_fem_solid *q = &solids->elements[m]->solid;
         for (size_t e = 0; e < q->elements.soa.count; e++) {
             double low = INFINITY, high = -INFINITY;
             for (int a = 0; a <= q->dimension; a++) {
@@ -62,39 +62,40 @@ static void add_elements(const gn_world *w, int axis, slabs *s) {
 }
 
 /* m: the innermost place of an end that holds a part of the specimen. `sense` +1: the lower end. */
-static double inner(const gn_world *w, const gn_test_end *end, double sense, double surface) {
-    const int axis = (int)w->scene.test.axis;
-    const gn_particles *q = &w->dem.particles;
+static double inner(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                    const gn_test_end *end, double sense, double surface) {
+    const int axis = (int)ctx->scene.test.axis;
+    const gn_particles *q = &dem->particles;
     double place = sense * surface;
     for (size_t k = 0; k < end->count; k++) {
-        const int set = gn_scene_find_set(&w->scene, end->name[k]),
-                  motion = gn_scene_find_element_motion(&w->scene, end->name[k]);
+        const int set = gn_scene_find_set(&ctx->scene, end->name[k]),
+                  motion = gn_scene_find_element_motion(&ctx->scene, end->name[k]);
         for (size_t p = 0; set >= 0 && p < q->soa.count; p++)
-            if (gn_set_selected(w, (size_t)set, p))
+            if (gn_set_selected(ctx, dem, (size_t)set, p))
                 place = fmax(place, sense * q->start[4 * p + (size_t)axis]);
         if (motion < 0) continue;
         const gn_particles *nodes;
-        const gn_fem_set *held = gn_elements_motion_set(w, (size_t)motion, &nodes);
+        const gn_fem_set *held = gn_elements_motion_set(solids, (size_t)motion, &nodes);
         for (size_t n = 0; n < held->count; n++)
             place = fmax(place, sense * nodes->start[4 * (size_t)held->node[n] + (size_t)axis]);
     }
     return sense * place;
 }
 
-static slabs slabs_of(const gn_world *w) {
-    const int axis = (int)w->scene.test.axis;
-    const gn_particles *q = &w->dem.particles;
-    const double lower = inner(w, &w->scene.test.lower, 1.0, w->lower[axis]),
-                 upper = inner(w, &w->scene.test.upper, -1.0, w->upper[axis]);
+static slabs slabs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
+    const int axis = (int)ctx->scene.test.axis;
+    const gn_particles *q = &dem->particles;
+    const double lower = inner(ctx, dem, solids, &ctx->scene.test.lower, 1.0, ctx->lower[axis]),
+                 upper = inner(ctx, dem, solids, &ctx->scene.test.upper, -1.0, ctx->upper[axis]);
     slabs s = {.count = SLABS_MOST, .lower = lower};
     if (q->soa.count)
-        s.count =
-            (size_t)fmax(0.0, fmin(SLABS_MOST, (upper - lower) / (4.0 * gn_world_mean_radius(w))));
+        s.count = (size_t)fmax(
+            0.0, fmin(SLABS_MOST, (upper - lower) / (4.0 * gn_world_mean_radius(dem))));
     if (s.count < SLABS_LEAST || !(upper > lower)) return (slabs){0};
     s.thick = (upper - lower) / (double)s.count;
     for (size_t p = 0; p < q->soa.count; p++)
-        add_ball(&s, (int)w->scene.dimension, q->pos[4 * p + (size_t)axis], q->pos[4 * p + 3]);
-    if (!q->soa.count) add_elements(w, axis, &s);
+        add_ball(&s, (int)ctx->scene.dimension, q->pos[4 * p + (size_t)axis], q->pos[4 * p + 3]);
+    if (!q->soa.count) add_elements(solids, axis, &s);
     return s;
 }
 
@@ -147,17 +148,18 @@ static double spread_of(const slabs *s, int dimension, double solid, double spre
     return real / slender - 1.0;
 }
 
-static bool is_known(const gn_world *w) {
+static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
     const unsigned prisms = GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED;
-    const bool both = w->scene.has_specimen && w->element_count;
-    return gn_test_in(w->scene.test.kind, prisms) && !both && !w->scene.has_couple &&
-           !(w->effects & GN_FX_PERIODIC) && !gn_scene_flows(&w->scene);
+    const bool both = ctx->scene.has_specimen && solids->count;
+    return gn_test_in(ctx->scene.test.kind, prisms) && !both && !ctx->scene.has_couple &&
+           !(ctx->effects & GN_FX_PERIODIC) && !gn_scene_flows(&ctx->scene);
 }
 
-gn_bar_section gn_section_of(const gn_world *w) {
+gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids) {
     const gn_bar_section even = {.uneven = 1.0};
-    if (!is_known(w)) return even;
-    const slabs s = slabs_of(w);
+    if (!is_known(ctx, solids)) return even;
+    const slabs s = slabs_of(ctx, dem, solids);
     double sum = 0.0, inverse = 0.0, least = INFINITY;
     for (size_t k = 0; k < s.count; k++) {
         sum += s.volume[k] / (double)s.count;
@@ -165,33 +167,35 @@ gn_bar_section gn_section_of(const gn_world *w) {
         least = fmin(least, s.volume[k]);
     }
     if (!s.count || !(sum * inverse > varying)) return even;
-    const bool grains = w->dem.particles.soa.count;
-    const double solid = grains ? 1.0 - gn_world_porosity(w) : 1.0;
+    const bool grains = dem->particles.soa.count;
+    const double solid = grains ? 1.0 - gn_world_porosity(ctx, dem, boundary, solids) : 1.0;
     const bool waist = has_waist(&s);
     return (gn_bar_section){.mean = sum / s.thick / solid,
                             .narrowest = least / s.thick / solid,
                             .uneven = sum * inverse,
                             .length = s.thick * (double)s.count,
                             .waist = waist,
-                            .guessed = gn_world_volume_is_of_test(w) ||
-                                       (waist && gn_world_volume_is_of_hull(w)),
-                            .spread = spread_of(&s, (int)w->scene.dimension, solid,
+                            .guessed =
+                                gn_world_volume_is_of_test(ctx, dem, boundary, solids) ||
+                                (waist && gn_world_volume_is_of_hull(ctx, dem, boundary, solids)),
+                            .spread = spread_of(&s, (int)ctx->scene.dimension, solid,
                                                 grains ? spreads_particles : spreads_elements)};
 }
 
-double gn_section_by_ends(const gn_world *w) {
-    const gn_bar_section *x = &w->section;
+double gn_section_by_ends(const gn_step_context *ctx, const gn_bar_section *section) {
+    const gn_bar_section *x = section;
     if (!(x->mean > 0.0)) return 1.0;
     if (!(x->narrowest > pointed * x->mean)) return NAN;
     if (x->guessed != 0.0) return 1.0;
-    return w->test_area / x->mean * x->uneven * x->length / w->test_length;
+    return ctx->test_area / x->mean * x->uneven * x->length / ctx->test_length;
 }
 
-double gn_section_by_mean(const gn_world *w) {
-    const gn_bar_section *x = &w->section;
+double gn_section_by_mean(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                          const gn_bar_section *section) {
+    const gn_bar_section *x = section;
     if (!(x->mean > 0.0)) return 1.0;
     if (!(x->narrowest > pointed * x->mean)) return NAN;
-    if (w->dem.particles.soa.count && x->waist != 0.0) return NAN;
+    if (dem->particles.soa.count && x->waist != 0.0) return NAN;
     if (x->guessed != 0.0) return 1.0;
-    return w->test_area * gn_world_side(w, (int)w->scene.test.axis) / w->volume;
+    return ctx->test_area * gn_world_side(ctx, solids, (int)ctx->scene.test.axis) / ctx->volume;
 }

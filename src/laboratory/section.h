@@ -5,11 +5,13 @@
 #include "world/world.h"
 
 /* Of prisms, which are all that moduli are read of. At the start, after all parts are made. */
-gn_bar_section gn_section_of(const gn_world *world);
+gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids);
 
 /* Young's modulus over the slope of the stress of the test over its strain, and over the mean
  * strain of the specimen. 1: the section does not vary; NaN: no modulus follows from that slope. */
-double gn_section_by_ends(const gn_world *world);
-double gn_section_by_mean(const gn_world *world);
+double gn_section_by_ends(const gn_step_context *ctx, const gn_bar_section *section);
+double gn_section_by_mean(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                          const gn_bar_section *section);
 
 #endif

@@ -24,26 +24,28 @@ static gneiss_status no_room(size_t count, gneiss_error *error) {
                    count);
 }
 
-gneiss_status gn_gauge_create(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    const int dimension = (int)w->scene.dimension;
+gneiss_status gn_gauge_create(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                              gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    const int dimension = (int)ctx->scene.dimension;
     uint8_t *counts = gn_alloc_array(q->soa.count + 1, sizeof *counts);
-    const bool bonded = w->effects & GN_FX_BONDS;
-    w->gauged = bonded ? (size_t)w->dem.ids : 0;
-    w->belongs = bonded ? gn_alloc_array(w->gauged + 1, sizeof *w->belongs) : NULL;
+    const bool bonded = ctx->effects & GN_FX_BONDS;
+    gauge->count = bonded ? (size_t)dem->ids : 0;
+    gauge->belongs = bonded ? gn_alloc_array(gauge->count + 1, sizeof *gauge->belongs) : NULL;
     gneiss_status status =
-        counts && (w->belongs || !bonded) ? GNEISS_OK : no_room(q->soa.count, error);
+        counts && (gauge->belongs || !bonded) ? GNEISS_OK : no_room(q->soa.count, error);
     if (status == GNEISS_OK) gn_strain_gauge_select(q, dimension, counts);
     for (size_t p = 0; status == GNEISS_OK && bonded && p < q->soa.count; p++)
-        w->belongs[q->id[p]] = counts[p] ? BELONGS : LOOSE;
-    if (status == GNEISS_OK) status = gn_strain_gauge_of(q, counts, dimension, &w->gauge, error);
+        gauge->belongs[q->id[p]] = counts[p] ? BELONGS : LOOSE;
+    if (status == GNEISS_OK)
+        status = gn_strain_gauge_of(q, counts, dimension, &gauge->weights, error);
     gn_free(counts);
     return status;
 }
 
 /* Whether bonds and contacts alone tell what holds together. */
-static bool tells_bodies(const gn_world *w) {
-    return w->gauged && !w->scene.has_couple;
+static bool tells_bodies(const gn_step_context *ctx, const gn_gauge *gauge) {
+    return gauge->count && !ctx->scene.has_couple;
 }
 
 static int32_t largest_of(const int32_t *members, size_t count) {
@@ -52,22 +54,22 @@ static int32_t largest_of(const int32_t *members, size_t count) {
     return largest;
 }
 
-void gn_gauge_note_apart(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    if (!w->gauge.count || !tells_bodies(w)) return;
-    const int32_t *members = gn_world_bodies(w), largest = largest_of(members, q->soa.count);
+void gn_gauge_note_apart(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
+    const gn_particles *q = &dem->particles;
+    if (!gauge->weights.count || !tells_bodies(ctx, gauge)) return;
+    const int32_t *members = gn_world_bodies(ctx, dem), largest = largest_of(members, q->soa.count);
     for (size_t p = 0; p < q->soa.count; p++) {
-        int32_t *belongs = &w->belongs[q->id[p]];
+        int32_t *belongs = &gauge->belongs[q->id[p]];
         if (*belongs == BELONGS && GN_CHIP * members[p] < largest) *belongs = APART;
     }
 }
 
-static void mark_off(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    if (!tells_bodies(w)) return;
-    const int32_t *members = gn_world_bodies(w), largest = largest_of(members, q->soa.count);
+static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
+    const gn_particles *q = &dem->particles;
+    if (!tells_bodies(ctx, gauge)) return;
+    const int32_t *members = gn_world_bodies(ctx, dem), largest = largest_of(members, q->soa.count);
     for (size_t p = 0; p < q->soa.count; p++) {
-        int32_t *belongs = &w->belongs[q->id[p]];
+        int32_t *belongs = &gauge->belongs[q->id[p]];
         const bool large = GN_CHIP * members[p] >= largest;
         if (*belongs == BELONGS && !large)
             *belongs = LEFT;
@@ -76,64 +78,68 @@ static void mark_off(gn_world *w) {
     }
 }
 
-static bool is_there(const gn_world *w, size_t p) {
-    return w->dem.particles.vel[4 * p + 3] > 0.0 || gn_is_asleep(w, p);
+static bool is_there(const gn_dem *dem, size_t p) {
+    return dem->particles.vel[4 * p + 3] > 0.0 || gn_is_asleep(dem, p);
 }
 
-static void mark_removed(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    for (size_t p = 0; w->gauged && p < q->soa.count; p++)
-        if (w->belongs[q->id[p]] != LOOSE && !is_there(w, p)) w->belongs[q->id[p]] = LEFT;
+static void mark_removed(gn_dem *dem, gn_gauge *gauge) {
+    const gn_particles *q = &dem->particles;
+    for (size_t p = 0; gauge->count && p < q->soa.count; p++)
+        if (gauge->belongs[q->id[p]] != LOOSE && !is_there(dem, p)) gauge->belongs[q->id[p]] = LEFT;
 }
 
-static bool counts_on(const gn_world *w, size_t p) {
-    const int32_t belongs = w->gauged ? w->belongs[w->dem.particles.id[p]] : LOOSE;
-    return w->gauged ? belongs == BELONGS || belongs == APART : is_there(w, p);
+static bool counts_on(const gn_dem *dem, const gn_gauge *gauge, size_t p) {
+    const int32_t belongs = gauge->count ? gauge->belongs[dem->particles.id[p]] : LOOSE;
+    return gauge->count ? belongs == BELONGS || belongs == APART : is_there(dem, p);
 }
 
-static bool has_weight_that_left(const gn_world *w) {
-    for (size_t k = 0; k < w->gauge.count; k++) {
-        const int32_t p = w->dem.index_of_id[w->gauge.id[k]];
-        if (p < 0 || !counts_on(w, (size_t)p)) return true;
+static bool has_weight_that_left(const gn_dem *dem, const gn_gauge *gauge) {
+    for (size_t k = 0; k < gauge->weights.count; k++) {
+        const int32_t p = dem->index_of_id[gauge->weights.id[k]];
+        if (p < 0 || !counts_on(dem, gauge, (size_t)p)) return true;
     }
     return false;
 }
 
 /* Who counts; whether these are half of what did at the start. */
-static bool find_rest(const gn_world *w, uint8_t *counts) {
-    const gn_particles *q = &w->dem.particles;
+static bool find_rest(const gn_step_context *ctx, const gn_dem *dem, const gn_gauge *gauge,
+                      uint8_t *counts) {
+    const gn_particles *q = &dem->particles;
     double all = 0.0, left = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        const double own = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
-        counts[p] = counts_on(w, p);
-        all += w->gauged && w->belongs[q->id[p]] == LOOSE ? 0.0 : own;
+        const double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
+        counts[p] = counts_on(dem, gauge, p);
+        all += gauge->count && gauge->belongs[q->id[p]] == LOOSE ? 0.0 : own;
         left += counts[p] ? own : 0.0;
     }
     return 2.0 * left >= all;
 }
 
-static gneiss_status renew(gn_world *w, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+static gneiss_status renew(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                           gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     gneiss_status status = GNEISS_OK;
-    if (!has_weight_that_left(w)) return GNEISS_OK;
+    if (!has_weight_that_left(dem, gauge)) return GNEISS_OK;
     uint8_t *counts = gn_alloc_array(q->soa.count + 1, sizeof *counts);
     if (!counts) return no_room(q->soa.count, error);
-    gn_strain_gauge_free(&w->gauge);
-    if (find_rest(w, counts))
-        status = gn_strain_gauge_soon(q, counts, (int)w->scene.dimension, &w->gauge, error);
+    gn_strain_gauge_free(&gauge->weights);
+    if (find_rest(ctx, dem, gauge, counts))
+        status = gn_strain_gauge_soon(q, counts, (int)ctx->scene.dimension, &gauge->weights, error);
     gn_free(counts);
     return status;
 }
 
-gneiss_status gn_gauge_look(gn_world *w, gneiss_error *error) {
-    if (!w->gauge.count || w->step % LOOK_INTERVAL != 0 || !gn_world_has_loosened(w))
+gneiss_status gn_gauge_look(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                            gneiss_error *error) {
+    if (!gauge->weights.count || ctx->step % LOOK_INTERVAL != 0 || !gn_world_has_loosened(dem))
         return GNEISS_OK;
-    mark_off(w);
-    return renew(w, error);
+    mark_off(ctx, dem, gauge);
+    return renew(ctx, dem, gauge, error);
 }
 
-gneiss_status gn_gauge_leave(gn_world *w, gneiss_error *error) {
-    if (!w->gauge.count) return GNEISS_OK;
-    mark_removed(w);
-    return renew(w, error);
+gneiss_status gn_gauge_leave(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge,
+                             gneiss_error *error) {
+    if (!gauge->weights.count) return GNEISS_OK;
+    mark_removed(dem, gauge);
+    return renew(ctx, dem, gauge, error);
 }

@@ -24,7 +24,8 @@ enum { NONE = -1, PLANES = 8 };
 
 /* Patches while they change hands: as lists of those of each particle. */
 typedef struct hands {
-    gn_world *w;
+    const gn_step_context *ctx;
+    gn_dem *dem;
     gn_start_grid left, all;
     bool *of; /* [particles] that are left */
     gn_cell cell;
@@ -35,8 +36,8 @@ typedef struct hands {
 
 /* Whether a particle is farther than its radius from where it lay on the skin as a whole: what was
  * never held has come off then, and not where the packing left a gap. */
-static bool has_gone(const gn_world *w, const double mean[3], size_t p) {
-    const gn_particles *q = &w->dem.particles;
+static bool has_gone(const gn_dem *dem, const double mean[3], size_t p) {
+    const gn_particles *q = &dem->particles;
     double way[3];
     for (int a = 0; a < 3; a++) way[a] = q->pos[4 * p + a] - q->start[4 * p + a] - mean[a];
     return gn_dot3(way, way) > q->pos[4 * p + 3] * q->pos[4 * p + 3];
@@ -55,10 +56,10 @@ static void mean_way(const gn_particles *q, double mean[3]) {
 }
 
 /* For good: what comes back is not pressed again. Whether there is any that was not known. */
-static bool mark_off(gn_world *w) {
-    gn_particles *q = &w->dem.particles;
-    const int32_t *members = gn_world_bodies(w);
-    const bool loosened = gn_world_has_loosened(w);
+static bool mark_off(const gn_step_context *ctx, gn_dem *dem) {
+    gn_particles *q = &dem->particles;
+    const int32_t *members = gn_world_bodies(ctx, dem);
+    const bool loosened = gn_world_has_loosened(dem);
     int32_t largest = 0;
     bool found = false;
     double mean[3];
@@ -67,7 +68,7 @@ static bool mark_off(gn_world *w) {
         largest = members[p] > largest ? members[p] : largest;
     for (size_t p = 0; p < q->soa.count; p++) {
         bool off = q->vel[4 * p + 3] == 0.0 || (members && GN_CHIP * members[p] < largest &&
-                                                (loosened || has_gone(w, mean, p)));
+                                                (loosened || has_gone(dem, mean, p)));
         if (!off || gn_came_off(q, p)) continue;
         memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
         q->skin[4 * p + 3] = going;
@@ -116,7 +117,7 @@ static void put_in(hands *h, int32_t p, size_t k) {
 
 /* Who bears something is of the skin from now on. */
 static gneiss_status add_patch(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
-    double *size = &h->w->dem.particles.skin[4 * (size_t)p + 3];
+    double *size = &h->dem->particles.skin[4 * (size_t)p + 3];
     if (*size == 0.0) *size = length(patch->area);
     if (h->count == h->capacity) GN_TRY(make_room(h, 2 * h->capacity + 64, error));
     h->patch[h->count] = *patch;
@@ -124,16 +125,17 @@ static gneiss_status add_patch(hands *h, int32_t p, const gn_patch *patch, gneis
     return GNEISS_OK;
 }
 
-static gneiss_status take_up(gn_world *w, hands *h, gneiss_error *error) {
-    const gn_dem *d = &w->dem;
+static gneiss_status take_up(const gn_step_context *ctx, gn_dem *dem, hands *h,
+                             gneiss_error *error) {
+    const gn_dem *d = dem;
     const size_t n = d->particles.soa.count;
-    const double radius = gn_world_mean_radius(w);
+    const double radius = gn_world_mean_radius(dem);
     h->of = gn_alloc_array(n + 1, sizeof *h->of);
     if (!h->of)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
     for (size_t p = 0; p < n; p++) h->of[p] = !gn_came_off(&d->particles, p);
-    GN_TRY(gn_start_grid_make(w, cell_size * radius, h->of, &h->left, error));
-    GN_TRY(gn_start_grid_make(w, cell_size * radius, NULL, &h->all, error));
+    GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, h->of, &h->left, error));
+    GN_TRY(gn_start_grid_make(ctx, dem, cell_size * radius, NULL, &h->all, error));
     h->cell = (gn_cell){.all = &h->all, .around = around * radius, .width = voxel * radius};
     h->head = gn_alloc_array(n + 1, sizeof *h->head);
     if (!h->head)
@@ -149,7 +151,7 @@ static gneiss_status take_up(gn_world *w, hands *h, gneiss_error *error) {
 
 /* Back into the world, those of one particle one after the other. */
 static gneiss_status put_down(const hands *h, gneiss_error *error) {
-    gn_dem *d = &h->w->dem;
+    gn_dem *d = h->dem;
     gn_patch *patches = gn_alloc_array(h->count + 1, sizeof *patches);
     if (!patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     d->patch_count = 0;
@@ -166,7 +168,7 @@ static gneiss_status put_down(const hands *h, gneiss_error *error) {
 /* --- who bears what now --- */
 
 static gneiss_status give(hands *h, int32_t p, const gn_patch *patch, gneiss_error *error) {
-    if (h->w->dem.particles.skin[4 * (size_t)p + 3] == inside)
+    if (h->dem->particles.skin[4 * (size_t)p + 3] == inside)
         p = gn_start_grid_nearest(&h->left, patch->point, patch->area);
     return p < 0 ? GNEISS_OK : add_patch(h, p, patch, error);
 }
@@ -195,12 +197,12 @@ static void add_sums(const gn_patch *patch, double sign, double area[3], double 
 /* Faces but those to who has bared its own, which are none any more; `area` and `arms` lose theirs.
  */
 static gneiss_status give_faces(hands *h, double area[3], double arms[9], gneiss_error *error) {
-    const double *skin = h->w->dem.particles.skin;
+    const double *skin = h->dem->particles.skin;
     for (size_t f = 0; f < h->cell.count; f++) {
         const gn_cell_face *face = &h->cell.face[f];
         gn_patch patch = {.size = 0.0};
         if (!(face->sum > 0.0) || skin[4 * (size_t)face->particle + 3] == bare) continue;
-        if (!gn_membrane_covers(h->w, face->area)) continue;
+        if (!gn_membrane_covers(h->ctx, face->area)) continue;
         for (int a = 0; a < 3; a++) {
             patch.area[a] = -face->area[a];
             patch.point[a] = face->point[a];
@@ -223,17 +225,17 @@ static gneiss_status bare_faces(hands *h, size_t p, gneiss_error *error) {
     double plane[PLANES][4], area[3] = {0}, arms[9] = {0};
     const size_t planes = planes_at(h, p, plane);
     for (int32_t k = h->head[p]; k != NONE; k = h->next[k]) add_sums(&h->patch[k], 1.0, area, arms);
-    GN_TRY(gn_cell_find(&h->cell, (int)h->w->scene.dimension, p, planes, plane, error));
+    GN_TRY(gn_cell_find(&h->cell, (int)h->ctx->scene.dimension, p, planes, plane, error));
     h->head[p] = NONE;
-    h->w->dem.particles.skin[4 * p + 3] = bare;
+    h->dem->particles.skin[4 * p + 3] = bare;
     GN_TRY(give_faces(h, area, arms, error));
-    keep_sums(h->w->dem.membrane, area, arms);
+    keep_sums(h->dem->membrane, area, arms);
     return GNEISS_OK;
 }
 
 /* By their numbers, again and again while one that goes was given something. */
 static gneiss_status change_hands(hands *h, gneiss_error *error) {
-    gn_dem *d = &h->w->dem;
+    gn_dem *d = h->dem;
     double *skin = d->particles.skin;
     for (bool more = true; more;) {
         more = false;
@@ -249,11 +251,12 @@ static gneiss_status change_hands(hands *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_drop(gn_world *w, bool *dropped, gneiss_error *error) {
-    hands h = {.w = w};
-    *dropped = mark_off(w);
+gneiss_status gn_membrane_drop(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
+                               gneiss_error *error) {
+    hands h = {.ctx = ctx, .dem = dem};
+    *dropped = mark_off(ctx, dem);
     if (!*dropped) return GNEISS_OK;
-    gneiss_status status = take_up(w, &h, error);
+    gneiss_status status = take_up(ctx, dem, &h, error);
     if (status == GNEISS_OK) status = change_hands(&h, error);
     if (status == GNEISS_OK) status = put_down(&h, error);
     free_hands(&h);

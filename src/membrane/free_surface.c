@@ -40,14 +40,14 @@ static void count_bodies(view *v, size_t n) {
 }
 
 /* Contacts that are or may be bonded, or touch. */
-static void add_borne(const gn_world *w, view *v, size_t i, size_t j) {
-    const double *x = w->dem.particles.pos + 4 * i, *y = w->dem.particles.pos + 4 * j;
+static void add_borne(const gn_step_context *ctx, const gn_dem *dem, view *v, size_t i, size_t j) {
+    const double *x = dem->particles.pos + 4 * i, *y = dem->particles.pos + 4 * j;
     const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
     const double length = sqrt(gn_dot3(way, way)), radius = fmin(x[3], y[3]);
     const double range =
-        fmax(w->scene.bonds == GN_SWITCH_ON ? w->scene.interaction_range : 0.0, 0.01);
+        fmax(ctx->scene.bonds == GN_SWITCH_ON ? ctx->scene.interaction_range : 0.0, 0.01);
     if (length > (1.0 + range) * (x[3] + y[3])) return;
-    const double half = 0.5 * length * (w->scene.dimension == 3 ? radius * radius : radius);
+    const double half = 0.5 * length * (ctx->scene.dimension == 3 ? radius * radius : radius);
     v->borne[i] += half;
     v->borne[j] += half;
 }
@@ -78,18 +78,19 @@ static void free_view(view *v) {
     gn_free(v->members);
 }
 
-static gneiss_status look(const gn_world *w, view *v, double ball, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    const int dimension = (int)w->scene.dimension;
+static gneiss_status look(const gn_step_context *ctx, const gn_dem *dem, view *v, double ball,
+                          gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    const int dimension = (int)ctx->scene.dimension;
     gn_pair_query query = {
-        .particles = q, .dimension = dimension, .margin = 2.0 * ball, .threads = w->threads};
+        .particles = q, .dimension = dimension, .margin = 2.0 * ball, .threads = ctx->threads};
     gn_pair_list pairs = {0};
     GN_TRY(make_view(v, q->soa.count, error));
     GN_TRY(gn_pairs_find(&query, &pairs, error));
     for (size_t p = 0; p < q->soa.count; p++) v->body[p] = (int32_t)p;
     for (size_t c = 0; c < pairs.count; c++) {
         join(v, pairs.pair[c][0], pairs.pair[c][1]);
-        add_borne(w, v, (size_t)pairs.pair[c][0], (size_t)pairs.pair[c][1]);
+        add_borne(ctx, dem, v, (size_t)pairs.pair[c][0], (size_t)pairs.pair[c][1]);
     }
     count_bodies(v, q->soa.count);
     v->rolled.particles = q;
@@ -130,9 +131,10 @@ typedef struct volumes {
     double at_centres[GN_ROLLED_LAYERS], enclosed[GN_ROLLED_LAYERS];
 } volumes;
 
-static volumes volumes_of(const gn_world *w, const view *v, gn_skin_body body) {
-    const gn_particles *q = &w->dem.particles;
-    const double d = (double)w->scene.dimension, *base = NULL;
+static volumes volumes_of(const gn_step_context *ctx, const gn_dem *dem, const view *v,
+                          gn_skin_body body) {
+    const gn_particles *q = &dem->particles;
+    const double d = (double)ctx->scene.dimension, *base = NULL;
     volumes sums = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
         double way[3];
@@ -172,14 +174,15 @@ typedef struct body_space {
     double filled;  /* that its particles fill */
 } body_space;
 
-static body_space space_of(const gn_world *w, const view *v, gn_skin_body body) {
-    const gn_particles *q = &w->dem.particles;
+static body_space space_of(const gn_step_context *ctx, const gn_dem *dem, const view *v,
+                           gn_skin_body body) {
+    const gn_particles *q = &dem->particles;
     const int few = 8;
     double borne[2] = {0}, solid[2] = {0}, space = 0.0;
     int count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_of(body, p)) continue;
-        const double ball = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+        const double ball = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         const bool inside = v->rolled.cell[p] > 0.0;
         for (int k = 0; k <= (int)inside; k++) borne[k] += v->borne[p], solid[k] += ball;
         space += v->rolled.cell[p];
@@ -193,15 +196,15 @@ static body_space space_of(const gn_world *w, const view *v, gn_skin_body body) 
  * the particles of a lattice, and rides on those that stand out of what a cut has left, to which
  * fewer contacts lead: what it touches is not where the body ends that bears. An area that is given
  * says itself where that is. */
-static double surface_at(const gn_world *w, const view *v, gn_skin_body body, double given,
-                         double bearing) {
-    const volumes sums = volumes_of(w, v, body);
+static double surface_at(const gn_step_context *ctx, const gn_dem *dem, const view *v,
+                         gn_skin_body body, double given, double bearing) {
+    const volumes sums = volumes_of(ctx, dem, v, body);
     if (given > 0.0) return layer_at(sums.enclosed, given);
     return bearing > 0.0 ? layer_at(sums.at_centres, bearing) : 1.0;
 }
 
-static void set_surface(gn_world *w, const view *v, gn_skin_body body, double at, double *arms) {
-    gn_particles *q = &w->dem.particles;
+static void set_surface(gn_dem *dem, const view *v, gn_skin_body body, double at, double *arms) {
+    gn_particles *q = &dem->particles;
     double weight[GN_ROLLED_LAYERS];
     weigh_layers(at, weight);
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -217,17 +220,18 @@ static void set_surface(gn_world *w, const view *v, gn_skin_body body, double at
 
 /* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
  * what the body fills. */
-static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) {
-    gn_particles *q = &w->dem.particles;
-    const double none[3] = {0}, d = (double)w->scene.dimension;
-    const bool shaped = w->scene.specimen.pack.shape != GN_SHAPE_NONE;
-    const bool tested = !body.group && !shaped && w->scene.test.kind != GN_TEST_NONE;
-    const double given = tested ? gn_test_shape(w).volume : 0.0;
-    const body_space space = space_of(w, v, body);
+static void finish(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                   const gn_solids *solids, const view *v, gn_skin_body body, double *arms) {
+    gn_particles *q = &dem->particles;
+    const double none[3] = {0}, d = (double)ctx->scene.dimension;
+    const bool shaped = ctx->scene.specimen.pack.shape != GN_SHAPE_NONE;
+    const bool tested = !body.group && !shaped && ctx->scene.test.kind != GN_TEST_NONE;
+    const double given = tested ? gn_test_shape(ctx, dem, boundary, solids).volume : 0.0;
+    const body_space space = space_of(ctx, dem, v, body);
     double at_centres = 0.0, ways = 0.0;
-    set_surface(w, v, body, surface_at(w, v, body, given, space.bearing), arms);
+    set_surface(dem, v, body, surface_at(ctx, dem, v, body, given, space.bearing), arms);
     close_surface(q, body);
-    gn_membrane_balance(w, body, q->start, none, q->skin);
+    gn_membrane_balance(ctx, dem, body, q->start, none, q->skin);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_of(body, p)) continue;
         at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;
@@ -237,13 +241,13 @@ static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) 
         given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
     for (size_t p = 0; p < q->soa.count; p++)
         if (gn_is_of(body, p)) arms[p] *= (volume - at_centres) / ways;
-    w->dem.membrane->enclosed += volume;
+    dem->membrane->enclosed += volume;
 }
 
 /* Whether the places of a body lie in more than a row (2D) or a layer (3D). */
-static bool spans(const gn_world *w, gn_skin_body body) {
-    const gn_particles *q = &w->dem.particles;
-    const int d = (int)w->scene.dimension;
+static bool spans(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body) {
+    const gn_particles *q = &dem->particles;
+    const int d = (int)ctx->scene.dimension;
     double count = 0.0, mean[3] = {0}, second[9] = {0}, values[3], vectors[9];
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_of(body, p)) continue;
@@ -258,28 +262,32 @@ static bool spans(const gn_world *w, gn_skin_body body) {
     return values[d - 1] > 1e-6 * values[0];
 }
 
-static gneiss_status finish_all(gn_world *w, const view *v, double *arms, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
+static gneiss_status finish_all(const gn_step_context *ctx, gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids, const view *v,
+                                double *arms, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
     bool pressed = false;
     for (size_t p = 0; p < n; p++) {
         const gn_skin_body body = {v->bodies == 1 ? NULL : v->body, (int32_t)p};
         if (!v->members[p]) continue;
-        if (!spans(w, body)) continue;
-        finish(w, v, body, arms);
+        if (!spans(ctx, dem, body)) continue;
+        finish(ctx, dem, boundary, solids, v, body, arms);
         pressed = true;
     }
     if (pressed || !n) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected particles that enclose a volume, found %s",
-                   gn_scene_at(&w->scene, w->scene.membrane.where, "membrane").text,
-                   w->scene.dimension == 3 ? "none but such by themselves, in rows or in one layer"
-                                           : "none but such by themselves or in rows");
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT, "%s: expected particles that enclose a volume, found %s",
+        gn_scene_at(&ctx->scene, ctx->scene.membrane.where, "membrane").text,
+        ctx->scene.dimension == 3 ? "none but such by themselves, in rows or in one layer"
+                                  : "none but such by themselves or in rows");
 }
 
-gneiss_status gn_membrane_free_skin(gn_world *w, double ball, double *arms, gneiss_error *error) {
+gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    double ball, double *arms, gneiss_error *error) {
     view v = {0};
-    gneiss_status status = look(w, &v, ball, error);
-    if (status == GNEISS_OK) status = finish_all(w, &v, arms, error);
+    gneiss_status status = look(ctx, dem, &v, ball, error);
+    if (status == GNEISS_OK) status = finish_all(ctx, dem, boundary, solids, &v, arms, error);
     free_view(&v);
     return status;
 }

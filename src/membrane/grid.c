@@ -22,14 +22,14 @@ void gn_start_grid_free(gn_start_grid *g) {
 }
 
 /* Where they were at the start lies within w->lower and w->upper. */
-gneiss_status gn_start_grid_make(const gn_world *w, double cell, const bool *of, gn_start_grid *g,
-                                 gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, double cell,
+                                 const bool *of, gn_start_grid *g, gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     *g = (gn_start_grid){.particles = q, .cell = cell};
     size_t cells = 1;
     for (int a = 0; a < 3; a++) {
-        g->lower[a] = w->lower[a];
-        g->n[a] = 1 + (int64_t)((w->upper[a] - w->lower[a]) / cell);
+        g->lower[a] = ctx->lower[a];
+        g->n[a] = 1 + (int64_t)((ctx->upper[a] - ctx->lower[a]) / cell);
         cells *= (size_t)g->n[a];
     }
     g->first = gn_alloc_array(cells + 2, sizeof *g->first);

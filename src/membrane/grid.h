@@ -13,8 +13,8 @@ typedef struct gn_start_grid {
 } gn_start_grid;
 
 /* Of all particles p, or of those of which of[p]. */
-gneiss_status gn_start_grid_make(const gn_world *world, double cell, const bool *of,
-                                 gn_start_grid *grid, gneiss_error *error);
+gneiss_status gn_start_grid_make(const gn_step_context *ctx, const gn_dem *dem, double cell,
+                                 const bool *of, gn_start_grid *grid, gneiss_error *error);
 void gn_start_grid_free(gn_start_grid *grid);
 
 /* The particle whose surface was nearest to x, of two alike that of the smaller id; -1: none. With

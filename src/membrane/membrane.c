@@ -13,48 +13,49 @@
 /* Steps between looks for what came off, and for how the skin has moved from place to place. */
 enum { LOOK_INTERVAL = 100, ALL = -1 };
 
-double gn_membrane_due(const gn_world *w) {
-    const gn_membrane *m = w->dem.membrane;
-    const double ramp = w->scene.membrane.ramp;
-    if (!(w->effects & GN_FX_MEMBRANE)) return 0.0;
-    const double past = w->time - m->since, share = past < ramp ? past / ramp : 1.0;
-    return m->from + share * (gn_table_at(&w->scene.membrane.pressure, w->time) - m->from);
+double gn_membrane_due(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_membrane *m = dem->membrane;
+    const double ramp = ctx->scene.membrane.ramp;
+    if (!(ctx->effects & GN_FX_MEMBRANE)) return 0.0;
+    const double past = ctx->time - m->since, share = past < ramp ? past / ramp : 1.0;
+    return m->from + share * (gn_table_at(&ctx->scene.membrane.pressure, ctx->time) - m->from);
 }
 
-void gn_membrane_enter(gn_world *w, double pressure) {
-    if (!(w->effects & GN_FX_MEMBRANE) || w->scene.membrane_stage != w->stage + 1) return;
-    w->dem.membrane->from = pressure;
-    w->dem.membrane->since = w->time;
+void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
+                       double pressure) {
+    if (!(ctx->effects & GN_FX_MEMBRANE) || ctx->scene.membrane_stage != stages->now + 1) return;
+    dem->membrane->from = pressure;
+    dem->membrane->since = ctx->time;
 }
 
-double gn_membrane_pressure(const gn_world *w) {
-    return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
+double gn_membrane_pressure(const gn_dem *dem) {
+    return dem->membrane ? dem->membrane->pressure : 0.0;
 }
 
 int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
     return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
 }
 
-double gn_membrane_area_of(const gn_world *w, gn_skin_body body) {
-    const gn_particles *q = &w->dem.particles;
+double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body) {
+    const gn_particles *q = &dem->particles;
     double sum = 0.0;
     for (size_t p = 0; q->skin && p < q->soa.count; p++)
         if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
     return sum;
 }
 
-double gn_membrane_area(const gn_world *w) {
-    return gn_membrane_area_of(w, (gn_skin_body){0});
+double gn_membrane_area(const gn_dem *dem) {
+    return gn_membrane_area_of(dem, (gn_skin_body){0});
 }
 
-double gn_membrane_volume(const gn_world *w) {
-    const double enclosed = w->dem.membrane ? w->dem.membrane->enclosed : 0.0;
-    return enclosed > 0.0 ? enclosed : w->volume;
+double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem) {
+    const double enclosed = dem->membrane ? dem->membrane->enclosed : 0.0;
+    return enclosed > 0.0 ? enclosed : ctx->volume;
 }
 
 void gn_membrane_stress(const gn_world *w, double stress[9]) {
     double turn[9], half[9], arms[9];
-    if (!(w->effects & GN_FX_MEMBRANE)) return;
+    if (!(w->ctx.effects & GN_FX_MEMBRANE)) return;
     const gn_membrane *m = w->dem.membrane;
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
@@ -135,13 +136,14 @@ bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
 }
 
 /* Of a body, or of all. From one of the skin on, so that nothing is lost to where the origin is. */
-static void fit_skin(const gn_world *w, int32_t body, double gradient[9]) {
-    const gn_particles *q = &w->dem.particles;
-    gn_gradient_fit fit = {.dimension = (int)w->scene.dimension};
+static void fit_skin(const gn_step_context *ctx, const gn_dem *dem, int32_t body,
+                     double gradient[9]) {
+    const gn_particles *q = &dem->particles;
+    gn_gradient_fit fit = {.dimension = (int)ctx->scene.dimension};
     const double *base = NULL, *start = NULL;
     for (size_t p = 0; p < q->soa.count; p++) {
         double from[3], to[3];
-        if (!gn_is_pressed(q, p) || (body != ALL && w->dem.skin_body[p] != body)) continue;
+        if (!gn_is_pressed(q, p) || (body != ALL && dem->skin_body[p] != body)) continue;
         if (!base) base = q->pos + 4 * p, start = q->start + 4 * p;
         for (int a = 0; a < 3; a++) {
             from[a] = q->start[4 * p + a] - start[a];
@@ -153,8 +155,8 @@ static void fit_skin(const gn_world *w, int32_t body, double gradient[9]) {
 }
 
 /* Whose body is what: bodies are kept with the patches, as those have no order to lose. */
-static gneiss_status tell_bodies(gn_world *w, size_t bodies, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+static gneiss_status tell_bodies(gn_dem *dem, size_t bodies, gneiss_error *error) {
+    gn_dem *d = dem;
     gn_free(d->skin_gradient);
     gn_free(d->skin_body);
     d->skin_gradient = gn_alloc_array(bodies, sizeof *d->skin_gradient);
@@ -168,44 +170,44 @@ static gneiss_status tell_bodies(gn_world *w, size_t bodies, gneiss_error *error
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_turn(gn_world *w, gneiss_error *error) {
-    const size_t bodies = (size_t)w->dem.membrane->bodies;
-    if (bodies < 2 || !w->scene.membrane.follow) return GNEISS_OK;
-    GN_TRY(tell_bodies(w, bodies, error));
-    for (size_t b = 0; b < bodies; b++) fit_skin(w, (int32_t)b, w->dem.skin_gradient[b]);
+gneiss_status gn_membrane_turn(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    const size_t bodies = (size_t)dem->membrane->bodies;
+    if (bodies < 2 || !ctx->scene.membrane.follow) return GNEISS_OK;
+    GN_TRY(tell_bodies(dem, bodies, error));
+    for (size_t b = 0; b < bodies; b++) fit_skin(ctx, dem, (int32_t)b, dem->skin_gradient[b]);
     return GNEISS_OK;
 }
 
-const double *gn_membrane_gradient_at(const gn_world *w, size_t p) {
-    const gn_dem *d = &w->dem;
-    const bool several = d->membrane->bodies > 1.0 && w->scene.membrane.follow;
+const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const gn_dem *d = dem;
+    const bool several = d->membrane->bodies > 1.0 && ctx->scene.membrane.follow;
     return several ? d->skin_gradient[d->skin_body[p]] : d->membrane->gradient;
 }
 
 /* --- forces --- */
 
-gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    const gn_membrane_def *m = &w->scene.membrane;
+gneiss_status gn_membrane_press(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    const gn_membrane_def *m = &ctx->scene.membrane;
     double turn[9];
-    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const double pressure = gn_membrane_due(w);
-    w->dem.membrane->pressure = pressure;
-    const bool look = w->step % LOOK_INTERVAL == 0;
+    if (!(ctx->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    const double pressure = gn_membrane_due(ctx, dem);
+    dem->membrane->pressure = pressure;
+    const bool look = ctx->step % LOOK_INTERVAL == 0;
     bool dropped = false;
-    if (look) GN_TRY(gn_membrane_drop(w, &dropped, error));
+    if (look) GN_TRY(gn_membrane_drop(ctx, dem, &dropped, error));
     /* Of several bodies no deformation is that of all. */
-    if (m->follow && (look || w->dem.membrane->bodies == 1.0))
-        fit_skin(w, ALL, w->dem.membrane->gradient);
-    if (look) GN_TRY(gn_membrane_lay(w, dropped, error));
-    if (!look) GN_TRY(gn_membrane_turn(w, error));
+    if (m->follow && (look || dem->membrane->bodies == 1.0))
+        fit_skin(ctx, dem, ALL, dem->membrane->gradient);
+    if (look) GN_TRY(gn_membrane_lay(ctx, dem, dropped, error));
+    if (!look) GN_TRY(gn_membrane_turn(ctx, dem, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;
-        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
         for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
     /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
-    if (m->follow && w->dem.membrane->bodies == 1.0) gn_membrane_rebalance(w, q->applied);
+    if (m->follow && dem->membrane->bodies == 1.0) gn_membrane_rebalance(ctx, dem, q->applied);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
             q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];

@@ -7,24 +7,29 @@
 
 /* Cuts the surface into patches, one for each particle of the skin (skin.c). Call with
  * masses and sets applied. Does nothing without a membrane. */
-gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
+gneiss_status gn_membrane_create(const gn_step_context *ctx, gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 gneiss_error *error);
 
 /* Shares the surface out again among those that the contacts of now hold (support.h), if
  * others bear some of it; once something has come off it stays as it is. Call with bonds formed. */
-gneiss_status gn_membrane_bear(gn_world *world, gneiss_error *error);
+gneiss_status gn_membrane_bear(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                               const gn_solids *solids, gneiss_error *error);
 
 /* The skin of particles without a shape, over which a ball of the radius `ball` rolls
  * (free_surface.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
  * the centres, m3, and begin as 0. */
-gneiss_status gn_membrane_free_skin(gn_world *world, double ball, double *arms,
-                                    gneiss_error *error);
+gneiss_status gn_membrane_free_skin(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    double ball, double *arms, gneiss_error *error);
 
 /* What came off gives its part of the surface to what it lay on (detachment.c); whether there is
  * any. */
-gneiss_status gn_membrane_drop(gn_world *world, bool *dropped, gneiss_error *error);
+gneiss_status gn_membrane_drop(const gn_step_context *ctx, gn_dem *dem, bool *dropped,
+                               gneiss_error *error);
 
 /* Whether what faces like `area` is covered. */
-bool gn_membrane_covers(const gn_world *world, const double area[3]);
+bool gn_membrane_covers(const gn_step_context *ctx, const double area[3]);
 
 /* The particle that bears a patch; -1: none is left. */
 int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
@@ -32,12 +37,13 @@ int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 /* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
  * the surface are (patches.c). At the start and at every look: then a part of the way, but
  * for those that are laid anew. */
-gneiss_status gn_membrane_lay(gn_world *world, bool anew, gneiss_error *error);
+gneiss_status gn_membrane_lay(const gn_step_context *ctx, gn_dem *dem, bool anew,
+                              gneiss_error *error);
 
 /* Finds how each of several bodies of the skin has moved as a whole; what that of a particle of the
  * skin has. */
-gneiss_status gn_membrane_turn(gn_world *world, gneiss_error *error);
-const double *gn_membrane_gradient_at(const gn_world *world, size_t p);
+gneiss_status gn_membrane_turn(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+const double *gn_membrane_gradient_at(const gn_step_context *ctx, const gn_dem *dem, size_t p);
 
 /* A body of those that the skin is of. */
 typedef struct gn_skin_body {
@@ -47,33 +53,33 @@ typedef struct gn_skin_body {
 
 /* The least change of the areas (rows of 4, as q->skin) of a body after which their moment about 0,
  * with particles at `place` (rows of 4), is `moment`, m3. */
-void gn_membrane_balance(const gn_world *world, gn_skin_body body, const double *place,
-                         const double moment[3], double *area);
+void gn_membrane_balance(const gn_step_context *ctx, const gn_dem *dem, gn_skin_body body,
+                         const double *place, const double moment[3], double *area);
 /* Of the areas of all, as the skin has moved as a whole and particles are now, to the moment that
  * the surface has. */
-void gn_membrane_rebalance(const gn_world *world, double *area);
+void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double *area);
 
 /* Pa, of the instant: from what there was when it was given, over the ramp, to what is given. */
-double gn_membrane_due(const gn_world *world);
+double gn_membrane_due(const gn_step_context *ctx, const gn_dem *dem);
 /* The scene is that of the stage that begins; `pressure`, what was due before. */
-void gn_membrane_enter(gn_world *world, double pressure);
+void gn_membrane_enter(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages, double pressure);
 
 /* Applied forces of the instant; before the forces of a step. */
-gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
+gneiss_status gn_membrane_press(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 /* m3: that the mean stress of the specimen refers to; of particles without a shape what the
  * membrane encloses at the start. */
-double gn_membrane_volume(const gn_world *world);
+double gn_membrane_volume(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Pa: of the last step; what it adds to the mean stress of the specimen, between centres and
  * surface.
  */
-double gn_membrane_pressure(const gn_world *world);
+double gn_membrane_pressure(const gn_dem *dem);
 void gn_membrane_stress(const gn_world *world, double stress[9]);
 
 /* m2: what it covers, at the last look; of one body. */
-double gn_membrane_area(const gn_world *world);
-double gn_membrane_area_of(const gn_world *world, gn_skin_body body);
+double gn_membrane_area(const gn_dem *dem);
+double gn_membrane_area_of(const gn_dem *dem, gn_skin_body body);
 
 /* Whether it presses on a particle, and whether a particle came off the body. */
 static inline bool gn_is_pressed(const gn_particles *particles, size_t p) {

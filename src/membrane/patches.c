@@ -71,28 +71,30 @@ typedef struct look {
     double (*whole)[9]; /* [particles] of who stands for a body, with several bodies */
 } look;
 
-static const double *whole_of(const gn_world *w, const look *l, size_t p) {
-    return l->whole ? l->whole[l->group[p]] : w->dem.membrane->gradient;
+static const double *whole_of(const gn_dem *dem, const look *l, size_t p) {
+    return l->whole ? l->whole[l->group[p]] : dem->membrane->gradient;
 }
 
 /* Wider where few are left or the body is thin; that of the skin as a whole where nothing says it.
  */
-static void gradient_around(const gn_world *w, const look *l, size_t p, double gradient[9]) {
+static void gradient_around(const gn_step_context *ctx, const gn_dem *dem, const look *l, size_t p,
+                            double gradient[9]) {
     for (int k = 0; k <= WIDENED; k++) {
-        view v = {.particles = &w->dem.particles,
+        view v = {.particles = &dem->particles,
                   .group = l->group,
                   .middle = p,
                   .reach = around * l->radius * pow(wider, k),
-                  .fit = {.dimension = (int)w->scene.dimension}};
-        gn_start_grid_visit(l->around, w->dem.particles.start + 4 * p, v.reach, see, &v);
+                  .fit = {.dimension = (int)ctx->scene.dimension}};
+        gn_start_grid_visit(l->around, dem->particles.start + 4 * p, v.reach, see, &v);
         if (says_how(&v, l->radius, gradient)) return;
     }
-    memcpy(gradient, whole_of(w, l, p), 9 * sizeof *gradient);
+    memcpy(gradient, whole_of(dem, l, p), 9 * sizeof *gradient);
 }
 
 /* Of the skin of each of several bodies, from who stands for it on. */
-static gneiss_status fit_bodies(const gn_world *w, look *l, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+static gneiss_status fit_bodies(const gn_step_context *ctx, const gn_dem *dem, look *l,
+                                gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     const size_t n = q->soa.count;
     gn_gradient_fit *fit = gn_alloc_array(n + 1, sizeof *fit);
     l->whole = gn_alloc_array(n + 1, sizeof *l->whole);
@@ -104,7 +106,7 @@ static gneiss_status fit_bodies(const gn_world *w, look *l, gneiss_error *error)
             from[a] = q->start[4 * p + a] - q->start[4 * lead + a];
             to[a] = q->pos[4 * p + a] - q->pos[4 * lead + a];
         }
-        fit[lead].dimension = (int)w->scene.dimension;
+        fit[lead].dimension = (int)ctx->scene.dimension;
         gn_gradient_add(&fit[lead], 1.0, from, to);
     }
     for (size_t p = 0; fit && l->whole && p < n; p++) gn_gradient_of(&fit[p], l->whole[p]);
@@ -122,9 +124,9 @@ static double size_of(const gn_patch *patch) {
 
 /* Adds a patch to the area of its bearer, and its way from there to `arms`; what was bared to
  * `bared`, as it counts by what it is together, and what was surface to the size. */
-static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double gradient[9],
+static void add_patch(gn_dem *dem, const gn_patch *patch, size_t p, const double gradient[9],
                       double bared[3], double arms[9]) {
-    gn_particles *q = &w->dem.particles;
+    gn_particles *q = &dem->particles;
     double turn[9], area[3], start[3], way[3], half[9], rest[9];
     gn_cofactor3(gradient, turn);
     gn_product3(turn, patch->rest, half);
@@ -174,8 +176,8 @@ static double hold_to(const double as_whole[9], const gn_dem *d, size_t k, doubl
 
 /* All patches, of which those of one particle follow one another; as what is around them has moved
  * or as at the start. */
-static void add_patches(gn_world *w, const look *l, double arms[9]) {
-    gn_dem *d = &w->dem;
+static void add_patches(const gn_step_context *ctx, gn_dem *dem, const look *l, double arms[9]) {
+    gn_dem *d = dem;
     double gradient[9], unlike = 0.0;
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (!gn_came_off(&d->particles, p))
@@ -186,22 +188,22 @@ static void add_patches(gn_world *w, const look *l, double arms[9]) {
         double bared[3] = {0};
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
         if (l->around && at >= 0) {
-            gradient_around(w, l, (size_t)at, gradient);
-            unlike += hold_to(whole_of(w, l, (size_t)at), d, k, gradient);
+            gradient_around(ctx, dem, l, (size_t)at, gradient);
+            unlike += hold_to(whole_of(dem, l, (size_t)at), d, k, gradient);
         }
         for (; k < d->patch_count && d->patches[k].owner == owner; k++)
-            if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
+            if (at >= 0) add_patch(dem, &d->patches[k], (size_t)at, gradient, bared, arms);
         if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
     if (d->membrane->pressure > 0.0)
-        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(w));
+        d->membrane->unlike = fmax(d->membrane->unlike, unlike / gn_membrane_area(dem));
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
  * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. */
-static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, double area[3],
+static void surface_sums(const gn_dem *dem, gn_skin_body body, size_t base, double area[3],
                          double tensor[9]) {
-    const gn_dem *d = &w->dem;
+    const gn_dem *d = dem;
     const gn_membrane *m = d->membrane;
     const double *start = d->particles.start + 4 * base;
     double turn[9], half[9], sum[3] = {0}, all[9] = {0};
@@ -232,28 +234,29 @@ static void moment_of(const double base[3], const double area[3], const double t
             tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
 }
 
-void gn_membrane_rebalance(const gn_world *w, double *area) {
-    const gn_particles *q = &w->dem.particles;
+void gn_membrane_rebalance(const gn_step_context *ctx, const gn_dem *dem, double *area) {
+    const gn_particles *q = &dem->particles;
     const gn_skin_body all = {0};
     double sum[3], tensor[9], moment[3];
     size_t base = 0;
     while (base < q->soa.count && !gn_is_pressed(q, base)) base++;
     if (base == q->soa.count) return;
-    surface_sums(w, all, base, sum, tensor);
+    surface_sums(dem, all, base, sum, tensor);
     moment_of(q->pos + 4 * base, sum, tensor, moment);
-    gn_membrane_balance(w, all, q->pos, moment, area);
+    gn_membrane_balance(ctx, dem, all, q->pos, moment, area);
 }
 
 /* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
  * moment is restored. Of a closed surface both are nothing. */
-static void bring_into_balance(gn_world *w, gn_skin_body body, const double *place) {
-    gn_particles *q = &w->dem.particles;
+static void bring_into_balance(const gn_step_context *ctx, gn_dem *dem, gn_skin_body body,
+                               const double *place) {
+    gn_particles *q = &dem->particles;
     double area[3], tensor[9], moment[3];
-    const double sum = gn_membrane_area_of(w, body);
+    const double sum = gn_membrane_area_of(dem, body);
     size_t base = 0;
     if (!(sum > 0.0)) return;
     while (!gn_is_pressed_of(q, body, base)) base++;
-    surface_sums(w, body, base, area, tensor);
+    surface_sums(dem, body, base, area, tensor);
     if (body.group && body.is != OPEN) {
         memset(area, 0, sizeof area);
         memset(tensor, 0, sizeof tensor);
@@ -266,12 +269,12 @@ static void bring_into_balance(gn_world *w, gn_skin_body body, const double *pla
         for (int a = 0; a < 3; a++)
             if (gn_is_pressed_of(q, body, p))
                 q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
-    gn_membrane_balance(w, body, place, moment, q->skin);
+    gn_membrane_balance(ctx, dem, body, place, moment, q->skin);
 }
 
 /* Bodies whose surface is not closed get OPEN in the place of who stands for them. */
-static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
-    const gn_dem *d = &w->dem;
+static void find_open(const gn_dem *dem, int32_t *group, double (*sums)[4]) {
+    const gn_dem *d = dem;
     const double nearly = 0.03;
     const size_t n = d->particles.soa.count;
     for (size_t k = 0; k < d->patch_count; k++) {
@@ -288,8 +291,8 @@ static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
 
 /* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
  * [particles] is room. */
-static size_t number_bodies(gn_world *w, const int32_t *group, int32_t *number) {
-    gn_dem *d = &w->dem;
+static size_t number_bodies(gn_dem *dem, const int32_t *group, int32_t *number) {
+    gn_dem *d = dem;
     int32_t count = 0;
     bool open = false;
     for (size_t p = 0; p < d->particles.soa.count; p++)
@@ -305,21 +308,22 @@ static size_t number_bodies(gn_world *w, const int32_t *group, int32_t *number) 
 
 /* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
  * crack has opened together with what it was parted from. */
-static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *place,
-                                    gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
+static gneiss_status balance_bodies(const gn_step_context *ctx, gn_dem *dem, int32_t *group,
+                                    const double *place, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
     if (!group) {
-        bring_into_balance(w, (gn_skin_body){0}, place);
-        w->dem.membrane->bodies = 1.0;
+        bring_into_balance(ctx, dem, (gn_skin_body){0}, place);
+        dem->membrane->bodies = 1.0;
         return GNEISS_OK;
     }
     double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
     if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
-    find_open(w, group, sums);
+    find_open(dem, group, sums);
     for (size_t p = 0; p < n; p++)
-        if (group[p] == (int32_t)p) bring_into_balance(w, (gn_skin_body){group, (int32_t)p}, place);
-    bring_into_balance(w, (gn_skin_body){group, OPEN}, place);
-    w->dem.membrane->bodies = (double)number_bodies(w, group, (int32_t *)sums);
+        if (group[p] == (int32_t)p)
+            bring_into_balance(ctx, dem, (gn_skin_body){group, (int32_t)p}, place);
+    bring_into_balance(ctx, dem, (gn_skin_body){group, OPEN}, place);
+    dem->membrane->bodies = (double)number_bodies(dem, group, (int32_t *)sums);
     gn_free(sums);
     return GNEISS_OK;
 }
@@ -334,9 +338,10 @@ static void back_of(const double gradient[9], double back[9]) {
 
 /* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
  * and stretch them. */
-static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    gn_membrane *m = w->dem.membrane;
+static gneiss_status turn_back(const gn_step_context *ctx, gn_dem *dem, double arms[9],
+                               gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    gn_membrane *m = dem->membrane;
     double cofactor[9], inverse[9], back[9], half[9];
     gn_cofactor3(m->gradient, cofactor);
     back_of(m->gradient, back);
@@ -344,12 +349,12 @@ static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error)
     for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
     gn_product3(back, arms, half);
     gn_product3_bt(half, inverse, m->arms);
-    GN_TRY(gn_membrane_turn(w, error));
+    GN_TRY(gn_membrane_turn(ctx, dem, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
         if (!gn_is_pressed(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
-        back_of(gn_membrane_gradient_at(w, p), back);
+        back_of(gn_membrane_gradient_at(ctx, dem, p), back);
         for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
     }
     return GNEISS_OK;
@@ -357,23 +362,23 @@ static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error)
 
 /* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
  */
-static void carry_on(const gn_world *w, double *area, double arms[9]) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_membrane *m = w->dem.membrane;
+static void carry_on(const gn_step_context *ctx, const gn_dem *dem, double *area, double arms[9]) {
+    const gn_particles *q = &dem->particles;
+    const gn_membrane *m = dem->membrane;
     double turn[9], half[9];
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;
-        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        gn_cofactor3(gn_membrane_gradient_at(ctx, dem, p), turn);
         for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
 }
 
 /* A part of the way to the areas of now. */
-static void blend(gn_world *w, const double *was, const double had[9], double arms[9]) {
-    gn_particles *q = &w->dem.particles;
+static void blend(gn_dem *dem, const double *was, const double had[9], double arms[9]) {
+    gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
             q->skin[4 * p + a] = was[4 * p + a] + pace * (q->skin[4 * p + a] - was[4 * p + a]);
@@ -381,60 +386,63 @@ static void blend(gn_world *w, const double *was, const double had[9], double ar
 }
 
 /* Grains that roll by themselves do not say how a body moves. */
-static gneiss_status grid_of_held(const gn_world *w, double cell, gn_start_grid *grid,
-                                  gneiss_error *error) {
-    bool *held = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *held);
+static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem, double cell,
+                                  gn_start_grid *grid, gneiss_error *error) {
+    bool *held = gn_alloc_array(dem->particles.soa.count + 1, sizeof *held);
     if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of a specimen");
-    gneiss_status status = gn_membrane_held(w, held, error);
-    if (status == GNEISS_OK) status = gn_start_grid_make(w, cell, held, grid, error);
+    gneiss_status status = gn_membrane_held(ctx, dem, held, error);
+    if (status == GNEISS_OK) status = gn_start_grid_make(ctx, dem, cell, held, grid, error);
     gn_free(held);
     return status;
 }
 
 /* As what is around the bearers has moved. */
-static gneiss_status add_moved(gn_world *w, const int32_t *group, double arms[9],
-                               gneiss_error *error) {
+static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, const int32_t *group,
+                               double arms[9], gneiss_error *error) {
     gn_start_grid grid = {0};
-    look l = {.group = group, .radius = gn_world_mean_radius(w)};
-    gneiss_status status = grid_of_held(w, cell_size * l.radius, &grid, error);
+    look l = {.group = group, .radius = gn_world_mean_radius(dem)};
+    gneiss_status status = grid_of_held(ctx, dem, cell_size * l.radius, &grid, error);
     if (status != GNEISS_OK) return status;
     l.around = &grid;
-    if (group) status = fit_bodies(w, &l, error);
-    if (status == GNEISS_OK) add_patches(w, &l, arms);
+    if (group) status = fit_bodies(ctx, dem, &l, error);
+    if (status == GNEISS_OK) add_patches(ctx, dem, &l, arms);
     gn_start_grid_free(&grid);
     gn_free(l.whole);
     return status;
 }
 
 /* From what was, which is room for it, or all of the way. */
-static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
-    const gn_membrane *m = w->dem.membrane;
-    const bool follow = w->scene.membrane.follow && w->step > 0;
+static gneiss_status lay(const gn_step_context *ctx, gn_dem *dem, int32_t *group, double *was,
+                         gneiss_error *error) {
+    const gn_membrane *m = dem->membrane;
+    const bool follow = ctx->scene.membrane.follow && ctx->step > 0;
     double arms[9], had[9], turn[9], half[9];
-    if (was) carry_on(w, was, had);
+    if (was) carry_on(ctx, dem, was, had);
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
-    if (follow) GN_TRY(add_moved(w, group, arms, error));
-    if (!follow) add_patches(w, &(look){0}, arms);
-    if (was) blend(w, was, had, arms);
-    GN_TRY(balance_bodies(
-        w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
-    return turn_back(w, arms, error);
+    if (follow) GN_TRY(add_moved(ctx, dem, group, arms, error));
+    if (!follow) add_patches(ctx, dem, &(look){0}, arms);
+    if (was) blend(dem, was, had, arms);
+    GN_TRY(balance_bodies(ctx, dem, group,
+                          ctx->scene.membrane.follow ? dem->particles.pos : dem->particles.start,
+                          error));
+    return turn_back(ctx, dem, arms, error);
 }
 
-gneiss_status gn_membrane_lay(gn_world *w, bool anew, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
-    const bool carries = !anew && w->scene.membrane.follow && w->step > 0;
+gneiss_status gn_membrane_lay(const gn_step_context *ctx, gn_dem *dem, bool anew,
+                              gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
+    const bool carries = !anew && ctx->scene.membrane.follow && ctx->step > 0;
     int32_t *group = gn_alloc_array(n + 1, sizeof *group);
     double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
     gneiss_status status =
         group && (was || !carries)
-            ? gn_membrane_turn(w, error)
+            ? gn_membrane_turn(ctx, dem, error)
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     if (status == GNEISS_OK) {
-        const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
-        status = lay(w, bodies > 1 ? group : NULL, was, error);
+        const size_t bodies = gn_world_body_groups(ctx, dem, GN_CHIP, group);
+        status = lay(ctx, dem, bodies > 1 ? group : NULL, was, error);
     }
     gn_free(group);
     gn_free(was);

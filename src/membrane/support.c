@@ -33,13 +33,14 @@ static void add_contact(footing *f, const double n[3], double sign) {
     f->count += 1.0;
 }
 
-static void add_list(const gn_world *w, const gn_contacts *list, const bool *held, footing *all) {
-    const double *pos = w->dem.particles.pos;
+static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                     const bool *held, footing *all) {
+    const double *pos = dem->particles.pos;
     for (size_t c = 0; c < list->soa.count; c++) {
         const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
         double d[3];
         if (!held[i] && !held[j]) continue;
-        const double far = sqrt(gn_branch(w, pos + 4 * i, pos + 4 * j, d));
+        const double far = sqrt(gn_branch(ctx, pos + 4 * i, pos + 4 * j, d));
         const double free = list->length0 ? list->length0[c] : pos[4 * i + 3] + pos[4 * j + 3];
         if (!gn_contact_bonded(list, c) && !(far < free)) continue;
         for (int a = 0; a < 3; a++) d[a] /= far;
@@ -77,12 +78,12 @@ static void push_of(const footing *f, int dimension, double t, double push[9]) {
     for (int k = 0; k < 9; k++) push[k] -= t * inverse[k];
 }
 
-static bool stands(const gn_world *w, const footing *f) {
-    const int d = (int)w->scene.dimension;
+static bool stands(const gn_step_context *ctx, const footing *f) {
+    const int d = (int)ctx->scene.dimension;
     double push[9], small[9], values[3], vectors[9];
     if (!(f->count > 0.0)) return false;
-    const bool shear = w->effects & GN_FX_SHEAR, turns = w->effects & GN_FX_ROTATION;
-    if (w->effects & GN_FX_BOND_MOMENTS || (shear && !turns)) return true;
+    const bool shear = ctx->effects & GN_FX_SHEAR, turns = ctx->effects & GN_FX_ROTATION;
+    if (ctx->effects & GN_FX_BOND_MOMENTS || (shear && !turns)) return true;
     push_of(f, d, shear ? slant : 0.0, push);
     for (int k = 0; k < d * d; k++) small[k] = push[k / d * 3 + k % d];
     gn_eigen_symmetric(d, small, values, vectors);
@@ -90,37 +91,38 @@ static bool stands(const gn_world *w, const footing *f) {
 }
 
 /* Whether a particle is of a body whose grains may hang loose. */
-static bool may_pivot(const gn_world *w, size_t p) {
-    return w->dem.particles.group[p] != 0;
+static bool may_pivot(const gn_dem *dem, size_t p) {
+    return dem->particles.group[p] != 0;
 }
 
 /* One grain less takes its hold from others, so again and again; who is left does not depend on the
  * order. */
-static void let_go(const gn_world *w, footing *all, bool *held) {
-    const size_t n = w->dem.particles.soa.count;
+static void let_go(const gn_step_context *ctx, const gn_dem *dem, footing *all, bool *held) {
+    const size_t n = dem->particles.soa.count;
     for (bool more = true; more;) {
         more = false;
         memset(all, 0, n * sizeof *all);
-        add_list(w, &w->dem.bonds, held, all);
-        add_list(w, &w->dem.pairs, held, all);
+        add_list(ctx, dem, &dem->bonds, held, all);
+        add_list(ctx, dem, &dem->pairs, held, all);
         for (size_t p = 0; p < n; p++) {
-            if (!held[p] || !may_pivot(w, p) || stands(w, &all[p])) continue;
+            if (!held[p] || !may_pivot(dem, p) || stands(ctx, &all[p])) continue;
             held[p] = false;
             more = true;
         }
     }
 }
 
-gneiss_status gn_membrane_held(const gn_world *w, bool *held, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+gneiss_status gn_membrane_held(const gn_step_context *ctx, const gn_dem *dem, bool *held,
+                               gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     const size_t n = q->soa.count;
     bool any = false;
     for (size_t p = 0; p < n; p++) held[p] = !gn_came_off(q, p);
-    if (!(w->effects & GN_FX_BONDS) || !w->dem.bonds.soa.count) return GNEISS_OK;
+    if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.soa.count) return GNEISS_OK;
     footing *all = gn_alloc_array(n + 1, sizeof *all);
     if (!all)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);
-    let_go(w, all, held);
+    let_go(ctx, dem, all, held);
     gn_free(all);
     for (size_t p = 0; p < n; p++) any = any || held[p];
     for (size_t p = 0; p < n && !any; p++) held[p] = !gn_came_off(q, p);

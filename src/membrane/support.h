@@ -6,6 +6,7 @@
 
 /* [particles] those that contacts hold against being pushed any way, of what has not come off;
  * without bonds, and where none is, all of that. */
-gneiss_status gn_membrane_held(const gn_world *world, bool *held, gneiss_error *error);
+gneiss_status gn_membrane_held(const gn_step_context *ctx, const gn_dem *dem, bool *held,
+                               gneiss_error *error);
 
 #endif

@@ -57,20 +57,20 @@ static double *column_of(const gn_contacts *list, const gn_near_column *column) 
 
 /* --- whether --- */
 
-static void nearest(const gn_world *w, double d[3]) {
+static void nearest(const gn_step_context *ctx, double d[3]) {
     for (int a = 0; a < 3; a++)
-        if (w->period[a] > 0.0) d[a] -= w->period[a] * rint(d[a] / w->period[a]);
+        if (ctx->period[a] > 0.0) d[a] -= ctx->period[a] * rint(d[a] / ctx->period[a]);
 }
 
 /* Where three of five touch, finding them costs what it saves. */
-static bool sparse(const gn_world *w) {
-    const gn_contacts *list = &w->dem.pairs;
-    const double *ref = w->dem.particles.ref, *pos = w->dem.particles.pos;
+static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_contacts *list = &dem->pairs;
+    const double *ref = dem->particles.ref, *pos = dem->particles.pos;
     size_t touching = 0;
     for (size_t c = 0; c < list->soa.count; c++) {
         const size_t i = 4 * (size_t)list->i[c], j = 4 * (size_t)list->j[c];
         double d[3] = {ref[j] - ref[i], ref[j + 1] - ref[i + 1], ref[j + 2] - ref[i + 2]};
-        if (w->effects & GN_FX_PERIODIC) nearest(w, d);
+        if (ctx->effects & GN_FX_PERIODIC) nearest(ctx, d);
         const double reach = pos[i + 3] + pos[j + 3];
         touching += d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach;
     }
@@ -80,10 +80,10 @@ static bool sparse(const gn_world *w) {
 /* Where bonds are, unbonded pairs are few. Where something else moves particles (a box, finite
  * elements) the way of a step is more than its velocities. In mixed precision places would be read
  * twice, in either precision. */
-static bool worth_while(const gn_world *w) {
+static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box) {
     const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
-    return !w->dem.near.barred && !(w->effects & against) && !w->scene.has_couple &&
-           !gn_box_moves(w) && w->dem.pairs.soa.count && sparse(w);
+    return !dem->near.barred && !(ctx->effects & against) && !ctx->scene.has_couple &&
+           !gn_box_moves(ctx, box) && dem->pairs.soa.count && sparse(ctx, dem);
 }
 
 /* --- room --- */
@@ -113,9 +113,9 @@ void gn_near_free(gn_near *n) {
 }
 
 /* Behind the pairs of a block there is room for what vectors read and write beyond them. */
-static gneiss_status make_room(gn_world *w, gneiss_error *error) {
-    gn_near *n = &w->dem.near;
-    const gn_partials *q = &w->dem.pair_partials;
+static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
+    gn_near *n = &dem->near;
+    const gn_partials *q = &dem->pair_partials;
     n->stride = q->length + GN_LANES_MAX;
     n->blocks = q->blocks;
     const size_t needed = n->blocks * n->stride, streams = streams_of(n);
@@ -134,26 +134,27 @@ static gneiss_status make_room(gn_world *w, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
 }
 
-static gneiss_status make_paths(gn_world *w, gneiss_error *error) {
-    gn_near *n = &w->dem.near;
-    if (n->paths && n->path_count == w->dem.motion_blocks) return GNEISS_OK;
+static gneiss_status make_paths(gn_dem *dem, gneiss_error *error) {
+    gn_near *n = &dem->near;
+    if (n->paths && n->path_count == dem->motion_blocks) return GNEISS_OK;
     gn_free(n->paths);
-    n->path_count = w->dem.motion_blocks;
+    n->path_count = dem->motion_blocks;
     n->paths = gn_alloc_array(n->path_count + 1, sizeof *n->paths);
     if (n->paths) return GNEISS_OK;
     n->path_count = 0;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
 }
 
-gneiss_status gn_near_lists(gn_world *w, gneiss_error *error) {
-    gn_near *n = &w->dem.near;
+gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                            gneiss_error *error) {
+    gn_near *n = &dem->near;
     n->on = n->packed = false;
-    if (!worth_while(w)) return GNEISS_OK;
-    GN_TRY(make_paths(w, error));
-    find_columns(n, &w->dem.pairs, &(gn_uniform){0}); /* more are never asked for */
-    GN_TRY(make_room(w, error));
-    find_columns(n, &w->dem.pairs, &w->dem.pair_uniform);
-    n->listed = (double)w->dem.pairs.soa.count;
+    if (!worth_while(ctx, dem, box)) return GNEISS_OK;
+    GN_TRY(make_paths(dem, error));
+    find_columns(n, &dem->pairs, &(gn_uniform){0}); /* more are never asked for */
+    GN_TRY(make_room(dem, error));
+    find_columns(n, &dem->pairs, &dem->pair_uniform);
+    n->listed = (double)dem->pairs.soa.count;
     n->cost = INFINITY;
     if (!n->steps) n->steps = STEPS_AT_FIRST;
     if (!n->towards) n->towards = 1;
@@ -161,8 +162,8 @@ gneiss_status gn_near_lists(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-size_t gn_near_bytes(const gn_world *w) {
-    const gn_near *n = &w->dem.near;
+size_t gn_near_bytes(const gn_dem *dem) {
+    const gn_near *n = &dem->near;
     const size_t each = sizeof *n->i + sizeof *n->j + 2 * sizeof *n->place;
     return n->room * (each + n->streams * sizeof *n->data) + n->room / GN_NEAR_GROUP;
 }
@@ -216,12 +217,12 @@ static void tune_steps(gn_near *n) {
 /* A sweep at other velocities than those that led to the places tells nothing of who touched a step
  * ago. All pairs of new lists are worked on once: zeros that changed their sign with the places of
  * their ends lose it, see put. */
-void gn_near_begin(gn_world *w, const gn_contact_args *pairs) {
-    gn_near *n = &w->dem.near;
-    if (pairs->speed_most <= 0.0) gn_near_forget(w);
+void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
+    gn_near *n = &dem->near;
+    if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
     if (!n->on) return;
     if (memcmp(&n->uniform, &pairs->uniform, sizeof n->uniform) != 0) {
-        if (!n->again) gn_near_repack(w); /* else nothing is packed as yet */
+        if (!n->again) gn_near_repack(ctx, dem); /* else nothing is packed as yet */
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
     const gn_near_span *s = &n->span;
@@ -239,23 +240,23 @@ void gn_near_begin(gn_world *w, const gn_contact_args *pairs) {
     n->span.steps++;
 }
 
-void gn_near_moved(gn_world *w) {
-    gn_near *n = &w->dem.near;
+void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
+    gn_near *n = &dem->near;
     gn_near_span *s = &n->span;
     if (!n->on) {
         n->past.known = 0;
         return;
     }
-    s->elapsed += w->dt;
+    s->elapsed += ctx->dt;
     for (size_t b = 0; b < n->path_count; b++) {
         gn_near_path *p = &n->paths[b];
-        p->last = sqrt(w->dem.motion_sums[b].change2) * more;
+        p->last = sqrt(dem->motion_sums[b].change2) * more;
         p->change += p->last;
-        p->way += w->dt * p->change * more;
+        p->way += ctx->dt * p->change * more;
         s->over = s->over || p->way > p->margin;
     }
     n->past.dt[1] = n->past.dt[0];
-    n->past.dt[0] = w->dt;
+    n->past.dt[0] = ctx->dt;
     if (n->past.known < 2) n->past.known++;
 }
 
@@ -286,10 +287,11 @@ static size_t take_all(const block_of_pairs *b) {
 }
 
 /* Which of the block act. */
-static void find(gn_world *w, const gn_contact_args *pairs, const block_of_pairs *b) {
+static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
+                 const block_of_pairs *b) {
     const gn_partials *q = pairs->partials;
-    const gn_near_kernels *kernels = w->kernels->near;
-    gn_near *n = &w->dem.near;
+    const gn_near_kernels *kernels = ctx->kernels->near;
+    gn_near *n = &dem->near;
     gn_near_args args = {.pos = pairs->pos,
                          .vel = pairs->vel,
                          .soon = pairs->spin,
@@ -302,23 +304,24 @@ static void find(gn_world *w, const gn_contact_args *pairs, const block_of_pairs
                          .paths = n->paths,
                          .ahead = n->span.ahead,
                          .behind = more * (n->past.dt[0] + n->past.dt[1]),
-                         .periodic = w->effects & GN_FX_PERIODIC};
+                         .periodic = ctx->effects & GN_FX_PERIODIC};
     memcpy(args.period, pairs->period, sizeof args.period);
     memcpy(args.inverse_period, pairs->inverse_period, sizeof args.inverse_period);
     n->count[b->number] = (int32_t)(n->whole ? take_all(b) : kernels->find(&args, b->act));
 }
 
 /* Their ends and places. */
-static void pack_ends(const gn_world *w, const gn_contact_args *pairs, const block_of_pairs *b) {
-    const gn_near_kernels *kernels = w->kernels->near;
-    const gn_near *n = &w->dem.near;
+static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_contact_args *pairs,
+                      const block_of_pairs *b) {
+    const gn_near_kernels *kernels = ctx->kernels->near;
+    const gn_near *n = &dem->near;
     int32_t *i = n->i + b->at, *j = n->j + b->at;
     kernels->pack32(i, pairs->contacts->i + b->begin, b->act, b->groups);
     kernels->pack32(j, pairs->contacts->j + b->begin, b->act, b->groups);
     kernels->pack32(n->place + 2 * b->at, pairs->partials->place + 2 * b->begin, b->act, b->groups);
     for (size_t k = (size_t)n->count[b->number]; k % GN_LANES_MAX; k++) {
-        i[k] = gn_null_first(&w->dem.particles);
-        j[k] = gn_null_second(&w->dem.particles);
+        i[k] = gn_null_first(&dem->particles);
+        j[k] = gn_null_second(&dem->particles);
     }
 }
 
@@ -329,37 +332,38 @@ typedef struct packed_before {
 } packed_before;
 
 /* Of pairs that were not packed it is zero; see put. */
-static void move_packed(const gn_world *w, double *data, const packed_before *was,
+static void move_packed(const gn_step_context *ctx, double *data, const packed_before *was,
                         const block_of_pairs *b) {
     double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
     memcpy(old, data, (was->count + GN_NEAR_GROUP) * sizeof *old);
-    w->kernels->near->repack(data, old, was->act, b->act, b->groups);
+    ctx->kernels->near->repack(data, old, was->act, b->act, b->groups);
 }
 
 /* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
  * packed, if that is given, else in the list. */
-static void fetch(const gn_world *w, const gn_contacts *list, const packed_before *was,
-                  const block_of_pairs *b) {
-    const gn_near *n = &w->dem.near;
+static void fetch(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                  const packed_before *was, const block_of_pairs *b) {
+    const gn_near *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
             double *to = n->data + (n->column[k].stream + a) * n->room + b->at;
             const double *from = column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin;
             if (was && n->column[k].written)
-                move_packed(w, to, was, b);
+                move_packed(ctx, to, was, b);
             else
-                w->kernels->near->pack(to, from, b->act, b->groups);
+                ctx->kernels->near->pack(to, from, b->act, b->groups);
             memset(to + n->count[b->number], 0, GN_LANES_MAX * sizeof *to);
         }
 }
 
 /* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
  * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
-static void put(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
-    const gn_near *n = &w->dem.near;
+static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                const block_of_pairs *b) {
+    const gn_near *n = &dem->near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; n->column[k].written && a < (size_t)n->column[k].components; a++)
-            w->kernels->near->unpack(
+            ctx->kernels->near->unpack(
                 column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin,
                 n->data + (n->column[k].stream + a) * n->room + b->at, b->act, b->groups);
 }
@@ -379,8 +383,9 @@ static gn_contacts packed(const gn_near *n, const gn_contacts *list, const block
     return part;
 }
 
-void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_contact_sums *sums) {
-    const gn_near *n = &w->dem.near;
+void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
+                  size_t block, gn_contact_sums *sums) {
+    const gn_near *n = &dem->near;
     const gn_contacts *list = pairs->contacts;
     const block_of_pairs b = block_at(n, list, pairs->partials->length, block);
     packed_before was;
@@ -388,10 +393,10 @@ void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_co
         was.count = (size_t)n->count[block];
         memcpy(was.act, b.act, b.groups);
     }
-    if (n->look) find(w, pairs, &b);
+    if (n->look) find(ctx, dem, pairs, &b);
     if (n->look || n->take) {
-        pack_ends(w, pairs, &b);
-        fetch(w, list, n->move ? &was : NULL, &b);
+        pack_ends(ctx, dem, pairs, &b);
+        fetch(ctx, dem, list, n->move ? &was : NULL, &b);
     }
     const gn_contacts part = packed(n, list, &b);
     gn_partials partials = *pairs->partials;
@@ -400,29 +405,29 @@ void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_co
     gn_contact_args args = *pairs;
     args.contacts = &part;
     args.partials = &partials;
-    w->dem.pair_kernel(&args, 0, part.soa.count, sums);
+    dem->pair_kernel(&args, 0, part.soa.count, sums);
 }
 
 /* --- when others look --- */
 
-void gn_near_settle(const gn_world *w) {
-    const gn_near *n = &w->dem.near;
+void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_near *n = &dem->near;
     if (!n->unsettled) return;
     for (size_t k = 0; k < n->blocks; k++) {
-        const block_of_pairs b = block_at(n, &w->dem.pairs, w->dem.pair_partials.length, k);
-        put(w, &w->dem.pairs, &b);
+        const block_of_pairs b = block_at(n, &dem->pairs, dem->pair_partials.length, k);
+        put(ctx, dem, &dem->pairs, &b);
     }
     ((gn_near *)(uintptr_t)n)->unsettled = false; /* see active_pairs.h */
 }
 
-void gn_near_repack(gn_world *w) {
-    gn_near_settle(w);
-    w->dem.near.packed = false;
+void gn_near_repack(const gn_step_context *ctx, gn_dem *dem) {
+    gn_near_settle(ctx, dem);
+    dem->near.packed = false;
 }
 
-void gn_near_forget(gn_world *w) {
-    gn_near_repack(w);
-    w->dem.near.past.known = 0;
+void gn_near_forget(const gn_step_context *ctx, gn_dem *dem) {
+    gn_near_repack(ctx, dem);
+    dem->near.past.known = 0;
 }
 
 /* --- checkpoints --- */
@@ -435,11 +440,11 @@ static void clear_ends(gn_near *n, const gn_contacts *list, size_t length) {
     }
 }
 
-gn_near_kept gn_near_keep(gn_world *w, size_t *groups) {
-    gn_near *n = &w->dem.near;
-    gn_near_settle(w);
+gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups) {
+    gn_near *n = &dem->near;
+    gn_near_settle(ctx, dem);
     n->again = n->packed;
-    if (n->packed) clear_ends(n, &w->dem.pairs, w->dem.pair_partials.length);
+    if (n->packed) clear_ends(n, &dem->pairs, dem->pair_partials.length);
     *groups = n->packed ? n->blocks * n->stride / GN_NEAR_GROUP : 0;
     return (gn_near_kept){.known = n->past.known,
                           .dt = {n->past.dt[0], n->past.dt[1]},
@@ -467,13 +472,13 @@ static bool count_block(gn_near *n, const block_of_pairs *b) {
     return good;
 }
 
-static bool take_marks(gn_world *w) {
-    gn_near *n = &w->dem.near;
+static bool take_marks(gn_dem *dem) {
+    gn_near *n = &dem->near;
     if (n->kept_groups != n->blocks * n->stride / GN_NEAR_GROUP) return false;
     memcpy(n->act, n->kept_act, n->kept_groups);
     bool good = true;
     for (size_t k = 0; k < n->blocks; k++) {
-        const block_of_pairs b = block_at(n, &w->dem.pairs, w->dem.pair_partials.length, k);
+        const block_of_pairs b = block_at(n, &dem->pairs, dem->pair_partials.length, k);
         good = count_block(n, &b) && good;
     }
     return good;
@@ -490,8 +495,8 @@ static bool take_paths(gn_near *n) {
     return good;
 }
 
-gneiss_status gn_near_resume(gn_world *w, gneiss_error *error) {
-    gn_near *n = &w->dem.near;
+gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error) {
+    gn_near *n = &dem->near;
     const gn_near_kept *k = &n->kept;
     if (!n->kept_act) return GNEISS_OK;
     n->past = (gn_near_past){(int)k->known, {k->dt[0], k->dt[1]}};
@@ -503,7 +508,7 @@ gneiss_status gn_near_resume(gn_world *w, gneiss_error *error) {
     if (n->on) {
         n->fresh = k->fresh > 0.0;
         n->packed = n->again = k->packed > 0.0;
-        good = take_paths(n) && (!n->packed || take_marks(w));
+        good = take_paths(n) && (!n->packed || take_marks(dem));
     }
     gn_free(n->kept_act);
     gn_free(n->kept_paths);

@@ -8,6 +8,8 @@
 #ifndef GN_PARTICLES_ACTIVE_PAIRS_H
 #define GN_PARTICLES_ACTIVE_PAIRS_H
 
+#include "frame/parts.h"
+
 #include "kernels/contact.h"
 #include "kernels/near.h"
 
@@ -81,33 +83,32 @@ typedef struct gn_near {
     int columns;
 } gn_near;
 
-typedef struct gn_world gn_world;
-
 /* Whenever lists were made or read: whether it is worth while, by the places when they were made,
  * so that a run that goes on decides as it did. */
-gneiss_status gn_near_lists(gn_world *world, gneiss_error *error);
+gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                            gneiss_error *error);
 void gn_near_free(gn_near *near);
-size_t gn_near_bytes(const gn_world *world);
+size_t gn_near_bytes(const gn_dem *dem);
 
 /* Puts what was packed back into the list of pairs: for who reads shear, fd, closeness or roll of
  * it. The list is then as if nothing had been packed, which is why a world that is only read may be
  * settled. */
-void gn_near_settle(const gn_world *world);
+void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem);
 /* Columns of pairs were or will be changed by others than the kernel; also velocities or places, by
  * others than a step. */
-void gn_near_repack(gn_world *world);
-void gn_near_forget(gn_world *world);
+void gn_near_repack(const gn_step_context *ctx, gn_dem *dem);
+void gn_near_forget(const gn_step_context *ctx, gn_dem *dem);
 /* For a checkpoint, besides `paths`: settles, says what there is, and goes on as a run does that
  * reads it. `groups`: of `act`, 0 when nothing is packed. */
-gn_near_kept gn_near_keep(gn_world *world, size_t *groups);
+gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *groups);
 /* After lists were read: as it was when `kept` was. Marks of other pairs than there are are an
  * error (GNEISS_ERROR_INPUT). */
-gneiss_status gn_near_resume(gn_world *world, gneiss_error *error);
+gneiss_status gn_near_resume(gn_dem *dem, gneiss_error *error);
 
 /* Before a sweep; a block of pairs, in place of the kernel on all of it; after the motion. */
-void gn_near_begin(gn_world *world, const gn_contact_args *pairs);
-void gn_near_work(gn_world *world, const gn_contact_args *pairs, size_t block,
-                  gn_contact_sums *sums);
-void gn_near_moved(gn_world *world);
+void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs);
+void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs,
+                  size_t block, gn_contact_sums *sums);
+void gn_near_moved(const gn_step_context *ctx, gn_dem *dem);
 
 #endif

@@ -22,32 +22,36 @@ static size_t count_sections(const gn_contacts *bonds) {
 
 /* --- Dempack's --- */
 
-static double dempack_area(const gn_world *w, int32_t i, int32_t j) {
-    const double *pos = w->dem.particles.pos;
-    return gn_dempack_area((int)w->scene.dimension, pos[4 * (int64_t)i + 3],
+static double dempack_area(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
+    const double *pos = dem->particles.pos;
+    return gn_dempack_area((int)ctx->scene.dimension, pos[4 * (int64_t)i + 3],
                            pos[4 * (int64_t)j + 3]);
 }
 
-static double porosity_gamma(const gn_world *w) {
-    const double bonds = (double)count_sections(&w->dem.bonds);
+static double porosity_gamma(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids) {
+    const double bonds = (double)count_sections(&dem->bonds);
     if (bonds == 0.0) return 0.0;
-    return 20.0 * gn_world_porosity(w) * (double)w->dem.particles.soa.count / bonds;
+    return 20.0 * gn_world_porosity(ctx, dem, boundary, solids) * (double)dem->particles.soa.count /
+           bonds;
 }
 
-static double filled_by_dempack(const gn_world *w) {
-    const gn_contacts *b = &w->dem.bonds;
+static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_contacts *b = &dem->bonds;
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++)
-        if (is_section(b, c)) sum += dempack_area(w, b->i[c], b->j[c]) * b->length0[c];
+        if (is_section(b, c)) sum += dempack_area(ctx, dem, b->i[c], b->j[c]) * b->length0[c];
     return sum;
 }
 
 /* Without bonds there is no body to measure it by: 1. */
-static double gamma_of(const gn_world *w) {
-    if (w->scene.gamma > 0.0) return w->scene.gamma;
-    if (!count_sections(&w->dem.bonds)) return 1.0;
-    if (w->scene.gamma_rule == GN_GAMMA_POROSITY) return porosity_gamma(w);
-    return (double)w->scene.dimension * w->volume / filled_by_dempack(w);
+static double gamma_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids) {
+    if (ctx->scene.gamma > 0.0) return ctx->scene.gamma;
+    if (!count_sections(&dem->bonds)) return 1.0;
+    if (ctx->scene.gamma_rule == GN_GAMMA_POROSITY)
+        return porosity_gamma(ctx, dem, boundary, solids);
+    return (double)ctx->scene.dimension * ctx->volume / filled_by_dempack(ctx, dem);
 }
 
 /* --- polyhedra --- */
@@ -70,9 +74,9 @@ static void free_faces(faces *f) {
     gn_free(f->direction);
 }
 
-static gneiss_status list_bonds(const gn_world *w, faces *f, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
-    size_t n = w->dem.particles.soa.count, most = 0;
+static gneiss_status list_bonds(const gn_dem *dem, faces *f, gneiss_error *error) {
+    const gn_contacts *b = &dem->bonds;
+    size_t n = dem->particles.soa.count, most = 0;
     f->start = gn_alloc_array(n + 2, sizeof *f->start);
     f->bond = gn_alloc_array(2 * b->soa.count + 1, sizeof *f->bond);
     f->scale = gn_alloc_array(n + 1, sizeof *f->scale);
@@ -100,28 +104,29 @@ static gneiss_status list_bonds(const gn_world *w, faces *f, gneiss_error *error
 }
 
 /* Directions to the bonded neighbours of p; returns the sum of Dempack's sections. */
-static double look_round(const gn_world *w, const faces *f, size_t p) {
-    const gn_contacts *b = &w->dem.bonds;
+static double look_round(const gn_step_context *ctx, const gn_dem *dem, const faces *f, size_t p) {
+    const gn_contacts *b = &dem->bonds;
     double sum = 0.0;
     for (int32_t k = f->start[p]; k < f->start[p + 1]; k++) {
         int32_t c = f->bond[k], other = (size_t)b->i[c] == p ? b->j[c] : b->i[c];
         double *d = f->direction[k - f->start[p]];
-        double length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * p,
-                                       w->dem.particles.pos + 4 * (int64_t)other, d));
+        double length = sqrt(
+            gn_branch(ctx, dem->particles.pos + 4 * p, dem->particles.pos + 4 * (int64_t)other, d));
         for (int a = 0; a < 3; a++) d[a] /= length;
-        sum += dempack_area(w, b->i[c], b->j[c]);
+        sum += dempack_area(ctx, dem, b->i[c], b->j[c]);
     }
     return sum;
 }
 
-static gneiss_status find_faces(const gn_world *w, faces *f, gneiss_error *error) {
-    const int dimension = (int)w->scene.dimension;
+static gneiss_status find_faces(const gn_step_context *ctx, const gn_dem *dem, faces *f,
+                                gneiss_error *error) {
+    const int dimension = (int)ctx->scene.dimension;
     *f = (faces){0};
-    GN_TRY(list_bonds(w, f, error));
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+    GN_TRY(list_bonds(dem, f, error));
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
         size_t n = (size_t)(f->start[p + 1] - f->start[p]);
         if (!n) continue;
-        double sum = look_round(w, f, p), r = w->dem.particles.pos[4 * p + 3];
+        double sum = look_round(ctx, dem, f, p), r = dem->particles.pos[4 * p + 3];
         gn_polyhedron shape = gn_polyhedron_about(dimension, n, f->direction);
         double ball = dimension == 3 ? 4.0 * M_PI * r * r : 2.0 * M_PI * r;
         double whole = gn_polyhedron_ratio(dimension, shape.whole) * ball;
@@ -134,52 +139,55 @@ static gneiss_status find_faces(const gn_world *w, faces *f, gneiss_error *error
 }
 
 /* The mean of both ends; where one of them alone has holes about it the other's. */
-static void set_polyhedra(gn_world *w, const faces *f) {
-    gn_contacts *b = &w->dem.bonds;
+static void set_polyhedra(const gn_step_context *ctx, gn_dem *dem, const faces *f) {
+    gn_contacts *b = &dem->bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         int32_t i = b->i[c], j = b->j[c];
         double si = f->scale[i], sj = f->scale[j];
         double scale = f->open[i] == f->open[j] ? 0.5 * (si + sj) : f->open[i] ? sj : si;
-        b->area[c] = scale * dempack_area(w, i, j);
+        b->area[c] = scale * dempack_area(ctx, dem, i, j);
     }
 }
 
-gneiss_status gn_areas_find(gn_world *w, gneiss_error *error) {
-    gn_contacts *b = &w->dem.bonds;
+gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                            const gn_solids *solids, gneiss_error *error) {
+    gn_contacts *b = &dem->bonds;
     faces f;
-    if (!gn_scene_by_area(&w->scene)) return GNEISS_OK;
-    w->dem.derived.gamma = gamma_of(w);
-    if (!(w->dem.derived.gamma > 0.0))
+    if (!gn_scene_by_area(&ctx->scene)) return GNEISS_OK;
+    dem->derived.gamma = gamma_of(ctx, dem, boundary, solids);
+    if (!(dem->derived.gamma > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a specimen with pores for porosity, "
                        "found a porosity of %.4g",
-                       gn_scene_at(&w->scene, w->scene.law_where, "law.gamma_rule").text,
-                       gn_world_porosity(w));
+                       gn_scene_at(&ctx->scene, ctx->scene.law_where, "law.gamma_rule").text,
+                       gn_world_porosity(ctx, dem, boundary, solids));
     if (!b->area) return GNEISS_OK;
-    if (w->scene.stiffness == GN_STIFFNESS_DEMPACK) {
+    if (ctx->scene.stiffness == GN_STIFFNESS_DEMPACK) {
         for (size_t c = 0; c < b->soa.count; c++)
-            b->area[c] = w->dem.derived.gamma * dempack_area(w, b->i[c], b->j[c]);
+            b->area[c] = dem->derived.gamma * dempack_area(ctx, dem, b->i[c], b->j[c]);
         return GNEISS_OK;
     }
-    gneiss_status status = find_faces(w, &f, error);
-    if (status == GNEISS_OK) set_polyhedra(w, &f);
+    gneiss_status status = find_faces(ctx, dem, &f, error);
+    if (status == GNEISS_OK) set_polyhedra(ctx, dem, &f);
     free_faces(&f);
     return status;
 }
 
 /* --- check --- */
 
-gneiss_status gn_areas_check(const gn_world *w, gn_area_check *check, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
-    const double all = (double)w->scene.dimension * w->volume;
+gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids,
+                             gn_area_check *check, gneiss_error *error) {
+    const gn_contacts *b = &dem->bonds;
+    const double all = (double)ctx->scene.dimension * ctx->volume;
     faces f;
-    *check = (gn_area_check){.dempack_gamma = porosity_gamma(w)};
+    *check = (gn_area_check){.dempack_gamma = porosity_gamma(ctx, dem, boundary, solids)};
     for (size_t c = 0; b->area && c < b->soa.count; c++)
         if (is_section(b, c)) check->filled += b->area[c] * b->length0[c] / all;
-    if (w->scene.stiffness != GN_STIFFNESS_POLYHEDRON) return GNEISS_OK;
-    gneiss_status status = find_faces(w, &f, error);
-    for (size_t p = 0; status == GNEISS_OK && p < w->dem.particles.soa.count; p++) {
-        check->free += f.free[p] * w->dem.particles.pos[4 * p + 3] / all;
+    if (ctx->scene.stiffness != GN_STIFFNESS_POLYHEDRON) return GNEISS_OK;
+    gneiss_status status = find_faces(ctx, dem, &f, error);
+    for (size_t p = 0; status == GNEISS_OK && p < dem->particles.soa.count; p++) {
+        check->free += f.free[p] * dem->particles.pos[4 * p + 3] / all;
         check->open += f.open[p];
     }
     free_faces(&f);

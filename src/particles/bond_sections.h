@@ -5,7 +5,8 @@
 #include "world/world.h"
 
 /* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
-gneiss_status gn_areas_find(gn_world *world, gneiss_error *error);
+gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                            const gn_solids *solids, gneiss_error *error);
 
 /* How the sections fill the body. */
 typedef struct gn_area_check {
@@ -14,10 +15,12 @@ typedef struct gn_area_check {
     size_t open;          /* particles with such faces */
     double dempack_gamma; /* 40 e/n_c, what the source takes for gamma */
 } gn_area_check;
-gneiss_status gn_areas_check(const gn_world *world, gn_area_check *check, gneiss_error *error);
+gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids,
+                             gn_area_check *check, gneiss_error *error);
 
 /* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
  * any law (law.c). */
-double gn_law_cut(const gn_world *world);
+double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

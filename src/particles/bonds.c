@@ -9,15 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
-    const gn_particles *q = &w->dem.particles;
+static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
+                     double *distance) {
+    const gn_particles *q = &dem->particles;
     const double *a = q->pos + 4 * (int64_t)i, *b = q->pos + 4 * (int64_t)j;
     double d[3];
-    *distance = sqrt(gn_branch(w, a, b, d));
+    *distance = sqrt(gn_branch(ctx, a, b, d));
     double sum = a[3] + b[3];
     return q->group[i] != 0 && q->group[i] == q->group[j] &&
-           *distance <= sum * (1.0 + w->scene.interaction_range) &&
-           *distance >= sum * (1.0 - w->scene.overlap_range);
+           *distance <= sum * (1.0 + ctx->scene.interaction_range) &&
+           *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
 /* Of the smaller radius. A bond turns with the line of its centres: where these are hardly farther
@@ -25,62 +26,62 @@ static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) 
  * line turns by large angles in a step and the energy goes wrong. */
 static const double bond_least = 0.01;
 
-static gneiss_status check_bonded(const gn_world *w, int32_t i, int32_t j, double distance,
-                                  gneiss_error *error) {
-    const double *pos = w->dem.particles.pos;
+static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
+                                  int32_t j, double distance, gneiss_error *error) {
+    const double *pos = dem->particles.pos;
     double radius = fmin(pos[4 * (int64_t)i + 3], pos[4 * (int64_t)j + 3]);
     if (distance >= bond_least * radius) return GNEISS_OK;
-    int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
+    int32_t a = dem->particles.id[i], b = dem->particles.id[j];
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected centres of bonded particles at least %g of the smaller "
                    "radius apart, found particles %d and %d (radius %g m) %g m apart; "
                    "bonds.overlap_range leaves pairs that overlap much without a bond",
-                   gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text, bond_least,
+                   gn_scene_at(&ctx->scene, ctx->scene.specimen.where, "specimen").text, bond_least,
                    a < b ? a : b, a < b ? b : a, radius, distance);
 }
 
 /* Particles at the same place have no direction of contact, bonded or not. */
-static gneiss_status check_distinct(const gn_world *w, const gn_pair_list *pairs,
-                                    gneiss_error *error) {
+static gneiss_status check_distinct(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_pair_list *pairs, gneiss_error *error) {
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         double distance;
-        bool bonded = bondable(w, i, j, &distance) && w->effects & GN_FX_BONDS &&
-                      w->scene.bonds == GN_SWITCH_ON;
-        if (distance > 0.0 && bonded) GN_TRY(check_bonded(w, i, j, distance, error));
+        bool bonded = bondable(ctx, dem, i, j, &distance) && ctx->effects & GN_FX_BONDS &&
+                      ctx->scene.bonds == GN_SWITCH_ON;
+        if (distance > 0.0 && bonded) GN_TRY(check_bonded(ctx, dem, i, j, distance, error));
         if (distance > 0.0) continue;
-        int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
+        int32_t a = dem->particles.id[i], b = dem->particles.id[j];
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected distinct centres, found particles %d and %d "
                        "at the same place",
-                       gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text,
+                       gn_scene_at(&ctx->scene, ctx->scene.specimen.where, "specimen").text,
                        a < b ? a : b, a < b ? b : a);
     }
     return GNEISS_OK;
 }
 
-static void keep_bondable(const gn_world *w, gn_pair_list *pairs) {
+static void keep_bondable(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
     size_t kept = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         double distance;
-        if (!bondable(w, i, j, &distance)) continue;
+        if (!bondable(ctx, dem, i, j, &distance)) continue;
         memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
     }
     pairs->count = kept;
 }
 
-static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
-    gn_contacts *b = &w->dem.bonds;
-    const double *pos = w->dem.particles.pos;
+static void set_bond(const gn_step_context *ctx, gn_dem *dem, size_t c, int32_t i, int32_t j) {
+    gn_contacts *b = &dem->bonds;
+    const double *pos = dem->particles.pos;
     double distance;
-    bondable(w, i, j, &distance);
+    bondable(ctx, dem, i, j, &distance);
     b->i[c] = i;
     b->j[c] = j;
     b->length0[c] =
-        w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
-    w->dem.particles.bonds0[i]++;
-    w->dem.particles.bonds0[j]++;
+        ctx->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
+    dem->particles.bonds0[i]++;
+    dem->particles.bonds0[j]++;
 }
 
 /* --- overlaps that are free of stress, without a bond --- */
@@ -115,27 +116,28 @@ static const double overlap_least = 1e-9;
 /* Tells whether overlaps of the start are those of a packing that bonds take as they are. Where a
  * later stage forms the bonds this is known of packings that were made to overlap. Elements that
  * convert refuse overlaps without a bond (conversion_check.c). */
-static bool overlaps_are_free(const gn_world *w) {
-    const gn_scene *s = &w->scene;
+static bool overlaps_are_free(const gn_step_context *ctx) {
+    const gn_scene *s = &ctx->scene;
     const bool made = s->specimen.pack.overlap == GN_OVERLAP_PASSIVE || gn_scene_from_packing(s);
     const bool kept = s->specimen.from[0] && s->specimen.from_bonds;
-    return w->effects & GN_FX_BONDS && s->passive_gaps && !gn_converts(w) && !kept &&
+    return ctx->effects & GN_FX_BONDS && s->passive_gaps && !gn_converts(ctx) && !kept &&
            (s->bonds == GN_SWITCH_ON || made);
 }
 
 /* Pairs that overlap and will have no bond: of other groups, of none, or by more than
  * bonds.overlap_range. */
-static gneiss_status find_overlaps(const gn_world *w, const gn_pair_list *pairs, free_overlaps *o,
+static gneiss_status find_overlaps(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_pair_list *pairs, free_overlaps *o,
                                    gneiss_error *error) {
-    const bool bonds = w->scene.bonds == GN_SWITCH_ON;
-    if (!overlaps_are_free(w)) return GNEISS_OK;
+    const bool bonds = ctx->scene.bonds == GN_SWITCH_ON;
+    if (!overlaps_are_free(ctx)) return GNEISS_OK;
     GN_TRY(make_room(o, pairs->count, error));
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        const double *pos = w->dem.particles.pos,
+        const double *pos = dem->particles.pos,
                      sum = pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
         double distance;
-        if (bondable(w, i, j, &distance) && bonds) continue;
+        if (bondable(ctx, dem, i, j, &distance) && bonds) continue;
         if (distance < sum * (1.0 - overlap_least)) add_overlap(o, i, j, distance);
     }
     return GNEISS_OK;
@@ -155,9 +157,9 @@ static int by_ends(const void *a, const void *b) {
 
 /* The bonds of another run in the order of this one: pairs, and in from->rest_length what belongs
  * to each. Those that do not hold keep the distance at which they have no force. */
-static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_list *pairs,
-                                free_overlaps *loose, gneiss_error *error) {
-    GN_TRY(gn_from_run_read(&w->scene, from, error));
+static gneiss_status take_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_from_run *from,
+                                gn_pair_list *pairs, free_overlaps *loose, gneiss_error *error) {
+    GN_TRY(gn_from_run_read(&ctx->scene, from, error));
     GN_TRY(make_room(loose, from->bonds, error));
     kept_bond *kept = gn_alloc_array(from->bonds + 1, sizeof *kept);
     void *room = gn_alloc_array(from->bonds + 1, sizeof *pairs->pair);
@@ -170,7 +172,7 @@ static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_li
     pairs->pair = room;
     pairs->count = 0;
     for (size_t c = 0; c < from->bonds; c++) {
-        int32_t a = w->dem.index_of_id[from->bond[c][0]], b = w->dem.index_of_id[from->bond[c][1]];
+        int32_t a = dem->index_of_id[from->bond[c][0]], b = dem->index_of_id[from->bond[c][1]];
         kept[c] = (kept_bond){a < b ? a : b, a < b ? b : a, from->rest_length[c], from->holds[c]};
     }
     qsort(kept, from->bonds, sizeof *kept, by_ends);
@@ -188,19 +190,19 @@ static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_li
 }
 
 /* Pairs that are near enough for a bond. */
-static gn_pair_query bond_query(const gn_world *w) {
-    return (gn_pair_query){&w->dem.particles,
-                           (int)w->scene.dimension,
+static gn_pair_query bond_query(const gn_step_context *ctx, const gn_dem *dem) {
+    return (gn_pair_query){&dem->particles,
+                           (int)ctx->scene.dimension,
                            0.0,
-                           w->scene.interaction_range,
-                           w->effects & GN_FX_PERIODIC,
-                           {w->period[0], w->period[1], w->period[2]},
-                           w->threads};
+                           ctx->scene.interaction_range,
+                           ctx->effects & GN_FX_PERIODIC,
+                           {ctx->period[0], ctx->period[1], ctx->period[2]},
+                           ctx->threads};
 }
 
 /* Of the bonds that there are now; what earlier ones may dissipate stays what it was. */
-static void share_out_energies(gn_world *w) {
-    if (w->scene.fracture_energy_of == GN_FRACTURE_BODY) w->dem.derived.cut = gn_law_cut(w);
+static void share_out_energies(const gn_step_context *ctx, gn_dem *dem) {
+    if (ctx->scene.fracture_energy_of == GN_FRACTURE_BODY) dem->derived.cut = gn_law_cut(ctx, dem);
 }
 
 static bool has_pair(const gn_contacts *list, int32_t i, int32_t j) {
@@ -218,9 +220,9 @@ static size_t count_known(const gn_contacts *list, const gn_pair_list *pairs) {
 
 /* Both lists are sorted; `fresh` [in all]: whether a bond is a new one, which takes the place of a
  * free overlap of that pair. */
-static gneiss_status merge(gn_world *w, const gn_pair_list *pairs, uint8_t *fresh,
+static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fresh,
                            gneiss_error *error) {
-    gn_contacts *old = &w->dem.bonds, now = {0};
+    gn_contacts *old = &dem->bonds, now = {0};
     size_t count = old->soa.count + pairs->count - count_known(old, pairs), at = 0, next = 0;
     GN_TRY(gn_soa_create(&gn_contact_record, &now, count, old->soa.effects, error));
     for (size_t c = 0; c < count; c++) {
@@ -238,103 +240,107 @@ static gneiss_status merge(gn_world *w, const gn_pair_list *pairs, uint8_t *fres
         next += !first;
     }
     gn_soa_destroy(&gn_contact_record, old);
-    w->dem.bonds = now;
+    dem->bonds = now;
     return GNEISS_OK;
 }
 
 /* As if a bond had broken there: it presses below its distance of no force, and never pulls. */
-static void set_overlap(gn_world *w, size_t c, double rest) {
-    gn_contacts *b = &w->dem.bonds;
+static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, double rest) {
+    gn_contacts *b = &dem->bonds;
     b->length0[c] = rest;
-    gn_contact_set(w, b, c);
-    if (b->area) b->area[c] = gn_contact_area(w, b, c, 0.0);
+    gn_contact_set(ctx, dem, b, c);
+    if (b->area) b->area[c] = gn_contact_area(ctx, dem, b, c, 0.0);
     b->rn[c] = -fabs(b->rn[c]);
     b->cause[c] = GN_BOND_NEVER;
 }
 
 /* Overlaps that are free of stress stand in the list of bonds, which keeps distances of no force;
  * they count as none. */
-static gneiss_status keep_overlaps(gn_world *w, const free_overlaps *o, gneiss_error *error) {
-    const size_t most = w->dem.bonds.soa.count + o->pairs.count;
+static gneiss_status keep_overlaps(const gn_step_context *ctx, gn_dem *dem, const free_overlaps *o,
+                                   gneiss_error *error) {
+    const size_t most = dem->bonds.soa.count + o->pairs.count;
     if (!o->pairs.count) return GNEISS_OK;
     uint8_t *fresh = gn_alloc(most + 1);
     if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu overlaps", most);
-    gneiss_status status = merge(w, &o->pairs, fresh, error);
-    for (size_t c = 0, next = 0; status == GNEISS_OK && c < w->dem.bonds.soa.count; c++)
-        if (fresh[c]) set_overlap(w, c, o->rest[next++]);
+    gneiss_status status = merge(dem, &o->pairs, fresh, error);
+    for (size_t c = 0, next = 0; status == GNEISS_OK && c < dem->bonds.soa.count; c++)
+        if (fresh[c]) set_overlap(ctx, dem, c, o->rest[next++]);
     gn_free(fresh);
     return status;
 }
 
 /* Pairs that have bonds from the start, with their distances of no force in `from` if it is another
  * run that had them, and those that overlap without. */
-static gneiss_status find_bonds(const gn_world *w, gn_pair_list *pairs, gn_from_run *from,
-                                free_overlaps *loose, gneiss_error *error) {
-    const gn_pair_query query = bond_query(w);
-    const bool from_run = w->scene.specimen.from[0] && w->scene.specimen.from_bonds;
+static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs,
+                                gn_from_run *from, free_overlaps *loose, gneiss_error *error) {
+    const gn_pair_query query = bond_query(ctx, dem);
+    const bool from_run = ctx->scene.specimen.from[0] && ctx->scene.specimen.from_bonds;
     /* Of several stages a later one may be the first with bonds. */
-    const bool bonds = w->effects & GN_FX_BONDS && w->scene.bonds == GN_SWITCH_ON;
+    const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_pairs_find(&query, pairs, error));
-    GN_TRY(check_distinct(w, pairs, error));
-    GN_TRY(find_overlaps(w, pairs, loose, error));
-    if (bonds && from_run) return take_bonds(w, from, pairs, loose, error);
-    if (bonds) keep_bondable(w, pairs);
+    GN_TRY(check_distinct(ctx, dem, pairs, error));
+    GN_TRY(find_overlaps(ctx, dem, pairs, loose, error));
+    if (bonds && from_run) return take_bonds(ctx, dem, from, pairs, loose, error);
+    if (bonds) keep_bondable(ctx, dem, pairs);
     return GNEISS_OK;
 }
 
-static gneiss_status make_bonds(gn_world *w, const gn_pair_list *pairs, const gn_from_run *from,
+static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                const gn_pair_list *pairs, const gn_from_run *from,
                                 gneiss_error *error) {
-    gn_contacts *b = &w->dem.bonds;
-    const bool bonds = w->effects & GN_FX_BONDS && w->scene.bonds == GN_SWITCH_ON;
-    GN_TRY(gn_law_derive(w, pairs, error));
+    gn_contacts *b = &dem->bonds;
+    const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
+    GN_TRY(gn_law_derive(ctx, dem, pairs, error));
     GN_TRY(gn_soa_create(&gn_contact_record, b, bonds ? pairs->count : 0,
-                         gn_contact_list_effects(w->effects, true), error));
+                         gn_contact_list_effects(ctx->effects, true), error));
     for (size_t c = 0; c < b->soa.count; c++) {
-        set_bond(w, c, pairs->pair[c][0], pairs->pair[c][1]);
+        set_bond(ctx, dem, c, pairs->pair[c][0], pairs->pair[c][1]);
         if (from->rest_length) b->length0[c] = from->rest_length[c];
     }
-    GN_TRY(gn_areas_find(w, error));
-    share_out_energies(w);
-    for (size_t c = 0; c < b->soa.count; c++) gn_contact_set(w, b, c);
-    w->dem.bonds_at_start = (int64_t)b->soa.count;
+    GN_TRY(gn_areas_find(ctx, dem, boundary, solids, error));
+    share_out_energies(ctx, dem);
+    for (size_t c = 0; c < b->soa.count; c++) gn_contact_set(ctx, dem, b, c);
+    dem->bonds_at_start = (int64_t)b->soa.count;
     return GNEISS_OK;
 }
 
-gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
+gneiss_status gn_bonds_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                            const gn_solids *solids, gneiss_error *error) {
     gn_pair_list pairs = {0};
     gn_from_run from = {0};
     free_overlaps loose = {0};
-    gneiss_status status = find_bonds(w, &pairs, &from, &loose, error);
-    if (status == GNEISS_OK) status = make_bonds(w, &pairs, &from, error);
-    if (status == GNEISS_OK) status = keep_overlaps(w, &loose, error);
+    gneiss_status status = find_bonds(ctx, dem, &pairs, &from, &loose, error);
+    if (status == GNEISS_OK) status = make_bonds(ctx, dem, boundary, solids, &pairs, &from, error);
+    if (status == GNEISS_OK) status = keep_overlaps(ctx, dem, &loose, error);
     gn_from_run_free(&from);
     gn_pair_list_free(&pairs);
     free_overlaps_free(&loose);
     if (status != GNEISS_OK) return status;
-    gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
-    return gn_partials_build(&w->dem.bonds, w->dem.particles.soa.count, w->threads,
-                             &w->dem.bond_partials, error);
+    gn_contacts_pad(&dem->bonds, &dem->particles);
+    return gn_partials_build(&dem->bonds, dem->particles.soa.count, ctx->threads,
+                             &dem->bond_partials, error);
 }
 
 /* --- in a later stage --- */
 
 /* m: by how much the ends came apart in the last step. */
-static double last_path(const gn_world *w, int32_t i, int32_t j, const double d[3], double length) {
-    const double *a = w->dem.particles.vel + 4 * (int64_t)i,
-                 *b = w->dem.particles.vel + 4 * (int64_t)j;
+static double last_path(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
+                        int32_t i, int32_t j, const double d[3], double length) {
+    const double *a = dem->particles.vel + 4 * (int64_t)i, *b = dem->particles.vel + 4 * (int64_t)j;
     double before[3];
     for (int k = 0; k < 3; k++)
-        before[k] = d[k] - w->dt_past * (b[k] - a[k] + w->box.flow[k] * d[k]);
+        before[k] = d[k] - ctx->dt_past * (b[k] - a[k] + box->flow[k] * d[k]);
     return length - sqrt(gn_dot3(before, before));
 }
 
 /* J: what a tangential force on the first particle did in the last step, n from it to the second.
  */
-static double last_slide(const gn_world *w, int32_t i, int32_t j, const double n[3], double gap,
-                         const double force[3]) {
-    const gn_particles *q = &w->dem.particles;
+static double last_slide(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j,
+                         const double n[3], double gap, const double force[3]) {
+    const gn_particles *q = &dem->particles;
     const double *a = q->vel + 4 * (int64_t)i, *b = q->vel + 4 * (int64_t)j;
-    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 * gap : 0.0;
+    const double half = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 * gap : 0.0;
     double turn[3] = {0}, carried[3];
     for (int k = 0; q->spin && k < 3; k++)
         turn[k] = (q->pos[4 * (int64_t)i + 3] + half) * q->spin[4 * (int64_t)i + k] +
@@ -342,7 +348,7 @@ static double last_slide(const gn_world *w, int32_t i, int32_t j, const double n
     gn_cross3(turn, n, carried);
     double sum = 0.0;
     for (int k = 0; k < 3; k++) sum += force[k] * (b[k] - a[k] - carried[k]);
-    return w->dt_past * sum;
+    return ctx->dt_past * sum;
 }
 
 /* J, what contacts of a list hold at the present places, less what the normal force does over half
@@ -351,19 +357,21 @@ static double last_slide(const gn_world *w, int32_t i, int32_t j, const double n
  * u u', with the stretch before and after the path, whatever the step. Tangential forces are still
  * those of before the path, which has half of its work to come. A pair that has become a bond stays
  * listed until the lists are made. */
-static double stored_in(const gn_world *w, const gn_contacts *list) {
+static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
+                        const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
     double sum = 0.0;
     for (size_t c = 0; c < list->soa.count; c++) {
-        if (list == &w->dem.pairs && has_pair(&w->dem.bonds, list->i[c], list->j[c])) continue;
-        const double *a = w->dem.particles.pos + 4 * (int64_t)list->i[c],
-                     *b = w->dem.particles.pos + 4 * (int64_t)list->j[c];
-        double d[3], length = sqrt(gn_branch(w, a, b, d));
+        if (list == &dem->pairs && has_pair(&dem->bonds, list->i[c], list->j[c])) continue;
+        const double *a = dem->particles.pos + 4 * (int64_t)list->i[c],
+                     *b = dem->particles.pos + 4 * (int64_t)list->j[c];
+        double d[3], length = sqrt(gn_branch(ctx, a, b, d));
         double rest = list->length0 ? list->length0[c] : a[3] + b[3];
         gn_law_held held = law->held(list, c, length, length - rest);
-        double path = last_path(w, list->i[c], list->j[c], d, length);
+        double path = last_path(ctx, dem, box, list->i[c], list->j[c], d, length);
         for (int k = 0; k < 3; k++) d[k] /= length;
-        double slide = last_slide(w, list->i[c], list->j[c], d, length - a[3] - b[3], held.shear);
+        double slide =
+            last_slide(ctx, dem, list->i[c], list->j[c], d, length - a[3] - b[3], held.shear);
         sum += held.stored - 0.5 * held.normal * path + 0.5 * slide;
         if (!law->moments || !gn_contact_bonded(list, c)) continue;
         sum += law->moments(list, c, d).stored;
@@ -374,22 +382,24 @@ static double stored_in(const gn_world *w, const gn_contacts *list) {
 /* Against rounding of places and the last overlaps of a fitted packing: what is stored lets the
  * particles go, as one, farther than this share of the smallest radius in the longest stable step.
  * A wave crosses about that radius in it, so that this is a strain. */
-bool gn_stored_matters(const gn_world *w, double stored) {
-    const double strain = 1e-5, speed = sqrt(2.0 * fmax(0.0, stored) / w->dem.mass);
-    return isfinite(w->stable) && speed * w->stable > strain * w->dem.radius_min;
+bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double stored) {
+    const double strain = 1e-5, speed = sqrt(2.0 * fmax(0.0, stored) / dem->mass);
+    return isfinite(ctx->stable) && speed * ctx->stable > strain * dem->radius_min;
 }
 
-double gn_contacts_stored(const gn_world *w) {
-    gn_near_settle(w);
-    return stored_in(w, &w->dem.bonds) + stored_in(w, &w->dem.pairs);
+double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_periodic_box *box) {
+    gn_near_settle(ctx, dem);
+    return stored_in(ctx, dem, box, &dem->bonds) + stored_in(ctx, dem, box, &dem->pairs);
 }
 
 /* A contact that is no bond any more bears no more across it than friction lets it, and where it is
  * not pressed nothing: what the bond bore beyond that goes with the bond and slides nowhere. */
-static void leave_to_friction(const gn_world *w, gn_contacts *b, size_t c) {
-    const double *x = w->dem.particles.pos + 4 * (int64_t)b->i[c],
-                 *y = w->dem.particles.pos + 4 * (int64_t)b->j[c];
-    double d[3], length = sqrt(gn_branch(w, x, y, d));
+static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *b,
+                              size_t c) {
+    const double *x = dem->particles.pos + 4 * (int64_t)b->i[c],
+                 *y = dem->particles.pos + 4 * (int64_t)b->j[c];
+    double d[3], length = sqrt(gn_branch(ctx, x, y, d));
     gn_law_held held = gn_law_of(b->soa.effects)->held(b, c, length, length - b->length0[c]);
     double force = sqrt(gn_dot3(held.shear, held.shear));
     double most = b->mu ? b->mu[c] * fmax(-held.normal, 0.0) : 0.0;
@@ -401,20 +411,20 @@ static void leave_to_friction(const gn_world *w, gn_contacts *b, size_t c) {
     }
 }
 
-void gn_bonds_dissolve(gn_world *w) {
-    gn_contacts *b = &w->dem.bonds;
+void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
+    gn_contacts *b = &dem->bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gn_contact_bonded(b, c)) continue;
-        leave_to_friction(w, b, c);
+        leave_to_friction(ctx, dem, b, c);
         b->rn[c] = -fabs(b->rn[c]);
         b->cause[c] = GN_BOND_DISSOLVED;
-        b->broken_time[c] = w->time;
+        b->broken_time[c] = ctx->time;
     }
 }
 
 /* Those that neither are nor were bonds, in the same order. */
-static void drop_known(const gn_world *w, gn_pair_list *pairs) {
-    const gn_contacts *b = &w->dem.bonds;
+static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
+    const gn_contacts *b = &dem->bonds;
     size_t kept = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
@@ -426,12 +436,13 @@ static void drop_known(const gn_world *w, gn_pair_list *pairs) {
 
 /* A bond at the distance where a contact has no force begins without any; else it goes on with the
  * tangential force of the contact that it was. */
-static void take_shear(const gn_world *w, gn_contacts *bonds, size_t c) {
-    const gn_contacts *pairs = &w->dem.pairs;
+static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds,
+                       size_t c) {
+    const gn_contacts *pairs = &dem->pairs;
     size_t at = gn_contacts_from(pairs, bonds->i[c], bonds->j[c]);
     bool found =
         at < pairs->soa.count && pairs->i[at] == bonds->i[c] && pairs->j[at] == bonds->j[c];
-    if (w->scene.passive_gaps || !found) return;
+    if (ctx->scene.passive_gaps || !found) return;
     for (size_t a = 0; a < 3; a++) {
         if (bonds->shear && pairs->shear)
             bonds->shear[c + a * bonds->soa.capacity] = pairs->shear[at + a * pairs->soa.capacity];
@@ -442,31 +453,35 @@ static void take_shear(const gn_world *w, gn_contacts *bonds, size_t c) {
 }
 
 /* Sections are those of all bonds together; what was there before keeps its own. */
-static gneiss_status find_new_areas(gn_world *w, const uint8_t *fresh, gneiss_error *error) {
-    gn_contacts *b = &w->dem.bonds;
+static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const uint8_t *fresh, gneiss_error *error) {
+    gn_contacts *b = &dem->bonds;
     double *before = b->area ? gn_alloc_array(b->soa.count + 1, sizeof *before) : NULL;
     if (b->area && !before) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sections");
     if (before) memcpy(before, b->area, b->soa.count * sizeof *before);
-    gneiss_status status = gn_areas_find(w, error);
+    gneiss_status status = gn_areas_find(ctx, dem, boundary, solids, error);
     for (size_t c = 0; before && c < b->soa.count; c++)
         if (!fresh[c]) b->area[c] = before[c];
     gn_free(before);
     return status;
 }
 
-static gneiss_status add_bonds(gn_world *w, const gn_pair_list *pairs, gneiss_error *error) {
-    gn_dem *d = &w->dem;
+static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                               const gn_solids *solids, const gn_pair_list *pairs,
+                               gneiss_error *error) {
+    gn_dem *d = dem;
     uint8_t *fresh = gn_alloc(d->bonds.soa.count + pairs->count + 1);
     if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds");
-    gneiss_status status = merge(w, pairs, fresh, error);
+    gneiss_status status = merge(dem, pairs, fresh, error);
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++)
-        if (fresh[c]) set_bond(w, c, d->bonds.i[c], d->bonds.j[c]);
-    if (status == GNEISS_OK) status = find_new_areas(w, fresh, error);
-    if (status == GNEISS_OK) share_out_energies(w);
+        if (fresh[c]) set_bond(ctx, dem, c, d->bonds.i[c], d->bonds.j[c]);
+    if (status == GNEISS_OK) status = find_new_areas(ctx, dem, boundary, solids, fresh, error);
+    if (status == GNEISS_OK) share_out_energies(ctx, dem);
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++) {
         if (!fresh[c]) continue;
-        gn_contact_set(w, &d->bonds, c);
-        take_shear(w, &d->bonds, c);
+        gn_contact_set(ctx, dem, &d->bonds, c);
+        take_shear(ctx, dem, &d->bonds, c);
     }
     gn_free(fresh);
     GN_TRY(status);
@@ -476,22 +491,23 @@ static gneiss_status add_bonds(gn_world *w, const gn_pair_list *pairs, gneiss_er
     gn_free(d->loose);
     d->bond_sums = NULL;
     d->loose = NULL;
-    return gn_partials_build(&d->bonds, d->particles.soa.count, w->threads, &d->bond_partials,
+    return gn_partials_build(&d->bonds, d->particles.soa.count, ctx->threads, &d->bond_partials,
                              error);
 }
 
-gneiss_status gn_bonds_add(gn_world *w, gneiss_error *error) {
-    const gn_pair_query query = bond_query(w);
+gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                           const gn_solids *solids, gneiss_error *error) {
+    const gn_pair_query query = bond_query(ctx, dem);
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
-    if (status == GNEISS_OK) keep_bondable(w, &pairs);
-    if (status == GNEISS_OK) drop_known(w, &pairs);
+    if (status == GNEISS_OK) keep_bondable(ctx, dem, &pairs);
+    if (status == GNEISS_OK) drop_known(dem, &pairs);
     for (size_t c = 0; status == GNEISS_OK && c < pairs.count; c++) {
         double distance;
-        bondable(w, pairs.pair[c][0], pairs.pair[c][1], &distance);
-        status = check_bonded(w, pairs.pair[c][0], pairs.pair[c][1], distance, error);
+        bondable(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], &distance);
+        status = check_bonded(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], distance, error);
     }
-    if (status == GNEISS_OK) status = add_bonds(w, &pairs, error);
+    if (status == GNEISS_OK) status = add_bonds(ctx, dem, boundary, solids, &pairs, error);
     gn_pair_list_free(&pairs);
     return status;
 }

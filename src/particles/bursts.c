@@ -13,9 +13,9 @@
 
 /* Means over the bonds: of the diameters, and of what a wave takes for a length in a chain of equal
  * masses m and springs k of length L, sqrt(m/k)/L. */
-static void find_windows(const gn_world *w, gn_bursts *b) {
-    const gn_contacts *list = &w->dem.bonds;
-    const double *pos = w->dem.particles.pos, *vel = w->dem.particles.vel;
+static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *b) {
+    const gn_contacts *list = &dem->bonds;
+    const double *pos = dem->particles.pos, *vel = dem->particles.vel;
     double across = 0.0, slow = 0.0;
     size_t count = 0;
     for (size_t c = 0; c < list->soa.count; c++) {
@@ -27,14 +27,15 @@ static void find_windows(const gn_world *w, gn_bursts *b) {
         count++;
     }
     if (!count) return;
-    b->reach = w->scene.burst_reach * across / (double)count;
+    b->reach = ctx->scene.burst_reach * across / (double)count;
     b->window = b->reach * slow / (double)count;
 }
 
 /* --- who belongs together --- */
 
 typedef struct grid {
-    const gn_world *world;
+    const gn_step_context *ctx;
+    const gn_dem *dem;
     const gn_event *events;
     const gn_bursts *bursts;
     int32_t *parent, *before; /* [events]: the first of its burst; the one before it in its cell */
@@ -65,7 +66,7 @@ static void look_into(const grid *g, const int64_t cell[3], int32_t k) {
         const gn_event *of = &g->events[m];
         double d[3];
         if (e->time - of->time > g->bursts->window) return; /* and so are all before it */
-        if (gn_branch(g->world, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
+        if (gn_branch(g->ctx, of->place, e->place, d) <= g->bursts->reach * g->bursts->reach)
             gn_set_unite(g->parent, m, k);
     }
 }
@@ -88,13 +89,14 @@ static bool is_break(const gn_event *e) {
     return gn_broken((uint8_t)e->cause);
 }
 
-static gneiss_status join_all(const gn_world *w, const gn_bursts *b, int32_t *parent,
-                              gneiss_error *error) {
-    const gn_events *list = &w->dem.events;
-    grid g = {.world = w, .events = list->rows, .bursts = b, .parent = parent, .mask = 1023};
+static gneiss_status join_all(const gn_step_context *ctx, const gn_dem *dem, const gn_bursts *b,
+                              int32_t *parent, gneiss_error *error) {
+    const gn_events *list = &dem->events;
+    grid g = {
+        .ctx = ctx, .dem = dem, .events = list->rows, .bursts = b, .parent = parent, .mask = 1023};
     while (g.mask < list->count) g.mask = 2 * g.mask + 1;
     for (int a = 0; a < 3; a++) {
-        const double period = w->period[a];
+        const double period = ctx->period[a];
         if (period > 0.0) g.most[a] = (int64_t)fmax(1.0, floor(period / b->reach));
         g.size[a] = period > 0.0 ? period / (double)g.most[a] : b->reach;
     }
@@ -113,19 +115,19 @@ static gneiss_status join_all(const gn_world *w, const gn_bursts *b, int32_t *pa
 
 /* --- what they come to --- */
 
-static void add(const gn_world *w, gn_burst *b, const gn_event *e) {
-    const gn_event *first = &w->dem.events.rows[b->first];
+static void add(const gn_step_context *ctx, const gn_dem *dem, gn_burst *b, const gn_event *e) {
+    const gn_event *first = &dem->events.rows[b->first];
     double d[3];
-    gn_branch(w, first->place, e->place, d);
+    gn_branch(ctx, first->place, e->place, d);
     for (int a = 0; a < 3; a++) b->place[a] += d[a];
     b->duration = e->time - first->time;
-    b->energy += w->effects & GN_FX_ENERGY ? e->energy : NAN;
+    b->energy += ctx->effects & GN_FX_ENERGY ? e->energy : NAN;
     b->tension += e->cause == GN_BROKEN_TENSION;
     b->size++;
 }
 
-static void sum_up(const gn_world *w, int32_t *parent, gn_bursts *b) {
-    const gn_events *list = &w->dem.events;
+static void sum_up(const gn_step_context *ctx, const gn_dem *dem, int32_t *parent, gn_bursts *b) {
+    const gn_events *list = &dem->events;
     for (size_t k = 0; k < list->count; k++) {
         const gn_event *e = &list->rows[k];
         b->of[k] = -1;
@@ -134,7 +136,7 @@ static void sum_up(const gn_world *w, int32_t *parent, gn_bursts *b) {
         if (root == (int32_t)k)
             b->row[b->count++] = (gn_burst){.time = e->time, .first = (int64_t)k};
         b->of[k] = root == (int32_t)k ? (int32_t)b->count - 1 : b->of[root];
-        add(w, &b->row[b->of[k]], e);
+        add(ctx, dem, &b->row[b->of[k]], e);
     }
     for (size_t k = 0; k < b->count; k++)
         for (int a = 0; a < 3; a++)
@@ -142,18 +144,19 @@ static void sum_up(const gn_world *w, int32_t *parent, gn_bursts *b) {
                 list->rows[b->row[k].first].place[a] + b->row[k].place[a] / b->row[k].size;
 }
 
-gneiss_status gn_bursts_find(const gn_world *w, gn_bursts *b, gneiss_error *error) {
-    const size_t events = w->dem.events.count;
+gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *b,
+                             gneiss_error *error) {
+    const size_t events = dem->events.count;
     *b = (gn_bursts){0};
-    if (!(w->effects & GN_FX_EVENTS)) return GNEISS_OK;
-    find_windows(w, b);
+    if (!(ctx->effects & GN_FX_EVENTS)) return GNEISS_OK;
+    find_windows(ctx, dem, b);
     int32_t *parent = gn_alloc_array(events + 1, sizeof *parent);
     b->row = gn_alloc_array(events + 1, sizeof *b->row);
     b->of = gn_alloc_array(events + 1, sizeof *b->of);
-    gneiss_status status = parent && b->row && b->of ? join_all(w, b, parent, error)
+    gneiss_status status = parent && b->row && b->of ? join_all(ctx, dem, b, parent, error)
                                                      : gn_fail(error, GNEISS_ERROR_MEMORY,
                                                                "no memory for %zu events", events);
-    if (status == GNEISS_OK) sum_up(w, parent, b);
+    if (status == GNEISS_OK) sum_up(ctx, dem, parent, b);
     gn_free(parent);
     return status;
 }

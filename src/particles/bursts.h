@@ -2,6 +2,8 @@
 #ifndef GN_PARTICLES_BURSTS_H
 #define GN_PARTICLES_BURSTS_H
 
+#include "frame/parts.h"
+
 #include "base/error.h"
 
 #include <stddef.h>
@@ -22,14 +24,13 @@ typedef struct gn_bursts {
     double reach, window; /* m, s */
 } gn_bursts;
 
-typedef struct gn_world gn_world;
-
 /* Breaks no farther than `reach` and no longer than `window` apart belong together, and what
  * belongs to one of a burst to all of it. Reach is a number of mean diameters of the particles that
  * are bonded (output.burst_reach), the window the time in which a wave runs so far along bonds
  * (Hazzard & Young 2000; both as in Caulk 2018). Follows from the list of events, whatever rows a
  * history has. The caller frees, also on failure. */
-gneiss_status gn_bursts_find(const gn_world *world, gn_bursts *bursts, gneiss_error *error);
+gneiss_status gn_bursts_find(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *bursts,
+                             gneiss_error *error);
 void gn_bursts_free(gn_bursts *bursts);
 
 /* log10 of the energy in J over 1.5, less 3.2 (Scholz 2003); NaN without any. */

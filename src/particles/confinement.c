@@ -11,10 +11,11 @@ static double pressure_of(const double around[2]) {
     return around[1] > 0.0 ? -around[0] / around[1] : 0.0;
 }
 
-static double normal_of(const gn_world *w, const gn_law *law, const gn_contacts *b, size_t c) {
-    const double *pos = w->dem.particles.pos;
+static double normal_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
+                        const gn_contacts *b, size_t c) {
+    const double *pos = dem->particles.pos;
     double d[3];
-    double length = sqrt(gn_branch(w, pos + 4 * (int64_t)b->i[c], pos + 4 * (int64_t)b->j[c], d));
+    double length = sqrt(gn_branch(ctx, pos + 4 * (int64_t)b->i[c], pos + 4 * (int64_t)b->j[c], d));
     return law->held(b, c, length, length - b->length0[c]).normal;
 }
 
@@ -28,8 +29,8 @@ static double get(const gn_contacts *b, size_t c) {
 }
 
 /* Sums go by the order of the list, on one thread, so that they are the same for any number. */
-static void add_up(const gn_world *w, const gn_contacts *b, double *around) {
-    for (size_t p = 0; p < 2 * w->dem.particles.soa.count; p++) around[p] = 0.0;
+static void add_up(const gn_dem *dem, const gn_contacts *b, double *around) {
+    for (size_t p = 0; p < 2 * dem->particles.soa.count; p++) around[p] = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         double force = get(b, c), section = b->section[c];
         double *i = around + 2 * (int64_t)b->i[c], *j = around + 2 * (int64_t)b->j[c];
@@ -40,15 +41,15 @@ static void add_up(const gn_world *w, const gn_contacts *b, double *around) {
     }
 }
 
-void gn_dem_confine(const gn_world *w, gn_contacts *b) {
-    double *around = w->dem.around;
+void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *b) {
+    double *around = dem->around;
     const size_t count = b->soa.count;
     if (!(b->soa.effects & GN_FX_CONFINED) || !count) return;
     const gn_law *law = gn_law_of(b->soa.effects);
-#pragma omp parallel for schedule(static) num_threads(w->threads)
-    for (size_t c = 0; c < count; c++) put(b, c, normal_of(w, law, b, c));
-    add_up(w, b, around);
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(ctx->threads)
+    for (size_t c = 0; c < count; c++) put(b, c, normal_of(ctx, dem, law, b, c));
+    add_up(dem, b, around);
+#pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t c = 0; c < count; c++) {
         double pi = pressure_of(around + 2 * (int64_t)b->i[c]);
         double pj = pressure_of(around + 2 * (int64_t)b->j[c]);

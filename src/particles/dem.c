@@ -10,49 +10,50 @@
 #include <math.h>
 #include <string.h>
 
-gneiss_status gn_dem_use_threads(gn_world *w, gneiss_error *error) {
-    gn_deal_free(&w->dem.deal);
-    GN_TRY(gn_deal_create(&w->dem.deal, w->threads, error));
-    return gn_dem_deal(w, error);
+gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_deal_free(&dem->deal);
+    GN_TRY(gn_deal_create(&dem->deal, ctx->threads, error));
+    return gn_dem_deal(dem, error);
 }
 
-gneiss_status gn_dem_prepare(gn_world *w, gneiss_error *error) {
-    w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
-    GN_TRY(gn_hertz_prepare(w, error));
-    GN_TRY(gn_flow_prepare(w, error));
-    GN_TRY(gn_dem_use_threads(w, error));
-    GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
-                                    &w->dem.bond_kernel, error));
-    GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, false),
-                                    &w->dem.pair_kernel, error));
-    return gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error);
+gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    dem->damping_fraction = gn_contact_damping_fraction(&ctx->scene);
+    GN_TRY(gn_hertz_prepare(ctx, dem, error));
+    GN_TRY(gn_flow_prepare(ctx, dem, error));
+    GN_TRY(gn_dem_use_threads(ctx, dem, error));
+    GN_TRY(gn_contact_kernel_choose(ctx->kernels, gn_contact_list_effects(ctx->effects, true),
+                                    &dem->bond_kernel, error));
+    GN_TRY(gn_contact_kernel_choose(ctx->kernels, gn_contact_list_effects(ctx->effects, false),
+                                    &dem->pair_kernel, error));
+    return gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error);
 }
 
 /* --- create, free --- */
 
-gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    int material = gn_scene_find_material(&w->scene, w->scene.specimen.material);
+gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_packing *packing,
+                            gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    int material = gn_scene_find_material(&ctx->scene, ctx->scene.specimen.material);
     if (packing->count > INT32_MAX - 2 * GN_LANES_MAX)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%zu particles are more than the engine can number", packing->count);
-    GN_TRY(gn_soa_create(&gn_particle_record, q, packing->count, w->effects, error));
-    const size_t drives = w->scene.wall_count + w->scene.body_count + w->scene.set_count;
-    if (w->effects & GN_FX_HERTZ) w->dem.driven = gn_alloc_array(drives + 1, sizeof(double));
-    if (w->effects & GN_FX_HERTZ && !w->dem.driven)
+    GN_TRY(gn_soa_create(&gn_particle_record, q, packing->count, ctx->effects, error));
+    const size_t drives = ctx->scene.wall_count + ctx->scene.body_count + ctx->scene.set_count;
+    if (ctx->effects & GN_FX_HERTZ) dem->driven = gn_alloc_array(drives + 1, sizeof(double));
+    if (ctx->effects & GN_FX_HERTZ && !dem->driven)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu motions", drives);
     if (packing->count) { /* sources may be all that there is */
         memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
         memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
     }
-    w->dem.radius_min = gn_flow_least_radius(w);
-    w->dem.ids = w->dem.made = (int64_t)packing->count;
+    dem->radius_min = gn_flow_least_radius(ctx, dem);
+    dem->ids = dem->made = (int64_t)packing->count;
     for (size_t p = 0; p < packing->count; p++) {
-        w->dem.radius_min = fmin(w->dem.radius_min, packing->sphere[4 * p + 3]);
+        dem->radius_min = fmin(dem->radius_min, packing->sphere[4 * p + 3]);
         q->id[p] = (int32_t)p;
         q->vel[4 * p + 3] = 1.0; /* there; the mass comes when materials are known */
         q->material[p] = material < 0 ? 0 : material;
-        q->group[p] = (int32_t)w->scene.specimen.group;
+        q->group[p] = (int32_t)ctx->scene.specimen.group;
         if (q->slot) q->slot[p] = -1;
         if (q->orientation) q->orientation[4 * p] = 1.0;
         if (q->own_share) q->own_share[p] = 1.0;
@@ -60,37 +61,39 @@ gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error
     return GNEISS_OK;
 }
 
-static double bulk_factor(const gn_world *w) {
-    if (w->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
-    double porosity = w->scene.specimen.porosity;
-    if (porosity < 0.0) porosity = gn_world_porosity(w);
+static double bulk_factor(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids) {
+    if (ctx->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
+    double porosity = ctx->scene.specimen.porosity;
+    if (porosity < 0.0) porosity = gn_world_porosity(ctx, dem, boundary, solids);
     return 1.0 / (1.0 - porosity);
 }
 
 /* Sphere I = 2/5 m r^2, disc of unit thickness I = 1/2 m r^2. */
-static void set_masses(gn_world *w) {
-    gn_particles *q = &w->dem.particles;
-    double factor = bulk_factor(w);
+static void set_masses(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids) {
+    gn_particles *q = &dem->particles;
+    double factor = bulk_factor(ctx, dem, boundary, solids);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
-        double mass = w->scene.materials[q->material[p]].density * factor *
-                      gn_ball_volume((int)w->scene.dimension, r);
+        double mass = ctx->scene.materials[q->material[p]].density * factor *
+                      gn_ball_volume((int)ctx->scene.dimension, r);
         q->vel[4 * p + 3] = 1.0 / mass;
         if (q->spin)
-            q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
-        for (int a = 0; a < (int)w->scene.dimension; a++)
+            q->spin[4 * p + 3] = 1.0 / ((ctx->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
+        for (int a = 0; a < (int)ctx->scene.dimension; a++)
             q->vel[4 * p + a] =
-                w->scene.random_velocity *
-                gn_random_symmetric(w->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
+                ctx->scene.random_velocity *
+                gn_random_symmetric(ctx->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
     }
 }
 
 /* Of particles from another run, as they were there. */
-static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
+static gneiss_status take_velocities(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
     gn_from_run from;
-    if (!w->scene.specimen.from[0] || !w->scene.specimen.from_velocities) return GNEISS_OK;
-    GN_TRY(gn_from_run_read(&w->scene, &from, error));
+    if (!ctx->scene.specimen.from[0] || !ctx->scene.specimen.from_velocities) return GNEISS_OK;
+    GN_TRY(gn_from_run_read(&ctx->scene, &from, error));
     for (size_t p = 0; from.motion && from.count == q->soa.count && p < from.count; p++)
         for (size_t a = 0; a < 3; a++) {
             q->vel[4 * p + a] += from.motion[6 * p + a];
@@ -102,99 +105,106 @@ static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
 
 /* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
  * visited. */
-static double automatic_skin(const gn_world *w) {
+static double automatic_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double sum = 0.0;
-    if (!w->dem.particles.soa.count) return 0.15 * gn_flow_mean_radius(w);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) sum += w->dem.particles.pos[4 * p + 3];
-    return 0.15 * sum / (double)w->dem.particles.soa.count;
+    if (!dem->particles.soa.count) return 0.15 * gn_flow_mean_radius(ctx);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) sum += dem->particles.pos[4 * p + 3];
+    return 0.15 * sum / (double)dem->particles.soa.count;
 }
 
 /* A particle must not meet two images of another one: pairs are looked for within a reach. */
-static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
-    if (!(w->effects & GN_FX_PERIODIC)) return GNEISS_OK;
-    double radius = gn_flow_largest_radius(w);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
+static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
+                                  gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
+    if (!(ctx->effects & GN_FX_PERIODIC)) return GNEISS_OK;
+    double radius = gn_flow_largest_radius(ctx, dem);
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        radius = fmax(radius, dem->particles.pos[4 * p + 3]);
     double bonds = 2.0 * radius * (1.0 + s->interaction_range);
-    double lists = 2.0 * radius + w->dem.verlet.skin, least = 2.0 * fmax(bonds, lists);
+    double lists = 2.0 * radius + dem->verlet.skin, least = 2.0 * fmax(bonds, lists);
     const char *asks = bonds >= lists  ? ", with bonds.interaction_range"
                        : s->skin > 0.0 ? ", with neighbours.skin"
                                        : "";
     for (int a = 0; a < (int)s->dimension; a++)
-        if (gn_scene_periodic_along(s, a) && w->period[a] < least)
-            return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+        if (gn_scene_periodic_along(s, a) && ctx->period[a] < least)
+            return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                            "%s: expected a length of at least %g m along %c (twice "
                            "the reach of the largest particles%s), found %g m",
                            gn_scene_at(s, s->periodic_where, "periodic").text, least, "xyz"[a],
-                           asks, w -> period[a]);
+                           asks, ctx -> period[a]);
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
-    GN_TRY(gn_sets_assign(w, error));
-    set_masses(w);
-    GN_TRY(take_velocities(w, error));
-    GN_TRY(gn_sets_apply(w, error));
-    GN_TRY(gn_flow_create(w, error));
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                              const gn_solids *solids, gneiss_error *error) {
+    gn_dem *d = dem;
+    GN_TRY(gn_sets_assign(ctx, dem, error));
+    set_masses(ctx, dem, boundary, solids);
+    GN_TRY(take_velocities(ctx, dem, error));
+    GN_TRY(gn_sets_apply(ctx, dem, error));
+    GN_TRY(gn_flow_create(ctx, dem, error));
     d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
     if (!d->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
-    GN_TRY(gn_pieces_create(w, error));
-    d->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
+    GN_TRY(gn_pieces_create(ctx, dem, error));
+    d->verlet.skin = ctx->scene.skin > 0.0 ? ctx->scene.skin : automatic_skin(ctx, dem);
     d->verlet.skin_start = d->verlet.skin;
-    return check_period(w, error);
+    return check_period(ctx, dem, error);
 }
 
 /* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
  * contacts are that hold anything. */
-static gneiss_status enter_bonds(gn_world *w, gneiss_error *error) {
-    bool said = w->scene.bonds_stage == w->stage + 1, on = w->scene.bonds == GN_SWITCH_ON;
-    if (!(w->effects & GN_FX_BONDS)) return GNEISS_OK;
-    if (on && said) return gn_bonds_add(w, error);
-    if (!on) gn_bonds_dissolve(w);
+static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 gn_stages *stages, gneiss_error *error) {
+    bool said = ctx->scene.bonds_stage == stages->now + 1, on = ctx->scene.bonds == GN_SWITCH_ON;
+    if (!(ctx->effects & GN_FX_BONDS)) return GNEISS_OK;
+    if (on && said) return gn_bonds_add(ctx, dem, boundary, solids, error);
+    if (!on) gn_bonds_dissolve(ctx, dem);
     return GNEISS_OK;
 }
 
 /* What particles are to walls and surfaces by Hertz's law, with what that changes of the energy. */
-static gneiss_status enter_hertz(gn_world *w, gneiss_error *error) {
-    gn_hertz_pair *before = w->dem.hertz;
-    w->dem.hertz = NULL;
-    gneiss_status status = gn_hertz_prepare(w, error);
-    if (status == GNEISS_OK && before) w->energy.stage_change += gn_touches_gain(w, before);
+static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
+                                 const gn_boundary *boundary, gn_ledger *ledger,
+                                 gneiss_error *error) {
+    gn_hertz_pair *before = dem->hertz;
+    dem->hertz = NULL;
+    gneiss_status status = gn_hertz_prepare(ctx, dem, error);
+    if (status == GNEISS_OK && before)
+        ledger->energy.stage_change += gn_touches_gain(ctx, dem, boundary, before);
     gn_free(before);
     return status;
 }
 
 gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
-    if (!w->scene.has_specimen) return GNEISS_OK;
-    double stored = gn_contacts_stored(w);
-    w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
-    GN_TRY(enter_hertz(w, error));
-    GN_TRY(gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error));
+    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
+    double stored = gn_contacts_stored(&w->ctx, &w->dem, &w->box);
+    w->dem.damping_fraction = gn_contact_damping_fraction(&w->ctx.scene);
+    GN_TRY(enter_hertz(&w->ctx, &w->dem, &w->boundary, &w->ledger, error));
+    GN_TRY(gn_motion_kernel_choose(w->ctx.kernels, w->ctx.effects, &w->dem.motion_kernel, error));
     /* What differs between stages has no storage; files say what there is. */
-    w->dem.particles.soa.effects = w->effects;
-    w->dem.bonds.soa.effects = gn_contact_list_effects(w->effects, true);
-    w->dem.pairs.soa.effects = gn_contact_list_effects(w->effects, false);
+    w->dem.particles.soa.effects = w->ctx.effects;
+    w->dem.bonds.soa.effects = gn_contact_list_effects(w->ctx.effects, true);
+    w->dem.pairs.soa.effects = gn_contact_list_effects(w->ctx.effects, false);
     if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.soa.effects;
-    GN_TRY(gn_contacts_take_materials(w, &w->dem.bonds, error));
-    GN_TRY(gn_contacts_take_materials(w, &w->dem.pairs, error));
-    GN_TRY(enter_bonds(w, error));
-    w->energy.stage_change += gn_contacts_stored(w) - stored;
-    gn_dem_step_changed(w); /* dashpots */
-    gn_near_forget(w);      /* velocities and parameters may be others */
-    return gn_sets_enter(w, error);
+    GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.bonds, error));
+    GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.pairs, error));
+    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->stages, error));
+    w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
+    gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */
+    gn_near_forget(&w->ctx, &w->dem);      /* velocities and parameters may be others */
+    return gn_sets_enter(&w->ctx, &w->dem, error);
 }
 
-gneiss_status gn_dem_create_empty(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_soa_create(&gn_particle_record, &w->dem.particles, 0, w->effects, error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &w->dem.bonds, 0,
-                         gn_contact_list_effects(w->effects, true), error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &w->dem.pairs, 0,
-                         gn_contact_list_effects(w->effects, false), error));
-    w->dem.verlet.skin = w->dem.verlet.skin_start = 1.0;
-    w->dem.stable = INFINITY;
+gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    GN_TRY(gn_soa_create(&gn_particle_record, &dem->particles, 0, ctx->effects, error));
+    GN_TRY(gn_soa_create(&gn_contact_record, &dem->bonds, 0,
+                         gn_contact_list_effects(ctx->effects, true), error));
+    GN_TRY(gn_soa_create(&gn_contact_record, &dem->pairs, 0,
+                         gn_contact_list_effects(ctx->effects, false), error));
+    dem->verlet.skin = dem->verlet.skin_start = 1.0;
+    dem->stable = INFINITY;
     return GNEISS_OK;
 }
 
@@ -229,12 +239,12 @@ void gn_dem_free(gn_dem *d) {
 
 /* --- all of it --- */
 
-uint64_t gn_dem_hash(const gn_world *w, uint64_t h) {
-    gn_near_settle(w);
-    h = gn_soa_hash(&gn_particle_record, &w->dem.particles, h);
-    h = gn_soa_hash(&gn_contact_record, &w->dem.bonds, h);
-    h = gn_soa_hash(&gn_contact_record, &w->dem.pairs, h);
-    return gn_flow_hash(w, h);
+uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
+    gn_near_settle(ctx, dem);
+    h = gn_soa_hash(&gn_particle_record, &dem->particles, h);
+    h = gn_soa_hash(&gn_contact_record, &dem->bonds, h);
+    h = gn_soa_hash(&gn_contact_record, &dem->pairs, h);
+    return gn_flow_hash(ctx, dem, h);
 }
 
 static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
@@ -242,10 +252,10 @@ static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
            gn_partials_bytes(q, list->soa.count, 2);
 }
 
-size_t gn_dem_bytes(const gn_world *w) {
-    const gn_dem *d = &w->dem;
-    size_t each = gn_record_bytes(&gn_particle_record, w->effects) + 2 * sizeof(int32_t);
+size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_dem *d = dem;
+    size_t each = gn_record_bytes(&gn_particle_record, ctx->effects) + 2 * sizeof(int32_t);
     return d->particles.soa.capacity * each + list_bytes(&d->bonds, &d->bond_partials) +
-           list_bytes(&d->pairs, &d->pair_partials) + gn_near_bytes(w) +
+           list_bytes(&d->pairs, &d->pair_partials) + gn_near_bytes(dem) +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
 }

@@ -3,6 +3,8 @@
 #ifndef GN_PARTICLES_DEM_H
 #define GN_PARTICLES_DEM_H
 
+#include "frame/parts.h"
+
 #include "frame/balance.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
@@ -95,7 +97,7 @@ typedef struct gn_pieces {
     double *volume;            /* [particles] m3, in 2D m2 */
 } gn_pieces;
 
-typedef struct gn_dem {
+struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
     gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
@@ -164,17 +166,17 @@ typedef struct gn_dem {
     gn_flow flow;
     int64_t lost;          /* particles that left the domain */
     int64_t contact_steps; /* contacts worked on, summed over steps */
-} gn_dem;
-
-typedef struct gn_world gn_world;
+};
 
 /* Kernels and threads, from the effects of the world: also of one that is resumed. */
-gneiss_status gn_dem_prepare(gn_world *world, gneiss_error *error);
-gneiss_status gn_dem_use_threads(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* The particles of a packing, in its order, without mass. */
-gneiss_status gn_dem_create(gn_world *world, const gn_packing *packing, gneiss_error *error);
+gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_packing *packing,
+                            gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
-gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                              const gn_solids *solids, gneiss_error *error);
 /* Takes what the scene of another stage says, before the lists are made anew. */
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */
@@ -182,12 +184,14 @@ gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
 /* What it comes to for a step (s, safety included) with time.estimate: bound: the step over that of
  * the bound with own masses, and the added mass over the own one; INFINITY: others leave no room
  * for such a step. */
-gneiss_status gn_dem_foretell_masses(const gn_world *world, double step, double *of_bound,
+gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     const gn_zones *zones, double step, double *of_bound,
                                      double *added, gneiss_error *error);
 /* What added mass has of the kinetic energy, with the velocities of the last half step. */
-double gn_dem_added_kinetic(const gn_world *world);
+double gn_dem_added_kinetic(const gn_dem *dem);
 /* Without particles: empty records, so that nothing else needs to know. */
-gneiss_status gn_dem_create_empty(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);
 
 /* Sorts the particles and forms their bonds, once all of the scene is there. */
@@ -195,15 +199,16 @@ gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
 /* Makes the lists anew. */
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
-gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                             gneiss_error *error);
 /* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
  * (travel.c). */
-void gn_dem_look_at_travel(gn_world *world);
+void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box);
 
 /* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
 void gn_dem_forces(gn_world *world, bool measure);
 /* then the motion of what waited, and what the step sums up to. */
-void gn_dem_move(gn_world *world, bool measure);
+void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
 /* Forces at the present places, for who looks for equilibrium: contacts see the velocities as those
  * of a path of `span` s that led here, 0: none. Then velocities get what the loads, gravity and
  * applied forces among them, do in half of `kick` s, without background damping; places are of no
@@ -211,17 +216,20 @@ void gn_dem_move(gn_world *world, bool measure);
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
  * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
-gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double rate,
+gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const gn_solids *solids,
+                           const gn_zones *zones, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
  * stress, Pa. */
-void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);
+void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger);
 void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
 /* Adds the mean resultant on a free particle over the mean contact force. */
-void gn_dem_balance(const gn_world *world, gn_balance *balance);
+void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *balance);
 /* That no particle went bad or too far in the step (paths.c). */
-gneiss_status gn_dem_check(const gn_world *world, bool measure, gneiss_error *error);
+gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, bool measure, gneiss_error *error);
 
 /* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
  * or, `full`, of all. *due: it has changed, or that of what they touch. */
@@ -233,17 +241,23 @@ gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *erro
 gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
 /* Whether the step is so short that the sums of what is near settle it, without a look at
  * what has changed. */
-gneiss_status gn_dem_limit_far(const gn_world *world, bool *far, gneiss_error *error);
+gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool *far, gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
-gneiss_status gn_dem_resolve_listed(gn_world *world, bool *shorter, gneiss_error *error);
-gneiss_status gn_dem_resolve_flight(gn_world *world, bool *shorter, gneiss_error *error);
+gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, bool *shorter, gneiss_error *error);
+gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, bool *shorter,
+                                    gneiss_error *error);
 /* Forgets what was found of lists and collisions. */
-void gn_dem_limit_anew(gn_world *world);
+void gn_dem_limit_anew(gn_dem *dem);
 /* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
-void gn_dem_step_changed(gn_world *world);
+void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
-uint64_t gn_dem_hash(const gn_world *world, uint64_t h);
-size_t gn_dem_bytes(const gn_world *world);
+uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
+size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

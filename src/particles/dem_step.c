@@ -9,52 +9,56 @@
 
 /* --- what kernels get --- */
 
-gn_contact_args gn_dem_contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
+gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_periodic_box *box, const gn_contacts *list,
+                                    bool measure) {
     gn_contact_args a = {0};
-    a.pos = w->dem.particles.pos;
-    a.vel = w->dem.particles.vel;
-    a.spin = w->dem.particles.spin;
-    a.pos_f = w->dem.particles.travel_f;
-    a.vel_f = w->dem.particles.vel_f;
-    a.spin_f = w->dem.particles.spin_f;
+    a.pos = dem->particles.pos;
+    a.vel = dem->particles.vel;
+    a.spin = dem->particles.spin;
+    a.pos_f = dem->particles.travel_f;
+    a.vel_f = dem->particles.vel_f;
+    a.spin_f = dem->particles.spin_f;
     a.contacts = list;
-    a.uniform = list == &w->dem.bonds ? w->dem.bond_uniform : w->dem.pair_uniform;
-    a.partials = list == &w->dem.bonds ? &w->dem.bond_partials : &w->dem.pair_partials;
-    a.dt = w->dt_past;
-    a.speed_most = w->dem.speed_most;
-    a.flows = gn_box_moved(w);
-    memcpy(a.flow, w->box.flow, sizeof a.flow);
-    if (a.flows && a.speed_most > 0.0) a.speed_most += 0.5 * gn_box_speed(w);
-    a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
-    memcpy(a.period, w->period, sizeof a.period);
-    for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;
-    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
-    if (w->effects & GN_FX_GRAVITY) a.own = w->dem.particles.own_share;
-    if (w->dem.prescribed.count) {
-        a.slot = w->dem.particles.slot;
-        a.held = w->dem.prescribed.mask;
+    a.uniform = list == &dem->bonds ? dem->bond_uniform : dem->pair_uniform;
+    a.partials = list == &dem->bonds ? &dem->bond_partials : &dem->pair_partials;
+    a.dt = ctx->dt_past;
+    a.speed_most = dem->speed_most;
+    a.flows = gn_box_moved(box);
+    memcpy(a.flow, box->flow, sizeof a.flow);
+    if (a.flows && a.speed_most > 0.0) a.speed_most += 0.5 * gn_box_speed(box);
+    a.arm_factor = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    memcpy(a.period, ctx->period, sizeof a.period);
+    for (int k = 0; k < 3; k++)
+        a.inverse_period[k] = ctx->period[k] > 0.0 ? 1.0 / ctx->period[k] : 0.0;
+    memcpy(a.gravity, ctx->scene.gravity, sizeof a.gravity);
+    if (ctx->effects & GN_FX_GRAVITY) a.own = dem->particles.own_share;
+    if (dem->prescribed.count) {
+        a.slot = dem->particles.slot;
+        a.held = dem->prescribed.mask;
     }
-    a.time = w->time;
+    a.time = ctx->time;
     a.measure = measure;
     return a;
 }
 
-gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
+gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  bool measure) {
     gn_motion_args a = {0};
-    a.particles = &w->dem.particles;
-    a.bonds = &w->dem.bond_partials;
-    a.pairs = &w->dem.pair_partials;
-    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->boundary.contacts : NULL;
-    a.wall_first = w->boundary.first;
-    a.prescribed = w->effects & GN_FX_PRESCRIBED ? &w->dem.prescribed : NULL;
-    a.dt_past = w->dt_past;
-    a.dt = w->dt;
-    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
-    a.damping = w->scene.background_coefficient;
-    a.damping_spin = gn_scene_spin_damping(&w->scene);
-    a.changes = w->dem.near.on;
-    a.hold = w->dem.hold.count ? &w->dem.hold : NULL;
-    a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
+    a.particles = &dem->particles;
+    a.bonds = &dem->bond_partials;
+    a.pairs = &dem->pair_partials;
+    a.wall_contacts = ctx->effects & GN_FX_WALLS ? &boundary->contacts : NULL;
+    a.wall_first = boundary->first;
+    a.prescribed = ctx->effects & GN_FX_PRESCRIBED ? &dem->prescribed : NULL;
+    a.dt_past = ctx->dt_past;
+    a.dt = ctx->dt;
+    memcpy(a.gravity, ctx->scene.gravity, sizeof a.gravity);
+    a.damping = ctx->scene.background_coefficient;
+    a.damping_spin = gn_scene_spin_damping(&ctx->scene);
+    a.changes = dem->near.on;
+    a.hold = dem->hold.count ? &dem->hold : NULL;
+    a.damping_lead = ctx->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
     return a;
 }
@@ -72,16 +76,17 @@ double *gn_dem_kept(const gn_particles *of, const double *rows) {
 
 void gn_dem_forces(gn_world *w, bool measure) {
     gn_dem *d = &w->dem;
-    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
+    if (w->ctx.effects & GN_FX_PRESCRIBED)
+        gn_prescription_update(&w->ctx, &w->dem, w->ctx.time + 0.5 * w->ctx.dt);
     if (!d->particles.soa.count) return;
-    gn_dem_confine(w, &w->dem.bonds);
-    if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY) {
+    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds);
+    if (w->ctx.dt_past > 0.0 && w->ctx.dt != w->ctx.dt_past && w->ctx.effects & GN_FX_ENERGY) {
         d->vel_past = gn_dem_kept(&d->particles, d->particles.vel);
         d->spin_past = gn_dem_kept(&d->particles, d->particles.spin);
     }
-    gn_contact_args bonds = gn_dem_contact_args(w, &w->dem.bonds, measure);
-    gn_contact_args pairs = gn_dem_contact_args(w, &w->dem.pairs, measure);
-    gn_motion_args motion = gn_dem_motion_args(w, measure);
+    gn_contact_args bonds = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.bonds, measure);
+    gn_contact_args pairs = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.pairs, measure);
+    gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
     gn_sweep(w, &bonds, &pairs, &motion);
 }
 
@@ -98,13 +103,14 @@ static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count
     return total;
 }
 
-static void add_up(const gn_world *w, gn_dem_sums *s) {
-    const gn_dem *d = &w->dem;
+static void add_up(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                   gn_dem_sums *s) {
+    const gn_dem *d = dem;
     s->bonds = add_contact_sums(d->bond_sums, d->bonds.soa.count ? d->bond_partials.blocks : 0);
     s->pairs = add_contact_sums(d->pair_sums, d->pairs.soa.count ? d->pair_partials.blocks : 0);
-    s->walls = add_contact_sums(w->boundary.sums, w->effects & GN_FX_WALLS ? d->motion_blocks : 0);
-    if (w->boundary.body_contacts.soa.count) gn_contact_sums_add(&s->walls, &w->boundary.body_sums);
-    if (w->boundary.pairs.count) gn_contact_sums_add(&s->walls, &w->boundary.pairs.sums);
+    s->walls = add_contact_sums(boundary->sums, ctx->effects & GN_FX_WALLS ? d->motion_blocks : 0);
+    if (boundary->body_contacts.soa.count) gn_contact_sums_add(&s->walls, &boundary->body_sums);
+    if (boundary->pairs.count) gn_contact_sums_add(&s->walls, &boundary->pairs.sums);
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 
@@ -112,9 +118,9 @@ static void add_up(const gn_world *w, gn_dem_sums *s) {
  * kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the difference
  * are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 - dt+^2)/(8
  * m): what oscillates goes on with more energy when the step becomes shorter. */
-void gn_dem_add_change(const gn_world *w, const double *past, const double *now, size_t count,
-                       double halves[2]) {
-    const double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
+void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
+                       size_t count, double halves[2]) {
+    const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     for (size_t p = 0; past && p < count; p++) {
         const double *a = past + 4 * p, *b = now + 4 * p;
         if (!(b[3] > 0.0)) continue;
@@ -126,33 +132,33 @@ void gn_dem_add_change(const gn_world *w, const double *past, const double *now,
     }
 }
 
-static void follow_change(gn_world *w) {
-    gn_dem *d = &w->dem;
+static void follow_change(const gn_step_context *ctx, gn_dem *dem) {
+    gn_dem *d = dem;
     const size_t count = d->particles.soa.count;
     double *halves = d->done.step_change;
     halves[0] = halves[1] = 0.0;
     if (!d->vel_past) return;
-    gn_dem_add_change(w, d->vel_past, d->particles.vel, count, halves);
-    gn_dem_add_change(w, d->spin_past, d->particles.spin, count, halves);
+    gn_dem_add_change(ctx, d->vel_past, d->particles.vel, count, halves);
+    gn_dem_add_change(ctx, d->spin_past, d->particles.spin, count, halves);
     gn_free(d->vel_past);
     gn_free(d->spin_past);
     d->vel_past = d->spin_past = NULL;
 }
 
-void gn_dem_move(gn_world *w, bool measure) {
-    gn_dem *d = &w->dem;
+void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure) {
+    gn_dem *d = dem;
     if (d->hold.count) {
-        gn_motion_args motion = gn_dem_motion_args(w, measure);
-        gn_sweep_held(w, &motion);
+        gn_motion_args motion = gn_dem_motion_args(ctx, dem, boundary, measure);
+        gn_sweep_held(dem, &motion);
     }
-    add_up(w, &d->done);
-    follow_change(w);
-    if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
+    add_up(ctx, dem, boundary, &d->done);
+    follow_change(ctx, dem);
+    if (ctx->effects & GN_FX_PRESCRIBED) gn_reactions_sum(ctx, dem);
     double speed = sqrt(d->done.motion.speed2);
     d->speed_most = speed * (1.0 + 1e-6);
-    gn_near_moved(w);
-    d->verlet.drift += w->dt * speed;
-    d->verlet.closed += 2.0 * (w->dt * speed);
+    gn_near_moved(ctx, dem);
+    d->verlet.drift += ctx->dt * speed;
+    d->verlet.closed += 2.0 * (ctx->dt * speed);
     d->broken_tension += d->done.bonds.broken_tension;
     d->broken_shear += d->done.bonds.broken_shear;
     d->pressed = d->done.pairs.pressed + d->done.walls.pressed > 0;
@@ -163,22 +169,22 @@ void gn_dem_move(gn_world *w, bool measure) {
 
 void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     gn_dem *d = &w->dem;
-    const double past = w->dt_past;
-    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time);
-    w->dt_past = span;
+    const double past = w->ctx.dt_past;
+    if (w->ctx.effects & GN_FX_PRESCRIBED) gn_prescription_update(&w->ctx, &w->dem, w->ctx.time);
+    w->ctx.dt_past = span;
     d->speed_most = 0.0;
-    gn_near_forget(w);
-    gn_dem_confine(w, &w->dem.bonds);
-    gn_contact_args bonds = gn_dem_contact_args(w, &d->bonds, measure);
-    gn_contact_args pairs = gn_dem_contact_args(w, &d->pairs, measure);
-    gn_motion_args motion = gn_dem_motion_args(w, measure);
+    gn_near_forget(&w->ctx, &w->dem);
+    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds);
+    gn_contact_args bonds = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &d->bonds, measure);
+    gn_contact_args pairs = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &d->pairs, measure);
+    gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
     motion.dt_past = 0.0;
     motion.dt = kick;
     if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
     gn_sweep(w, &bonds, &pairs, &motion);
-    w->dt_past = past;
-    add_up(w, &d->done);
-    if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
+    w->ctx.dt_past = past;
+    add_up(&w->ctx, &w->dem, &w->boundary, &d->done);
+    if (w->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&w->ctx, &w->dem);
 }
 
 /* --- what came of it --- */
@@ -189,14 +195,14 @@ static void book_contacts(const gn_dem_sums *s, gn_energy *e) {
 #undef X
 }
 
-void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
-    const gn_motion_sums *m = &w->dem.done.motion;
-    if (half == GN_HALF_BEFORE) book_contacts(&w->dem.done, ledger);
+void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger) {
+    const gn_motion_sums *m = &dem->done.motion;
+    if (half == GN_HALF_BEFORE) book_contacts(&dem->done, ledger);
     ledger->background_damping += m->damping[half];
     ledger->work_gravity += m->gravity[half];
     ledger->work_applied += m->applied[half];
     ledger->work_prescribed += m->prescribed[half];
-    ledger->step_change += w->dem.done.step_change[half];
+    ledger->step_change += dem->done.step_change[half];
 }
 
 void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
@@ -215,11 +221,11 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
 
 /* N: sizes of the forces of all contacts of particles, with each other and with walls, bodies and
  * facets, and of bodies with walls and each other; *count: of those that carry. */
-static double carried(const gn_world *w, double *count) {
-    const gn_dem_sums *s = &w->dem.done;
-    const gn_wall_contacts *lists[] = {&w->boundary.contacts, &w->boundary.body_contacts};
+static double carried(const gn_dem *dem, const gn_boundary *boundary, double *count) {
+    const gn_dem_sums *s = &dem->done;
+    const gn_wall_contacts *lists[] = {&boundary->contacts, &boundary->body_contacts};
     const gn_contact_sums none = {0},
-                          *bodies = w->boundary.pairs.count ? &w->boundary.pairs.sums : &none;
+                          *bodies = boundary->pairs.count ? &boundary->pairs.sums : &none;
     double force = s->bonds.force + s->pairs.force + bodies->force;
     *count = s->bonds.carrying + s->pairs.carrying + bodies->carrying;
     for (int k = 0; k < 2; k++)
@@ -231,10 +237,10 @@ static double carried(const gn_world *w, double *count) {
     return force;
 }
 
-void gn_dem_balance(const gn_world *w, gn_balance *balance) {
-    const double particles = (double)gn_world_present(w) - (double)w->dem.prescribed.count;
-    const double resultant = w->dem.done.motion.resultant;
-    double count, force = carried(w, &count);
+void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *balance) {
+    const double particles = (double)gn_world_present(dem) - (double)dem->prescribed.count;
+    const double resultant = dem->done.motion.resultant;
+    double count, force = carried(dem, boundary, &count);
     balance->force = force > 0.0 ? force / count : 0.0;
     if (!(particles > 0.0)) return;
     balance->carries |= force > 0.0;

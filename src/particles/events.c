@@ -24,39 +24,39 @@ static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
 }
 
 /* Where the contact was at the instant of the forces: the ends have moved on since. */
-static void place_of(const gn_world *w, size_t c, double place[3]) {
-    const gn_particles *q = &w->dem.particles;
-    const size_t i = (size_t)w->dem.bonds.i[c], j = (size_t)w->dem.bonds.j[c];
+static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, double place[3]) {
+    const gn_particles *q = &dem->particles;
+    const size_t i = (size_t)dem->bonds.i[c], j = (size_t)dem->bonds.j[c];
     double d[3], at[3];
-    gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d);
+    gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d);
     for (size_t a = 0; a < 3; a++) {
-        at[a] = q->pos[4 * i + a] - w->dt * q->vel[4 * i + a];
-        d[a] -= w->dt * (q->vel[4 * j + a] - q->vel[4 * i + a]);
+        at[a] = q->pos[4 * i + a] - ctx->dt * q->vel[4 * i + a];
+        d[a] -= ctx->dt * (q->vel[4 * j + a] - q->vel[4 * i + a]);
     }
     double length = sqrt(gn_dot3(d, d));
     double arm = 0.5 * (length + q->pos[4 * i + 3] - q->pos[4 * j + 3]);
     for (size_t a = 0; a < 3 && length > 0.0; a++) at[a] += arm / length * d[a];
-    gn_world_point_out(w, at, place);
+    gn_world_point_out(ctx, at, place);
 }
 
-static void add_event(gn_world *w, size_t c, int cause, double energy) {
-    const gn_dem *d = &w->dem;
+static void add_event(const gn_step_context *ctx, gn_dem *dem, size_t c, int cause, double energy) {
+    const gn_dem *d = dem;
     int32_t a = d->particles.id[d->bonds.i[c]], b = d->particles.id[d->bonds.j[c]];
-    gn_event *e = &w->dem.events.rows[w->dem.events.count++];
-    *e = (gn_event){.step = w->step, .time = w->time, .energy = energy, .cause = cause};
+    gn_event *e = &dem->events.rows[dem->events.count++];
+    *e = (gn_event){.step = ctx->step, .time = ctx->time, .energy = energy, .cause = cause};
     e->i = a < b ? a : b;
     e->j = a < b ? b : a;
-    place_of(w, c, e->place);
+    place_of(ctx, dem, c, e->place);
 }
 
-static void take_marks(gn_world *w, size_t c) {
-    const gn_contacts *b = &w->dem.bonds;
+static void take_marks(const gn_step_context *ctx, gn_dem *dem, size_t c) {
+    const gn_contacts *b = &dem->bonds;
     const int what = b->happened[c];
     b->happened[c] = 0;
-    if (what & GN_HAPPENED_SOFTENING) add_event(w, c, GN_EVENT_SOFTENING, 0.0);
-    if (what & GN_HAPPENED_YIELD) add_event(w, c, GN_EVENT_YIELD, 0.0);
+    if (what & GN_HAPPENED_SOFTENING) add_event(ctx, dem, c, GN_EVENT_SOFTENING, 0.0);
+    if (what & GN_HAPPENED_YIELD) add_event(ctx, dem, c, GN_EVENT_YIELD, 0.0);
     if (what & GN_HAPPENED_BREAK && gn_broken(b->cause[c]))
-        add_event(w, c, b->cause[c], b->released ? b->released[c] : 0.0);
+        add_event(ctx, dem, c, b->cause[c], b->released ? b->released[c] : 0.0);
 }
 
 /* Those of one step, in an order that does not depend on that of the lists. */
@@ -67,22 +67,22 @@ static int by_ends(const void *a, const void *b) {
     return (x->cause < y->cause) - (x->cause > y->cause);
 }
 
-gneiss_status gn_events_note(gn_world *w, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
-    const gn_contact_sums *all = &w->dem.done.bonds;
+gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    const gn_contacts *b = &dem->bonds;
+    const gn_contact_sums *all = &dem->done.bonds;
     if (!b->happened || !(all->broken_tension + all->broken_shear + all->began)) return GNEISS_OK;
-    const size_t first = w->dem.events.count, length = w->dem.bond_partials.length;
-    for (size_t k = 0; k < w->dem.bond_partials.blocks; k++) {
-        const gn_contact_sums *s = &w->dem.bond_sums[k];
+    const size_t first = dem->events.count, length = dem->bond_partials.length;
+    for (size_t k = 0; k < dem->bond_partials.blocks; k++) {
+        const gn_contact_sums *s = &dem->bond_sums[k];
         size_t end = (k + 1) * length < b->soa.count ? (k + 1) * length : b->soa.count;
         if (!(s->broken_tension + s->broken_shear + s->began)) continue;
         for (size_t c = k * length; c < end; c++) {
             if (!b->happened[c]) continue;
-            GN_TRY(grow(&w->dem.events, MARKS, error));
-            take_marks(w, c);
+            GN_TRY(grow(&dem->events, MARKS, error));
+            take_marks(ctx, dem, c);
         }
     }
-    qsort(w->dem.events.rows + first, w->dem.events.count - first, sizeof(gn_event), by_ends);
+    qsort(dem->events.rows + first, dem->events.count - first, sizeof(gn_event), by_ends);
     return GNEISS_OK;
 }
 

@@ -3,6 +3,8 @@
 #ifndef GN_PARTICLES_EVENTS_H
 #define GN_PARTICLES_EVENTS_H
 
+#include "frame/parts.h"
+
 #include "base/error.h"
 
 #include <stddef.h>
@@ -26,10 +28,8 @@ typedef struct gn_events {
     size_t count, capacity;
 } gn_events;
 
-typedef struct gn_world gn_world;
-
 /* After the motion of a step, before its time is counted: adds what happened in it. */
-gneiss_status gn_events_note(gn_world *world, gneiss_error *error);
+gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_events_free(gn_events *events);
 
 #endif

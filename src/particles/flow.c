@@ -20,52 +20,52 @@ static gneiss_status make_region(const gn_flow_region *r, gn_domain **domain, gn
     return gn_domain_cylinder(r->origin, 0.5 * r->diameter, r->height, domain, error);
 }
 
-static gneiss_status at(const gn_world *w, gn_scene_place where, const char *list,
+static gneiss_status at(const gn_step_context *ctx, gn_scene_place where, const char *list,
                         gneiss_status status, gneiss_error *error) {
     if (status == GNEISS_OK) return status;
-    return gn_fail_context(error, "%s: ", gn_scene_at(&w->scene, where, list).text);
+    return gn_fail_context(error, "%s: ", gn_scene_at(&ctx->scene, where, list).text);
 }
 
-static gn_sizes sizes_of(const gn_world *w, size_t source) {
-    const gn_source_def *d = &w->scene.sources[source];
+static gn_sizes sizes_of(const gn_step_context *ctx, size_t source) {
+    const gn_source_def *d = &ctx->scene.sources[source];
     return (gn_sizes){d->sizes,       d->size_ratio, d->size_variation,
-                      d->sieve_count, d->sieve,      (int)w->scene.dimension};
+                      d->sieve_count, d->sieve,      (int)ctx->scene.dimension};
 }
 
-static gneiss_status make_regions(gn_world *w, gneiss_error *error) {
-    gn_flow *f = &w->dem.flow;
-    const gn_scene *s = &w->scene;
+static gneiss_status make_regions(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_flow *f = &dem->flow;
+    const gn_scene *s = &ctx->scene;
     for (size_t k = 0; k < s->source_count; k++) {
         const gn_source_def *d = &s->sources[k];
-        const gn_sizes sizes = sizes_of(w, k);
+        const gn_sizes sizes = sizes_of(ctx, k);
         f->unit[k] = d->mean_radius / gn_sizes_mean(&sizes);
-        GN_TRY(at(w, d->where, "sources", make_region(&d->region, &f->region[k], error), error));
+        GN_TRY(at(ctx, d->where, "sources", make_region(&d->region, &f->region[k], error), error));
     }
     for (size_t k = 0; k < s->sink_count; k++) {
         const gn_sink_def *d = &s->sinks[k];
         gn_domain **region = &f->region[s->source_count + k];
         if (d->has_plane) continue;
-        GN_TRY(at(w, d->where, "sinks", make_region(&d->region, region, error), error));
+        GN_TRY(at(ctx, d->where, "sinks", make_region(&d->region, region, error), error));
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_flow_prepare(gn_world *w, gneiss_error *error) {
-    gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return GNEISS_OK;
-    f->regions = w->scene.source_count + w->scene.sink_count;
+gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_flow *f = &dem->flow;
+    if (!gn_scene_flows(&ctx->scene)) return GNEISS_OK;
+    f->regions = ctx->scene.source_count + ctx->scene.sink_count;
     f->region = gn_alloc_array(f->regions + 1, sizeof(gn_domain *));
-    f->unit = gn_alloc_array(w->scene.source_count + 1, sizeof *f->unit);
+    f->unit = gn_alloc_array(ctx->scene.source_count + 1, sizeof *f->unit);
     if (!f->region || !f->unit)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sources and sinks");
-    return make_regions(w, error);
+    return make_regions(ctx, dem, error);
 }
 
-gneiss_status gn_flow_create(gn_world *w, gneiss_error *error) {
-    gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return GNEISS_OK;
-    f->sources = gn_alloc_array(w->scene.source_count + 1, sizeof *f->sources);
-    f->sinks = gn_alloc_array(w->scene.sink_count + 1, sizeof *f->sinks);
+gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_flow *f = &dem->flow;
+    if (!gn_scene_flows(&ctx->scene)) return GNEISS_OK;
+    f->sources = gn_alloc_array(ctx->scene.source_count + 1, sizeof *f->sources);
+    f->sinks = gn_alloc_array(ctx->scene.sink_count + 1, sizeof *f->sinks);
     if (f->sources && f->sinks) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sources and sinks");
 }
@@ -82,44 +82,45 @@ void gn_flow_free(gn_flow *f) {
 
 /* --- what may come --- */
 
-static void radii(const gn_world *w, double *least, double *most) {
+static void radii(const gn_step_context *ctx, const gn_dem *dem, double *least, double *most) {
     *least = INFINITY;
     *most = 0.0;
-    for (size_t k = 0; k < w->scene.source_count; k++) {
-        const gn_sizes sizes = sizes_of(w, k);
+    for (size_t k = 0; k < ctx->scene.source_count; k++) {
+        const gn_sizes sizes = sizes_of(ctx, k);
         double low, high;
         gn_sizes_range(&sizes, &low, &high);
-        *least = fmin(*least, low * w->dem.flow.unit[k]);
-        *most = fmax(*most, high * w->dem.flow.unit[k]);
+        *least = fmin(*least, low * dem->flow.unit[k]);
+        *most = fmax(*most, high * dem->flow.unit[k]);
     }
 }
 
-double gn_flow_least_radius(const gn_world *w) {
+double gn_flow_least_radius(const gn_step_context *ctx, const gn_dem *dem) {
     double least, most;
-    radii(w, &least, &most);
+    radii(ctx, dem, &least, &most);
     return least;
 }
 
-double gn_flow_largest_radius(const gn_world *w) {
+double gn_flow_largest_radius(const gn_step_context *ctx, const gn_dem *dem) {
     double least, most;
-    radii(w, &least, &most);
+    radii(ctx, dem, &least, &most);
     return most;
 }
 
-double gn_flow_mean_radius(const gn_world *w) {
+double gn_flow_mean_radius(const gn_step_context *ctx) {
     double sum = 0.0;
-    for (size_t k = 0; k < w->scene.source_count; k++) sum += w->scene.sources[k].mean_radius;
-    return sum / (double)w->scene.source_count;
+    for (size_t k = 0; k < ctx->scene.source_count; k++) sum += ctx->scene.sources[k].mean_radius;
+    return sum / (double)ctx->scene.source_count;
 }
 
-void gn_flow_bounds(const gn_world *w, double lower[3], double upper[3]) {
+void gn_flow_bounds(const gn_step_context *ctx, const gn_dem *dem, double lower[3],
+                    double upper[3]) {
     for (int a = 0; a < 3; a++) {
         lower[a] = INFINITY;
         upper[a] = -INFINITY;
     }
-    for (size_t k = 0; k < w->scene.source_count; k++) {
+    for (size_t k = 0; k < ctx->scene.source_count; k++) {
         double low[3], high[3];
-        gn_domain_bounds(w->dem.flow.region[k], low, high);
+        gn_domain_bounds(dem->flow.region[k], low, high);
         for (int a = 0; a < 3; a++) {
             lower[a] = fmin(lower[a], low[a]);
             upper[a] = fmax(upper[a], high[a]);
@@ -135,37 +136,39 @@ static double beyond(const gn_sink_def *d, const double x[3]) {
     return gn_dot3(way, d->normal);
 }
 
-bool gn_sink_has(const gn_world *w, size_t sink, const double x[4]) {
-    const gn_sink_def *d = &w->scene.sinks[sink];
-    const gn_domain *region = w->dem.flow.region[w->scene.source_count + sink];
+bool gn_sink_has(const gn_step_context *ctx, const gn_dem *dem, size_t sink, const double x[4]) {
+    const gn_sink_def *d = &ctx->scene.sinks[sink];
+    const gn_domain *region = dem->flow.region[ctx->scene.source_count + sink];
     if (!d->remove) return false;
     return (region ? gn_domain_depth(region, x) : beyond(d, x)) >= x[3];
 }
 
 /* Kinetic energy and momentum are those of the last half step. */
-static void count_crossing(gn_world *w, size_t sink, size_t p, double sense) {
-    gn_sink_state *s = &w->dem.flow.sinks[sink];
-    const double *v = w->dem.particles.vel + 4 * p, mass = 1.0 / v[3];
+static void count_crossing(gn_dem *dem, size_t sink, size_t p, double sense) {
+    gn_sink_state *s = &dem->flow.sinks[sink];
+    const double *v = dem->particles.vel + 4 * p, mass = 1.0 / v[3];
     s->number += sense;
     s->mass += sense * mass;
     s->energy += sense * 0.5 * mass * gn_dot3(v, v);
     for (int a = 0; a < 3; a++) s->momentum[a] += sense * mass * v[a];
 }
 
-void gn_flow_count(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    for (size_t k = 0; w->dem.verlet.rebuilds > 0 && k < w->scene.sink_count; k++) {
-        const gn_sink_def *d = &w->scene.sinks[k];
+void gn_flow_count(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    for (size_t k = 0; dem->verlet.rebuilds > 0 && k < ctx->scene.sink_count; k++) {
+        const gn_sink_def *d = &ctx->scene.sinks[k];
         for (size_t p = 0; !d->remove && p < q->soa.count; p++) {
             bool before = beyond(d, q->ref + 4 * p) >= 0.0, now = beyond(d, q->pos + 4 * p) >= 0.0;
-            if (before != now && q->vel[4 * p + 3] > 0.0) count_crossing(w, k, p, now ? 1.0 : -1.0);
+            if (before != now && q->vel[4 * p + 3] > 0.0)
+                count_crossing(dem, k, p, now ? 1.0 : -1.0);
         }
     }
 }
 
-gneiss_status gn_flow_note_lost(gn_world *w, size_t p, gneiss_error *error) {
-    gn_flow *f = &w->dem.flow;
-    const gn_particles *q = &w->dem.particles;
+gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t p,
+                                gneiss_error *error) {
+    gn_flow *f = &dem->flow;
+    const gn_particles *q = &dem->particles;
     if (f->lost_count == f->lost_room) {
         size_t room = 2 * f->lost_room + 16;
         gn_lost *lost = gn_alloc_array(room, sizeof *lost);
@@ -177,31 +180,31 @@ gneiss_status gn_flow_note_lost(gn_world *w, size_t p, gneiss_error *error) {
         f->lost_room = room;
     }
     gn_lost *l = &f->lost[f->lost_count++];
-    *l = (gn_lost){.id = q->id[p], .time = w->time};
-    gn_world_point_out(w, q->pos + 4 * p, l->place);
+    *l = (gn_lost){.id = q->id[p], .time = ctx->time};
+    gn_world_point_out(ctx, q->pos + 4 * p, l->place);
     memcpy(l->velocity, q->vel + 4 * p, sizeof l->velocity);
     return GNEISS_OK;
 }
 
-void gn_flow_row(gn_world *w) {
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.sink_count; k++) {
-        w->dem.flow.sinks[k].row_mass = w->dem.flow.sinks[k].mass;
-        w->dem.flow.sinks[k].row_time = w->time;
+void gn_flow_row(const gn_step_context *ctx, gn_dem *dem) {
+    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.sink_count; k++) {
+        dem->flow.sinks[k].row_mass = dem->flow.sinks[k].mass;
+        dem->flow.sinks[k].row_time = ctx->time;
     }
 }
 
-size_t gn_world_present(const gn_world *w) {
+size_t gn_world_present(const gn_dem *dem) {
     size_t count = 0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        count += w->dem.particles.vel[4 * p + 3] > 0.0;
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        count += dem->particles.vel[4 * p + 3] > 0.0;
     return count;
 }
 
-uint64_t gn_flow_hash(const gn_world *w, uint64_t h) {
-    const gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return h;
-    h = gn_hash_bytes(f->sources, w->scene.source_count * sizeof *f->sources, h);
-    for (size_t k = 0; k < w->scene.sink_count; k++)
+uint64_t gn_flow_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
+    const gn_flow *f = &dem->flow;
+    if (!gn_scene_flows(&ctx->scene)) return h;
+    h = gn_hash_bytes(f->sources, ctx->scene.source_count * sizeof *f->sources, h);
+    for (size_t k = 0; k < ctx->scene.sink_count; k++)
         h = gn_hash_bytes(&f->sinks[k], offsetof(gn_sink_state, row_mass), h);
     return h;
 }

@@ -15,25 +15,27 @@ static void join(const gn_contacts *bonds, int32_t *parent) {
         if (gn_contact_bonded(bonds, c)) gn_set_unite(parent, bonds->i[c], bonds->j[c]);
 }
 
-static void join_touching(const gn_world *w, const gn_contacts *list, int32_t *parent) {
-    const double *pos = w->dem.particles.pos;
+static void join_touching(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                          int32_t *parent) {
+    const double *pos = dem->particles.pos;
     double d[3];
     for (size_t c = 0; c < list->soa.count; c++) {
         const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
         double free = list->length0 ? list->length0[c] : pos[4 * i + 3] + pos[4 * j + 3];
-        if (gn_contact_bonded(list, c) || gn_branch(w, pos + 4 * i, pos + 4 * j, d) < free * free)
+        if (gn_contact_bonded(list, c) || gn_branch(ctx, pos + 4 * i, pos + 4 * j, d) < free * free)
             gn_set_unite(parent, (int32_t)i, (int32_t)j);
     }
 }
 
-static gn_fragments measure(const gn_world *w, int32_t *parent, double *volume, int32_t *members) {
-    const gn_particles *q = &w->dem.particles;
+static gn_fragments measure(const gn_step_context *ctx, const gn_dem *dem, int32_t *parent,
+                            double *volume, int32_t *members) {
+    const gn_particles *q = &dem->particles;
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_is_asleep(w, p)) continue; /* no part of the body as yet */
+        if (gn_is_asleep(dem, p)) continue; /* no part of the body as yet */
         size_t root = (size_t)gn_set_root(parent, (int32_t)p);
-        double own = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+        double own = gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;
         members[root]++;
         all += own;
@@ -45,10 +47,10 @@ static gn_fragments measure(const gn_world *w, int32_t *parent, double *volume, 
     return found;
 }
 
-gneiss_status gn_pieces_create(gn_world *w, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count + 1;
-    gn_pieces *q = &w->dem.pieces;
-    if (!(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count + 1;
+    gn_pieces *q = &dem->pieces;
+    if (!(ctx->effects & GN_FX_BONDS)) return GNEISS_OK;
     q->parent = gn_alloc_array(n, sizeof *q->parent);
     q->members = gn_alloc_array(n, sizeof *q->members);
     q->volume = gn_alloc_array(n, sizeof *q->volume);
@@ -64,13 +66,13 @@ static void start(const gn_pieces *q, size_t n) {
     }
 }
 
-const int32_t *gn_world_bodies(const gn_world *w) {
-    const gn_particles *p = &w->dem.particles;
-    const gn_pieces *q = &w->dem.pieces;
-    if (!(w->effects & GN_FX_BONDS)) return NULL;
+const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *p = &dem->particles;
+    const gn_pieces *q = &dem->pieces;
+    if (!(ctx->effects & GN_FX_BONDS)) return NULL;
     start(q, p->soa.count);
-    join_touching(w, &w->dem.bonds, q->parent);
-    join_touching(w, &w->dem.pairs, q->parent);
+    join_touching(ctx, dem, &dem->bonds, q->parent);
+    join_touching(ctx, dem, &dem->pairs, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
         if (p->vel[4 * k + 3] > 0.0) q->members[gn_set_root(q->parent, (int32_t)k)]++;
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
@@ -79,21 +81,22 @@ const int32_t *gn_world_bodies(const gn_world *w) {
     return q->members;
 }
 
-bool gn_world_has_loosened(const gn_world *w) {
-    const gn_dem *d = &w->dem;
+bool gn_world_has_loosened(const gn_dem *dem) {
+    const gn_dem *d = dem;
     if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
     for (size_t c = 0; c < d->bonds.soa.count; c++)
         if (d->bonds.cause[c] == GN_BOND_DISSOLVED) return true;
     return false;
 }
 
-size_t gn_world_body_groups(const gn_world *w, int32_t chip, int32_t *group) {
-    const size_t n = w->dem.particles.soa.count;
-    int32_t *parent = w->dem.pieces.parent, lead = 0;
+size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
+                            int32_t *group) {
+    const size_t n = dem->particles.soa.count;
+    int32_t *parent = dem->pieces.parent, lead = 0;
     size_t groups = 0;
     memset(group, 0, n * sizeof *group);
-    if (!parent || !w->dem.bonds.soa.count) return 1;
-    const int32_t *members = gn_world_bodies(w);
+    if (!parent || !dem->bonds.soa.count) return 1;
+    const int32_t *members = gn_world_bodies(ctx, dem);
     for (size_t p = 0; p < n; p++)
         if (members[p] > members[lead]) lead = (int32_t)p;
     for (size_t p = 0; p < n; p++) {
@@ -104,43 +107,44 @@ size_t gn_world_body_groups(const gn_world *w, int32_t chip, int32_t *group) {
     return groups;
 }
 
-gn_fragments gn_world_fragments(const gn_world *w) {
-    const size_t n = w->dem.particles.soa.count;
-    const gn_pieces *q = &w->dem.pieces;
-    if (!(w->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
+gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
+    const size_t n = dem->particles.soa.count;
+    const gn_pieces *q = &dem->pieces;
+    if (!(ctx->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
     start(q, n);
-    join(&w->dem.bonds, q->parent);
-    return measure(w, q->parent, q->volume, q->members);
+    join(&dem->bonds, q->parent);
+    return measure(ctx, dem, q->parent, q->volume, q->members);
 }
 
 /* --- as a list --- */
 
-static bool is_there(const gn_world *w, size_t p) {
-    return w->dem.particles.vel[4 * p + 3] > 0.0 && !gn_is_asleep(w, p);
+static bool is_there(const gn_dem *dem, size_t p) {
+    return dem->particles.vel[4 * p + 3] > 0.0 && !gn_is_asleep(dem, p);
 }
 
 /* `at`: the first particle of the piece by its id, for images. */
-static void add_particle(const gn_world *w, gn_fragment *f, size_t at, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+static void add_particle(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f, size_t at,
+                         size_t p) {
+    const gn_particles *q = &dem->particles;
     const double mass = gn_own_share(q, p) / q->vel[4 * p + 3];
     double d[3];
-    gn_branch(w, q->pos + 4 * at, q->pos + 4 * p, d);
+    gn_branch(ctx, q->pos + 4 * at, q->pos + 4 * p, d);
     for (size_t a = 0; a < 3; a++) {
         f->centre[a] += mass * d[a];
         f->velocity[a] += mass * q->vel[4 * p + a];
     }
     f->mass += mass;
-    f->volume += gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+    f->volume += gn_ball_volume((int)ctx->scene.dimension, q->pos[4 * p + 3]);
     f->particles++;
 }
 
-static void finish(const gn_world *w, gn_fragment *f, size_t at) {
+static void finish(const gn_step_context *ctx, const gn_dem *dem, gn_fragment *f, size_t at) {
     double centre[3];
     for (size_t a = 0; a < 3; a++) {
-        centre[a] = w->dem.particles.pos[4 * at + a] + f->centre[a] / f->mass;
+        centre[a] = dem->particles.pos[4 * at + a] + f->centre[a] / f->mass;
         f->velocity[a] /= f->mass;
     }
-    gn_world_point_out(w, centre, f->centre);
+    gn_world_point_out(ctx, centre, f->centre);
 }
 
 static int by_volume(const void *a, const void *b) {
@@ -151,43 +155,45 @@ static int by_volume(const void *a, const void *b) {
 
 /* Pieces in the order of the least of their ids, particles in that of their ids: the sums do not
  * depend on how particles are sorted. *place: of each piece by its first particle's id. */
-static void sum_pieces(const gn_world *w, gn_fragment_list *list, int32_t *piece) {
-    const gn_dem *d = &w->dem;
+static void sum_pieces(const gn_step_context *ctx, const gn_dem *dem, gn_fragment_list *list,
+                       int32_t *piece) {
+    const gn_dem *d = dem;
     for (int64_t id = 0; id < d->ids; id++) {
         const int32_t p = d->index_of_id[id];
-        if (p < 0 || !is_there(w, (size_t)p)) continue;
+        if (p < 0 || !is_there(dem, (size_t)p)) continue;
         const int32_t root = gn_set_root(d->pieces.parent, p);
         if (piece[root] < 0) {
             piece[root] = (int32_t)list->count;
             list->row[list->count++].first = (int32_t)id;
         }
         gn_fragment *f = &list->row[piece[root]];
-        add_particle(w, f, (size_t)d->index_of_id[f->first], (size_t)p);
+        add_particle(ctx, dem, f, (size_t)d->index_of_id[f->first], (size_t)p);
     }
     for (size_t k = 0; k < list->count; k++)
-        finish(w, &list->row[k], (size_t)d->index_of_id[list->row[k].first]);
+        finish(ctx, dem, &list->row[k], (size_t)d->index_of_id[list->row[k].first]);
 }
 
-gneiss_status gn_fragments_list(const gn_world *w, gn_fragment_list *list, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
-    const gn_pieces *q = &w->dem.pieces;
+gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_fragment_list *list, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
+    const gn_pieces *q = &dem->pieces;
     *list = (gn_fragment_list){0};
-    if (!(w->effects & GN_FX_BONDS) || !n) return GNEISS_OK;
+    if (!(ctx->effects & GN_FX_BONDS) || !n) return GNEISS_OK;
     list->row = gn_alloc_array(n + 1, sizeof *list->row);
     list->of = gn_alloc_array(n + 1, sizeof *list->of);
     if (!list->row || !list->of)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles",
                        n);
     start(q, n);
-    join(&w->dem.bonds, q->parent);
+    join(&dem->bonds, q->parent);
     memset(list->of, -1, n * sizeof *list->of);
-    sum_pieces(w, list, list->of);
+    sum_pieces(ctx, dem, list, list->of);
     qsort(list->row, list->count, sizeof *list->row, by_volume);
     memset(q->members, -1, n * sizeof *q->members);
     for (size_t k = 0; k < list->count; k++)
-        q->members[gn_set_root(q->parent, w->dem.index_of_id[list->row[k].first])] = (int32_t)k;
+        q->members[gn_set_root(q->parent, dem->index_of_id[list->row[k].first])] = (int32_t)k;
     for (size_t p = 0; p < n; p++)
-        list->of[p] = is_there(w, p) ? q->members[gn_set_root(q->parent, (int32_t)p)] : -1;
+        list->of[p] = is_there(dem, p) ? q->members[gn_set_root(q->parent, (int32_t)p)] : -1;
     return GNEISS_OK;
 }
 

@@ -9,8 +9,8 @@ typedef struct gn_fragments {
     double largest; /* share of the particles' volume that the largest has */
 } gn_fragments;
 /* Once the particles are there. */
-gneiss_status gn_pieces_create(gn_world *world, gneiss_error *error);
-gn_fragments gn_world_fragments(const gn_world *world);
+gneiss_status gn_pieces_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem);
 
 /* A piece, one particle or more. */
 typedef struct gn_fragment {
@@ -29,17 +29,18 @@ typedef struct gn_fragment_list {
 } gn_fragment_list;
 
 /* With bonds, else there are none. The caller frees, also on failure. */
-gneiss_status gn_fragments_list(const gn_world *world, gn_fragment_list *list, gneiss_error *error);
+gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_fragment_list *list, gneiss_error *error);
 void gn_fragments_free(gn_fragment_list *list);
 
 /* Bodies: what bonds that hold and contacts that touch keep together. members[p] is how many
  * particles the body of p has, 0 of particles that have left; NULL without bonds. Until the next
  * call of either. */
-const int32_t *gn_world_bodies(const gn_world *world);
+const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem);
 
 /* Whether anything that was held has come loose: a bond has broken or was dissolved, or a particle
  * has left the domain. */
-bool gn_world_has_loosened(const gn_world *world);
+bool gn_world_has_loosened(const gn_dem *dem);
 
 /* A body with fewer particles than this share of the largest one's has come off it. */
 enum { GN_CHIP = 10 };
@@ -47,6 +48,7 @@ enum { GN_CHIP = 10 };
 /* Bodies as the membrane sees them: group[p] is a particle that stands for the body of p, and for
  * bodies of less than 1/chip of the largest one's particles that of the largest. Returns how many
  * there are; 1 without bonds, and before there are any. `group` [particles]. */
-size_t gn_world_body_groups(const gn_world *world, int32_t chip, int32_t *group);
+size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32_t chip,
+                            int32_t *group);
 
 #endif

@@ -8,26 +8,26 @@
 
 enum { ALL_PAIRS_UP_TO = 400 }; /* particles, for what is looked at pair by pair */
 
-static void assert_particles(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static void assert_particles(const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     size_t n = q->soa.count;
     assert(q->soa.capacity >= n + 2 || n == 0);
     for (size_t p = 0; p < n; p++) {
         assert(q->pos[4 * p + 3] > 0.0);
         assert(q->vel[4 * p + 3] >= 0.0);
-        assert(q->id[p] >= 0 && q->id[p] < w->dem.ids);
-        assert(w->dem.index_of_id[q->id[p]] == (int32_t)p);
+        assert(q->id[p] >= 0 && q->id[p] < dem->ids);
+        assert(dem->index_of_id[q->id[p]] == (int32_t)p);
         for (size_t a = 0; a < 3; a++) assert(isfinite(q->pos[4 * p + a] + q->vel[4 * p + a]));
     }
     for (size_t p = n; p < n + 2 && n > 0; p++) assert(q->pos[4 * p + 3] == 0.0);
 }
 
 /* Sorted by (i, j), none twice; padding belongs to the null particles. */
-static void assert_contacts(const gn_world *w, const gn_contacts *list) {
-    int32_t n = (int32_t)w->dem.particles.soa.count;
+static void assert_contacts(const gn_dem *dem, const gn_contacts *list) {
+    int32_t n = (int32_t)dem->particles.soa.count;
     for (size_t c = 0; c < list->soa.count; c++) {
         assert(list->i[c] >= 0 && list->i[c] < list->j[c] && list->j[c] < n);
-        double kn = gn_contact_spring(w, list, c).kn;
+        double kn = gn_contact_spring(dem, list, c).kn;
         assert(kn >= 0.0 && isfinite(kn));
         if (c == 0) continue;
         assert(list->i[c - 1] < list->i[c] ||
@@ -37,24 +37,25 @@ static void assert_contacts(const gn_world *w, const gn_contacts *list) {
         assert(list->i[c] >= n && list->j[c] >= n);
 }
 
-static void assert_wall_contacts(const gn_world *w) {
-    const gn_wall_contacts *list = &w->boundary.contacts;
-    if (!(w->effects & GN_FX_WALLS)) return;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        assert(w->boundary.first[p] <= w->boundary.first[p + 1]);
-        for (int32_t c = w->boundary.first[p]; c < w->boundary.first[p + 1]; c++) {
+static void assert_wall_contacts(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary) {
+    const gn_wall_contacts *list = &boundary->contacts;
+    if (!(ctx->effects & GN_FX_WALLS)) return;
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
+        assert(boundary->first[p] <= boundary->first[p + 1]);
+        for (int32_t c = boundary->first[p]; c < boundary->first[p + 1]; c++) {
             assert(list->i[c] == (int32_t)p && list->wall[c] >= 0);
-            assert(c == w->boundary.first[p] || list->wall[c - 1] < list->wall[c]);
+            assert(c == boundary->first[p] || list->wall[c - 1] < list->wall[c]);
         }
     }
-    assert((size_t)w->boundary.first[w->dem.particles.soa.count] == list->soa.count);
+    assert((size_t)boundary->first[dem->particles.soa.count] == list->soa.count);
 }
 
 /* Every end of a contact has a row among the partial sums of its block, which belongs to it. */
-static void assert_partials(const gn_world *w, const gn_contacts *list, const gn_partials *q) {
+static void assert_partials(const gn_dem *dem, const gn_contacts *list, const gn_partials *q) {
     if (list->soa.count == 0) return;
     assert(q->blocks == gn_blocks(list->soa.count, q->length));
-    for (size_t b = 0; b <= gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK); b++)
+    for (size_t b = 0; b <= gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK); b++)
         assert(b == 0 || q->start[b - 1] <= q->start[b]);
     for (size_t b = 0; b < q->blocks; b++) assert(q->first[b] <= q->first[b + 1]);
 }
@@ -65,29 +66,30 @@ static bool listed(const gn_contacts *list, int32_t i, int32_t j) {
 }
 
 /* Whatever is nearer than the skin is in one of the lists, and in one alone. */
-static void assert_complete(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     int32_t n = (int32_t)q->soa.count;
     if (n > ALL_PAIRS_UP_TO) return;
     for (int32_t i = 0; i < n; i++)
         for (int32_t j = i + 1; j < n; j++) {
             const double *x = q->pos + 4 * (int64_t)i, *y = q->pos + 4 * (int64_t)j;
-            double d[3], gap = sqrt(gn_branch(w, x, y, d)) - x[3] - y[3];
+            double d[3], gap = sqrt(gn_branch(ctx, x, y, d)) - x[3] - y[3];
             bool there = q->vel[4 * (int64_t)i + 3] > 0.0 && q->vel[4 * (int64_t)j + 3] > 0.0;
-            there = there && !gn_conversion_hides(w, i, j);
-            bool bond = listed(&w->dem.bonds, i, j), pair = listed(&w->dem.pairs, i, j);
+            there = there && !gn_conversion_hides(ctx, dem, i, j);
+            bool bond = listed(&dem->bonds, i, j), pair = listed(&dem->pairs, i, j);
             assert(!(bond && pair));
-            assert(bond || pair || !there || gap > w->dem.verlet.skin * (1.0 - 1e-9));
+            assert(bond || pair || !there || gap > dem->verlet.skin * (1.0 - 1e-9));
         }
 }
 
-void gn_world_assert_lists(const gn_world *w) {
-    assert_particles(w);
-    assert_contacts(w, &w->dem.bonds);
-    assert_contacts(w, &w->dem.pairs);
-    assert_wall_contacts(w);
-    assert_partials(w, &w->dem.bonds, &w->dem.bond_partials);
-    assert_partials(w, &w->dem.pairs, &w->dem.pair_partials);
-    assert_complete(w);
+void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary) {
+    assert_particles(dem);
+    assert_contacts(dem, &dem->bonds);
+    assert_contacts(dem, &dem->pairs);
+    assert_wall_contacts(ctx, dem, boundary);
+    assert_partials(dem, &dem->bonds, &dem->bond_partials);
+    assert_partials(dem, &dem->pairs, &dem->pair_partials);
+    assert_complete(ctx, dem);
 }
 #endif

@@ -5,13 +5,17 @@
 #include "world/world.h"
 
 #ifdef NDEBUG
-static inline void gn_world_assert_lists(const gn_world *world) {
-    (void)world;
+static inline void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_boundary *boundary) {
+    (void)ctx;
+    (void)dem;
+    (void)boundary;
 }
 #else
 /* Just after lists were made (or read): numbers, order, padding, partial sums, and that no contact
  * is missing. */
-void gn_world_assert_lists(const gn_world *world);
+void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary);
 #endif
 
 #endif

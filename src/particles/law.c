@@ -20,14 +20,14 @@ double gn_contact_damping_fraction(const gn_scene *scene) {
 }
 
 /* All pairs of materials that may meet. */
-gneiss_status gn_hertz_prepare(gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
+gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
     size_t sides = gn_scene_sides(s), count = s->material_count;
-    w->dem.damping_least = w->dem.damping_fraction;
-    if (!(w->effects & GN_FX_HERTZ)) return GNEISS_OK;
-    gn_free(w->dem.hertz);
-    w->dem.hertz = gn_alloc_array(count * sides, sizeof *w->dem.hertz);
-    if (!w->dem.hertz) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu walls", sides);
+    dem->damping_least = dem->damping_fraction;
+    if (!(ctx->effects & GN_FX_HERTZ)) return GNEISS_OK;
+    gn_free(dem->hertz);
+    dem->hertz = gn_alloc_array(count * sides, sizeof *dem->hertz);
+    if (!dem->hertz) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu walls", sides);
     double most = 0.0, least = INFINITY;
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < count + sides; b++) {
@@ -38,127 +38,131 @@ gneiss_status gn_hertz_prepare(gn_world *w, gneiss_error *error) {
             gn_hertz_pair pair =
                 gn_hertz_pair_of(s, m, other, other ? gn_scene_find_contact(s, m, other) : NULL);
             if (!other) pair.friction = side.friction;
-            if (b >= count) w->dem.hertz[a * sides + b - count] = pair;
+            if (b >= count) dem->hertz[a * sides + b - count] = pair;
             most = fmax(most, pair.damping);
             least = fmin(least, pair.damping);
         }
-    w->dem.damping_fraction = fmax(0.5 * most, gn_body_damping_most(s));
-    w->dem.damping_least = 0.5 * least;
+    dem->damping_fraction = fmax(0.5 * most, gn_body_damping_most(s));
+    dem->damping_least = 0.5 * least;
     return GNEISS_OK;
 }
 
-double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
-    double inverse = w->dem.particles.vel[4 * p + 3];
-    int32_t slot = w->dem.prescribed.count ? w->dem.particles.slot[p] : -1;
-    return slot < 0 ? inverse : gn_free_share(w->dem.prescribed.mask[slot], n) * inverse;
+double gn_inverse_mass_along(const gn_dem *dem, size_t p, const double n[3]) {
+    double inverse = dem->particles.vel[4 * p + 3];
+    int32_t slot = dem->prescribed.count ? dem->particles.slot[p] : -1;
+    return slot < 0 ? inverse : gn_free_share(dem->prescribed.mask[slot], n) * inverse;
 }
 
 /* Of a particle that shares its place with elements as if it were alone: its contacts are weighted
  * as a whole. */
-static double own_inverse_along(const gn_world *w, size_t p, const double n[3]) {
-    const double *blend = w->dem.particles.blend;
-    return gn_inverse_mass_along(w, p, n) * (blend ? blend[2 * p + 1] : 1.0);
+static double own_inverse_along(const gn_dem *dem, size_t p, const double n[3]) {
+    const double *blend = dem->particles.blend;
+    return gn_inverse_mass_along(dem, p, n) * (blend ? blend[2 * p + 1] : 1.0);
 }
 
 /* Of the pair along the line between its centres, where it is now. */
-static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
-    const double *pos = w->dem.particles.pos;
-    double n[3], length2 = gn_branch(w, pos + 4 * (int64_t)i, pos + 4 * (int64_t)j, n);
+static double pair_inverse_mass(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
+                                int32_t j) {
+    const double *pos = dem->particles.pos;
+    double n[3], length2 = gn_branch(ctx, pos + 4 * (int64_t)i, pos + 4 * (int64_t)j, n);
     double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
     for (int a = 0; a < 3; a++) n[a] *= scale;
-    return own_inverse_along(w, (size_t)i, n) + own_inverse_along(w, (size_t)j, n);
+    return own_inverse_along(dem, (size_t)i, n) + own_inverse_along(dem, (size_t)j, n);
 }
 
-static gn_law_model model_of(const gn_world *w) {
-    return (gn_law_model){&w->scene, w->dem.derived, w->dem.damping_fraction, w->dt};
+static gn_law_model model_of(const gn_step_context *ctx, const gn_dem *dem) {
+    return (gn_law_model){&ctx->scene, dem->derived, dem->damping_fraction, ctx->dt};
 }
 
-static gn_law_pair pair_of(const gn_world *w, int32_t i, int32_t j) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_material *a = &w->scene.materials[q->material[i]],
-                      *b = &w->scene.materials[q->material[j]];
+static gn_law_pair pair_of(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
+    const gn_particles *q = &dem->particles;
+    const gn_material *a = &ctx->scene.materials[q->material[i]],
+                      *b = &ctx->scene.materials[q->material[j]];
     return (gn_law_pair){
         .a = a,
         .b = b,
         .ri = q->pos[4 * (int64_t)i + 3],
         .rj = q->pos[4 * (int64_t)j + 3],
-        .inverse_mass = w->dem.damping_fraction > 0.0 ? pair_inverse_mass(w, i, j) : 0.0,
-        .own = w->scene.contact_count ? gn_scene_find_contact(&w->scene, a, b) : NULL};
+        .inverse_mass = dem->damping_fraction > 0.0 ? pair_inverse_mass(ctx, dem, i, j) : 0.0,
+        .own = ctx->scene.contact_count ? gn_scene_find_contact(&ctx->scene, a, b) : NULL};
 }
 
 /* Of a bond by who its ends are, so that neither order nor the number of threads matters. */
-static uint64_t lot_of(const gn_world *w, int32_t i, int32_t j) {
-    uint64_t a = (uint64_t)w->dem.particles.id[i], b = (uint64_t)w->dem.particles.id[j];
+static uint64_t lot_of(const gn_dem *dem, int32_t i, int32_t j) {
+    uint64_t a = (uint64_t)dem->particles.id[i], b = (uint64_t)dem->particles.id[j];
     return 1 + (a < b ? a << 32 | b : b << 32 | a);
 }
 
-static gn_law_pair pair_of_contact(const gn_world *w, const gn_contacts *list, size_t c) {
-    gn_law_pair pair = pair_of(w, list->i[c], list->j[c]);
+static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_contacts *list, size_t c) {
+    gn_law_pair pair = pair_of(ctx, dem, list->i[c], list->j[c]);
     if (!list->rn) return pair;
     pair.area = list->area ? list->area[c] : 0.0;
     pair.length = list->length0[c];
-    pair.lot = lot_of(w, list->i[c], list->j[c]);
+    pair.lot = lot_of(dem, list->i[c], list->j[c]);
     return pair;
 }
 
 /* The part that contacts have where elements are at their place as well: the mean of both ends. A
  * bond between two particles that have none keeps next to nothing, so that it still is a bond. */
-static double part_of(const gn_world *w, const gn_contacts *list, size_t c) {
-    const double *blend = w->dem.particles.blend;
+static double part_of(const gn_dem *dem, const gn_contacts *list, size_t c) {
+    const double *blend = dem->particles.blend;
     if (!blend) return 1.0;
     return fmax(0.5 * (blend[2 * (size_t)list->i[c]] + blend[2 * (size_t)list->j[c]]), 1e-9);
 }
 
-void gn_contact_set(const gn_world *w, gn_contacts *list, size_t c) {
-    gn_law_model model = model_of(w);
-    gn_law_pair pair = pair_of_contact(w, list, c);
+void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list, size_t c) {
+    gn_law_model model = model_of(ctx, dem);
+    gn_law_pair pair = pair_of_contact(ctx, dem, list, c);
     const gn_law *law = gn_law_of(list->soa.effects);
-    const double part = part_of(w, list, c);
+    const double part = part_of(dem, list, c);
     law->set(&model, &pair, list, c);
     if (part != 1.0) law->weigh(list, c, part);
 }
 
 /* Laws by area that are told none have that of a pair that was never bonded. */
-static double area_of(const gn_world *w, const gn_law *law, const gn_law_pair *pair,
-                      double overlap) {
-    gn_law_model model = model_of(w);
+static double area_of(const gn_step_context *ctx, const gn_dem *dem, const gn_law *law,
+                      const gn_law_pair *pair, double overlap) {
+    gn_law_model model = model_of(ctx, dem);
     return law->area ? law->area(pair, overlap) : gn_linear_section(&model, pair);
 }
 
-double gn_contact_area(const gn_world *w, const gn_contacts *list, size_t c, double overlap) {
-    gn_law_pair pair = pair_of_contact(w, list, c);
-    return area_of(w, gn_law_of(list->soa.effects), &pair, overlap);
+double gn_contact_area(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                       size_t c, double overlap) {
+    gn_law_pair pair = pair_of_contact(ctx, dem, list, c);
+    return area_of(ctx, dem, gn_law_of(list->soa.effects), &pair, overlap);
 }
 
-double gn_touch_area(const gn_world *w, size_t particle, double overlap) {
-    const gn_law *law = gn_law_of(gn_contact_list_effects(w->effects, false));
-    gn_law_pair pair = pair_of(w, (int32_t)particle, (int32_t)particle);
+double gn_touch_area(const gn_step_context *ctx, const gn_dem *dem, size_t particle,
+                     double overlap) {
+    const gn_law *law = gn_law_of(gn_contact_list_effects(ctx->effects, false));
+    gn_law_pair pair = pair_of(ctx, dem, (int32_t)particle, (int32_t)particle);
     if (law->area) pair.rj = INFINITY;
-    return area_of(w, law, &pair, overlap);
+    return area_of(ctx, dem, law, &pair, overlap);
 }
 
 /* Planes across e cut the bond area sum A L |n.e|/V of each of their own; the mean of |n.e| over
  * all e is 1/2, in 2D 2/pi. */
-double gn_law_cut(const gn_world *w) {
-    const gn_contacts *b = &w->dem.bonds;
-    gn_law_model model = model_of(w);
+double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_contacts *b = &dem->bonds;
+    gn_law_model model = model_of(ctx, dem);
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (b->cause[c] != GN_INTACT) continue;
-        gn_law_pair pair = pair_of_contact(w, b, c);
+        gn_law_pair pair = pair_of_contact(ctx, dem, b, c);
         sum += gn_linear_section(&model, &pair) * b->length0[c];
     }
-    return sum / w->volume * (w->effects & GN_FX_SPACE ? 0.5 : 2.0 / M_PI);
+    return sum / ctx->volume * (ctx->effects & GN_FX_SPACE ? 0.5 : 2.0 / M_PI);
 }
 
-void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
+void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
-    gn_law_model model = model_of(w);
+    gn_law_model model = model_of(ctx, dem);
     for (size_t c = 0; c < list->soa.count; c++) {
-        gn_law_pair pair = pair_of_contact(w, list, c);
+        gn_law_pair pair = pair_of_contact(ctx, dem, list, c);
         law->set_dashpot(&model, &pair, list, c);
-        if (w->dem.particles.blend && list->cn) list->cn[c] *= part_of(w, list, c);
-        if (w->dem.particles.blend && list->cn_f) list->cn_f[c] = (float)list->cn[c];
+        if (dem->particles.blend && list->cn) list->cn[c] *= part_of(dem, list, c);
+        if (dem->particles.blend && list->cn_f) list->cn_f[c] = (float)list->cn[c];
     }
 }
 
@@ -180,39 +184,41 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->rn) list->rn[c] = copysign(now->rn[c], list->rn[c]);
 }
 
-gneiss_status gn_contacts_take_materials(const gn_world *w, gn_contacts *list,
-                                         gneiss_error *error) {
+gneiss_status gn_contacts_take_materials(const gn_step_context *ctx, const gn_dem *dem,
+                                         gn_contacts *list, gneiss_error *error) {
     gn_contacts now = {0};
     GN_TRY(gn_soa_copy(&gn_contact_record, &now, list, list->soa.effects, error));
     for (size_t c = 0; c < list->soa.count; c++) {
-        gn_contact_set(w, &now, c);
+        gn_contact_set(ctx, dem, &now, c);
         take(list, &now, c);
     }
     gn_soa_destroy(&gn_contact_record, &now);
     return GNEISS_OK;
 }
 
-gn_law_spring gn_pair_spring(const gn_world *w, int32_t i, int32_t j) {
-    gn_law_model model = model_of(w);
-    gn_law_pair pair = pair_of(w, i, j);
-    const gn_law *law = gn_law_of(gn_contact_list_effects(w->effects, false));
-    double reach = w->dem.verlet.skin;
-    if (w->effects & GN_FX_HERTZ)
-        reach = gn_pressed_meeting(w, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn);
+gn_law_spring gn_pair_spring(const gn_step_context *ctx, const gn_dem *dem, int32_t i, int32_t j) {
+    gn_law_model model = model_of(ctx, dem);
+    gn_law_pair pair = pair_of(ctx, dem, i, j);
+    const gn_law *law = gn_law_of(gn_contact_list_effects(ctx->effects, false));
+    double reach = dem->verlet.skin;
+    if (ctx->effects & GN_FX_HERTZ)
+        reach =
+            gn_pressed_meeting(ctx, dem, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn);
     return law->meeting(&model, &pair, reach); // cppcheck-suppress returnDanglingLifetime
 }
 
-gn_law_spring gn_contact_spring(const gn_world *w, const gn_contacts *list, size_t c) {
-    return gn_law_of(list->soa.effects)->spring(list, c, w->dem.verlet.skin);
+gn_law_spring gn_contact_spring(const gn_dem *dem, const gn_contacts *list, size_t c) {
+    return gn_law_of(list->soa.effects)->spring(list, c, dem->verlet.skin);
 }
 
-gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error *error) {
+gneiss_status gn_law_derive(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
+                            gneiss_error *error) {
     const int32_t(*pair)[2] = (const int32_t(*)[2])pairs->pair;
-    if (gn_law_of(w->effects)
-            ->derive(&w->scene, &w->dem.particles, pair, pairs->count, &w->dem.derived))
+    if (gn_law_of(ctx->effects)
+            ->derive(&ctx->scene, &dem->particles, pair, pairs->count, &dem->derived))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected contacts to average over, found none between the "
                    "particles of the specimen",
-                   gn_scene_at(&w->scene, w->scene.law_where, "law.stiffness").text);
+                   gn_scene_at(&ctx->scene, ctx->scene.law_where, "law.stiffness").text);
 }

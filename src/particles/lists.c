@@ -41,12 +41,12 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
 
 /* Those without bonds; where elements convert, those of which one has a part of the body at least:
  * bonds of others sleep, and their overlap, which is all theirs, is no contact. */
-static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
-    if (!w->dem.bonds.soa.count) return;
+static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
+    if (!dem->bonds.soa.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&w->dem.bonds, &at, i, j) || gn_conversion_hides(w, i, j)) continue;
+        if (walk_to(&dem->bonds, &at, i, j) || gn_conversion_hides(ctx, dem, i, j)) continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
@@ -57,54 +57,56 @@ enum { PART = 512 };
 
 /* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
  * them, and its history. */
-static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts *now, size_t begin,
-                      size_t end, size_t *at) {
+static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
+                      gn_contacts *now, size_t begin, size_t end, size_t *at) {
     int32_t from[PART], *first = now->i, *second = now->j;
     size_t place = *at; /* in a register, as the ends are */
     for (size_t c = begin; c < end; c++) {
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
-        bool known = walk_to(&w->dem.pairs, &place, i, j);
+        bool known = walk_to(&dem->pairs, &place, i, j);
         from[c - begin] = known ? (int32_t)place : -1;
-        if (!known) gn_contact_set(w, now, c);
+        if (!known) gn_contact_set(ctx, dem, now, c);
     }
     *at = place;
-    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->dem.pairs, from);
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &dem->pairs, from);
 }
 
 /* Fills the list from the pairs found; every thread walks through its part of the old list. */
-static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts *now) {
-#pragma omp parallel num_threads(w->threads)
+static void fill_pairs(const gn_step_context *ctx, const gn_dem *dem, const gn_pair_list *found,
+                       gn_contacts *now) {
+#pragma omp parallel num_threads(ctx->threads)
     {
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
         if (begin < end)
-            at = gn_contacts_from(&w->dem.pairs, found->pair[begin][0], found->pair[begin][1]);
+            at = gn_contacts_from(&dem->pairs, found->pair[begin][0], found->pair[begin][1]);
         for (size_t c = begin; c < end; c += PART)
-            fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
+            fill_part(ctx, dem, found, now, c, end - c < PART ? end : c + PART, &at);
     }
 }
 
-static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->dem.particles,
-                           (int)w->scene.dimension,
-                           w->dem.verlet.skin,
+static gneiss_status make_pairs(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                                gneiss_error *error) {
+    gn_pair_query query = {&dem->particles,
+                           (int)ctx->scene.dimension,
+                           dem->verlet.skin,
                            0.0,
-                           w->effects & GN_FX_PERIODIC,
-                           {w->period[0], w->period[1], w->period[2]},
-                           w->threads};
+                           ctx->effects & GN_FX_PERIODIC,
+                           {ctx->period[0], ctx->period[1], ctx->period[2]},
+                           ctx->threads};
     gn_pair_list found = {0};
-    GN_TRY(gn_box_narrowed(w, gn_pairs_find(&query, &found, error), error));
-    drop_bonded(w, &found);
+    GN_TRY(gn_box_narrowed(ctx, box, gn_pairs_find(&query, &found, error), error));
+    drop_bonded(ctx, dem, &found);
     gn_contacts now = {0};
     gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,
-                                         gn_contact_list_effects(w->effects, false), error);
+                                         gn_contact_list_effects(ctx->effects, false), error);
     if (status == GNEISS_OK) {
-        fill_pairs(w, &found, &now);
-        gn_soa_destroy(&gn_contact_record, &w->dem.pairs);
-        w->dem.pairs = now;
-        gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
-        status = gn_partials_build(&w->dem.pairs, w->dem.particles.soa.count, w->threads,
-                                   &w->dem.pair_partials, error);
+        fill_pairs(ctx, dem, &found, &now);
+        gn_soa_destroy(&gn_contact_record, &dem->pairs);
+        dem->pairs = now;
+        gn_contacts_pad(&dem->pairs, &dem->particles);
+        status = gn_partials_build(&dem->pairs, dem->particles.soa.count, ctx->threads,
+                                   &dem->pair_partials, error);
     }
     gn_pair_list_free(&found);
     return status;
@@ -171,47 +173,48 @@ gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss
     return status;
 }
 
-void gn_dem_null_particles(gn_world *w) {
+void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem) {
     double apart = INFINITY;
     for (int a = 0; a < 2; a++)
-        if (gn_scene_periodic_along(&w->scene, a)) apart = fmin(apart, w->period[a]);
-    gn_particles_set_null(&w->dem.particles, isfinite(apart) ? 0.25 * apart : 1.0);
+        if (gn_scene_periodic_along(&ctx->scene, a)) apart = fmin(apart, ctx->period[a]);
+    gn_particles_set_null(&dem->particles, isfinite(apart) ? 0.25 * apart : 1.0);
 }
 
-void gn_dem_number_ids(gn_world *w) {
-    for (int64_t k = 0; k < w->dem.ids; k++) w->dem.index_of_id[k] = -1;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        w->dem.index_of_id[w->dem.particles.id[p]] = (int32_t)p;
+void gn_dem_number_ids(gn_dem *dem) {
+    for (int64_t k = 0; k < dem->ids; k++) dem->index_of_id[k] = -1;
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        dem->index_of_id[dem->particles.id[p]] = (int32_t)p;
 }
 
 /* Sorts particles along the Morton curve and renumbers everything that points at them. */
-static gneiss_status reorder(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
+static gneiss_status reorder(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                             gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
     int32_t *order = gn_alloc_array(n + 1, sizeof *order),
             *place = gn_alloc_array(n + 1, sizeof *place);
     gn_particles now = {0};
     gneiss_status status =
-        order && place ? gn_morton_order(&w->dem.particles, (int)w->scene.dimension, order, error)
+        order && place ? gn_morton_order(&dem->particles, (int)ctx->scene.dimension, order, error)
                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
     if (status == GNEISS_OK)
-        status = gn_soa_create(&gn_particle_record, &now, n, w->effects, error);
+        status = gn_soa_create(&gn_particle_record, &now, n, ctx->effects, error);
     if (status == GNEISS_OK) {
-        gn_soa_permute(&gn_particle_record, &now, &w->dem.particles, order);
-        gn_soa_destroy(&gn_particle_record, &w->dem.particles);
-        w->dem.particles = now;
-        gn_dem_null_particles(w);
+        gn_soa_permute(&gn_particle_record, &now, &dem->particles, order);
+        gn_soa_destroy(&gn_particle_record, &dem->particles);
+        dem->particles = now;
+        gn_dem_null_particles(ctx, dem);
         for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
-        gn_dem_number_ids(w);
+        gn_dem_number_ids(dem);
     }
-    if (status == GNEISS_OK && w->dem.bonds.soa.capacity) {
-        status = gn_contacts_rename(&w->dem.bonds, place, error);
-        gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
+    if (status == GNEISS_OK && dem->bonds.soa.capacity) {
+        status = gn_contacts_rename(&dem->bonds, place, error);
+        gn_contacts_pad(&dem->bonds, &dem->particles);
         if (status == GNEISS_OK)
-            status = gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error);
+            status = gn_partials_build(&dem->bonds, n, ctx->threads, &dem->bond_partials, error);
     }
-    if (status == GNEISS_OK && w->dem.pairs.soa.capacity)
-        status = gn_contacts_rename(&w->dem.pairs, place, error);
-    if (status == GNEISS_OK) status = gn_boundary_renumber(w, place, error);
+    if (status == GNEISS_OK && dem->pairs.soa.capacity)
+        status = gn_contacts_rename(&dem->pairs, place, error);
+    if (status == GNEISS_OK) status = gn_boundary_renumber(boundary, place, error);
     gn_free(order);
     gn_free(place);
     return status;
@@ -219,74 +222,71 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
 
 /* --- periodic box --- */
 
-static void wrap(gn_world *w) {
-    gn_particles *q = &w->dem.particles;
+static void wrap(const gn_step_context *ctx, gn_dem *dem) {
+    gn_particles *q = &dem->particles;
     for (size_t p = 0; p < q->soa.count; p++)
-        for (int a = 0; a < (int)w->scene.dimension; a++) {
-            if (!gn_scene_periodic_along(&w->scene, a)) continue;
-            double shift = floor((q->pos[4 * p + a] - w->scene.periodic_min[a]) / w->period[a]);
-            q->pos[4 * p + a] -= shift * w->period[a];
-            q->start[4 * p + a] -= shift * w->period[a]; /* displacements stay continuous */
+        for (int a = 0; a < (int)ctx->scene.dimension; a++) {
+            if (!gn_scene_periodic_along(&ctx->scene, a)) continue;
+            double shift = floor((q->pos[4 * p + a] - ctx->scene.periodic_min[a]) / ctx->period[a]);
+            q->pos[4 * p + a] -= shift * ctx->period[a];
+            q->start[4 * p + a] -= shift * ctx->period[a]; /* displacements stay continuous */
         }
 }
 
 /* --- the lists --- */
 
 /* What goes by the blocks of the lists: sums, and who works on what. */
-static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
-    gn_free(w->dem.pair_sums);
-    w->dem.pair_sums = gn_alloc_array(w->dem.pair_partials.blocks + 1, sizeof *w->dem.pair_sums);
-    if (!w->dem.bond_sums)
-        w->dem.bond_sums =
-            gn_alloc_array(w->dem.bond_partials.blocks + 1, sizeof *w->dem.bond_sums);
-    if (!w->dem.motion_sums) {
-        w->dem.motion_blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
-        w->dem.motion_sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->dem.motion_sums);
-        GN_TRY(gn_hold_create(&w->dem.hold, w->dem.motion_blocks, error));
+static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_free(dem->pair_sums);
+    dem->pair_sums = gn_alloc_array(dem->pair_partials.blocks + 1, sizeof *dem->pair_sums);
+    if (!dem->bond_sums)
+        dem->bond_sums = gn_alloc_array(dem->bond_partials.blocks + 1, sizeof *dem->bond_sums);
+    if (!dem->motion_sums) {
+        dem->motion_blocks = gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK);
+        dem->motion_sums = gn_alloc_array(dem->motion_blocks + 1, sizeof *dem->motion_sums);
+        GN_TRY(gn_hold_create(&dem->hold, dem->motion_blocks, error));
     }
-    bool confined = w->effects & GN_FX_CONFINED;
-    if (confined && !w->dem.around)
-        w->dem.around = gn_alloc_array(w->dem.particles.soa.count + 1, 2 * sizeof(double));
-    if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums ||
-        (confined && !w->dem.around))
+    bool confined = ctx->effects & GN_FX_CONFINED;
+    if (confined && !dem->around)
+        dem->around = gn_alloc_array(dem->particles.soa.count + 1, 2 * sizeof(double));
+    if (!dem->pair_sums || !dem->bond_sums || !dem->motion_sums || (confined && !dem->around))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
-    gn_dem_sum_masses(w);
-    if (gn_converts(w)) GN_TRY(gn_conversion_find_still(w, error));
-    return gn_dem_deal(w, error);
+    gn_dem_sum_masses(dem);
+    if (gn_converts(ctx)) GN_TRY(gn_conversion_find_still(dem, error));
+    return gn_dem_deal(dem, error);
 }
 
 /* Particles that flow are sorted again now and then; a bonded specimen by itself keeps its order.
  * The decision rests on counts alone, so that it falls at the same step in every run. */
-static bool order_is_old(const gn_world *w) {
+static bool order_is_old(const gn_step_context *ctx, const gn_dem *dem) {
     enum { REBUILDS_PER_SORT = 16 };
-    return (!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
-           w->dem.verlet.rebuilds > 0 && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0;
+    return (!(ctx->effects & GN_FX_BONDS) || gn_scene_flows(&ctx->scene)) &&
+           dem->verlet.rebuilds > 0 && dem->verlet.rebuilds % REBUILDS_PER_SORT == 0;
 }
 
 /* A particle must not have two images of another within reach. */
-static double widest_skin(const gn_world *w) {
+static double widest_skin(const gn_step_context *ctx, const gn_dem *dem) {
     double radius = 0.0, widest = INFINITY;
-    if (!(w->effects & GN_FX_PERIODIC)) return widest;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
+    if (!(ctx->effects & GN_FX_PERIODIC)) return widest;
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        radius = fmax(radius, dem->particles.pos[4 * p + 3]);
     for (int a = 0; a < 3; a++)
-        if (w->period[a] > 0.0)
-            widest = fmin(widest, (0.5 * w->period[a] - 2.0 * radius) * (1.0 - 1e-9));
-    return fmax(widest, w->dem.verlet.skin);
+        if (ctx->period[a] > 0.0)
+            widest = fmin(widest, (0.5 * ctx->period[a] - 2.0 * radius) * (1.0 - 1e-9));
+    return fmax(widest, dem->verlet.skin);
 }
 
 /* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
  * than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it shrinks
  * again. Steps and not seconds decide, so that every run does the same; forces do not depend on the
  * skin at all. */
-static void tune_skin(gn_world *w) {
+static void tune_skin(const gn_step_context *ctx, gn_dem *dem) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
-    if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0 || w->dem.flow.forced) return;
-    int64_t life = w->step - w->dem.verlet.last_step;
-    double most = fmin(6.0 * w->dem.verlet.skin_start, widest_skin(w));
-    if (life < SHORT_LIFE) w->dem.verlet.skin = fmin(1.25 * w->dem.verlet.skin, most);
-    if (life > LONG_LIFE)
-        w->dem.verlet.skin = fmax(0.8 * w->dem.verlet.skin, w->dem.verlet.skin_start);
+    if (ctx->scene.skin > 0.0 || dem->verlet.rebuilds == 0 || dem->flow.forced) return;
+    int64_t life = ctx->step - dem->verlet.last_step;
+    double most = fmin(6.0 * dem->verlet.skin_start, widest_skin(ctx, dem));
+    if (life < SHORT_LIFE) dem->verlet.skin = fmin(1.25 * dem->verlet.skin, most);
+    if (life > LONG_LIFE) dem->verlet.skin = fmax(0.8 * dem->verlet.skin, dem->verlet.skin_start);
 }
 
 static double largest_speed(const double *rows, size_t count) {
@@ -295,30 +295,32 @@ static double largest_speed(const double *rows, size_t count) {
     return sqrt(most);
 }
 
-static double surface_speed(const gn_world *w, const gn_surface *s) {
+static double surface_speed(const gn_boundary *boundary, const gn_surface *s) {
     if (s->body < 0) return largest_speed(s->velocity, s->vertices);
-    const gn_rigid *b = &w->boundary.bodies[s->body];
+    const gn_rigid *b = &boundary->bodies[s->body];
     return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
 }
 
 /* By how much two things that may touch moved apart in the last step, at most. */
-static double widest_gap(const gn_world *w) {
-    double own = largest_speed(w->dem.particles.vel, w->dem.particles.soa.count), other = own;
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        const gn_wall *wall = &w->boundary.walls[k];
+static double widest_gap(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         const gn_periodic_box *box) {
+    double own = largest_speed(dem->particles.vel, dem->particles.soa.count), other = own;
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        const gn_wall *wall = &boundary->walls[k];
         other = fmax(other, fabs(gn_dot3(wall->velocity, wall->normal)));
     }
-    for (size_t k = 0; k < w->boundary.surface_count; k++)
-        other = fmax(other, surface_speed(w, &w->boundary.surfaces[k]));
-    return w->dt_past * (own + other + gn_box_speed(w)) * (1.0 + 1e-6);
+    for (size_t k = 0; k < boundary->surface_count; k++)
+        other = fmax(other, surface_speed(boundary, &boundary->surfaces[k]));
+    return ctx->dt_past * (own + other + gn_box_speed(box)) * (1.0 + 1e-6);
 }
 
 /* Whatever was in touch a step ago has to be listed: its contact acted for a part of the step. */
-static void widen_skin(gn_world *w) {
-    gn_verlet *q = &w->dem.verlet;
-    bool given = w->scene.skin > 0.0;
-    if (given) q->skin = w->scene.skin;
-    double needed = fmin(widest_gap(w), widest_skin(w));
+static void widen_skin(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                       const gn_periodic_box *box) {
+    gn_verlet *q = &dem->verlet;
+    bool given = ctx->scene.skin > 0.0;
+    if (given) q->skin = ctx->scene.skin;
+    double needed = fmin(widest_gap(ctx, dem, boundary, box), widest_skin(ctx, dem));
     if (!(needed > q->skin)) return;
     q->skin = needed;
     if (given) q->widened = fmax(q->widened, needed);
@@ -339,79 +341,82 @@ static gn_uniform find_uniform(const gn_contacts *k) {
 #undef X
 }
 
-void gn_dem_step_changed(gn_world *w) {
-    if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
-    gn_contacts_set_dashpots(w, &w->dem.bonds);
-    gn_contacts_set_dashpots(w, &w->dem.pairs);
-    gn_near_repack(w);
-    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
-    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
+void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem) {
+    if (!(ctx->effects & GN_FX_CONTACT_DAMPING)) return;
+    gn_contacts_set_dashpots(ctx, dem, &dem->bonds);
+    gn_contacts_set_dashpots(ctx, dem, &dem->pairs);
+    gn_near_repack(ctx, dem);
+    dem->bond_uniform = find_uniform(&dem->bonds);
+    dem->pair_uniform = find_uniform(&dem->pairs);
 }
 
 /* What kernels read besides the records themselves, once lists and `ref` stand. */
-static void ready_kernels(gn_world *w) {
-    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
-    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
+static void ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
+    dem->bond_uniform = find_uniform(&dem->bonds);
+    dem->pair_uniform = find_uniform(&dem->pairs);
     double period[3] = {0, 0, 0};
-    if (w->effects & GN_FX_PERIODIC) memcpy(period, w->period, sizeof period);
-    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
-    gn_contacts_to_single(&w->dem.bonds, &w->dem.particles, period, w->threads);
-    gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, period, w->threads);
+    if (ctx->effects & GN_FX_PERIODIC) memcpy(period, ctx->period, sizeof period);
+    gn_particles_to_single(&dem->particles, dem->particles.ref, ctx->threads);
+    gn_contacts_to_single(&dem->bonds, &dem->particles, period, ctx->threads);
+    gn_contacts_to_single(&dem->pairs, &dem->particles, period, ctx->threads);
 }
 
-void gn_dem_masses_changed(gn_world *w) {
-    gn_dem_sum_masses(w);
-    gn_dem_step_changed(w); /* dashpots */
-    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
+void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem) {
+    gn_dem_sum_masses(dem);
+    gn_dem_step_changed(ctx, dem); /* dashpots */
+    gn_particles_to_single(&dem->particles, dem->particles.ref, ctx->threads);
 }
 
 gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_check_domain(w, error));
-    if (w->effects & GN_FX_PERIODIC) wrap(w);
-    GN_TRY(reorder(w, error));
-    GN_TRY(gn_bonds_form(w, error));
-    return gn_converts(w) ? gn_conversion_lay_down(w, error) : GNEISS_OK;
+    if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
+    GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
+    GN_TRY(gn_bonds_form(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    return gn_converts(&w->ctx) ? gn_conversion_lay_down(&w->ctx, &w->dem, &w->boundary, &w->solids,
+                                                         &w->zones, error)
+                                : GNEISS_OK;
 }
 
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
-    gn_near_repack(w);
-    tune_skin(w);
-    widen_skin(w);
-    GN_TRY(gn_dem_drop(w, error));
+    gn_near_repack(&w->ctx, &w->dem);
+    tune_skin(&w->ctx, &w->dem);
+    widen_skin(&w->ctx, &w->dem, &w->boundary, &w->box);
+    GN_TRY(gn_dem_drop(&w->ctx, &w->dem, &w->boundary, error));
     GN_TRY(gn_dem_check_domain(w, error));
-    if (w->effects & GN_FX_PERIODIC) wrap(w);
-    GN_TRY(gn_flow_arrive(w, false, error));
-    if (order_is_old(w)) GN_TRY(reorder(w, error));
-    GN_TRY(make_pairs(w, error));
-    GN_TRY(ready_blocks(w, error));
+    if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
+    GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, false, error));
+    if (order_is_old(&w->ctx, &w->dem)) GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
+    GN_TRY(make_pairs(&w->ctx, &w->dem, &w->box, error));
+    GN_TRY(ready_blocks(&w->ctx, &w->dem, error));
     memcpy(w->dem.particles.ref, w->dem.particles.pos,
            w->dem.particles.soa.count * 4 * sizeof(double));
-    ready_kernels(w);
-    GN_TRY(gn_near_lists(w, error));
+    ready_kernels(&w->ctx, &w->dem);
+    GN_TRY(gn_near_lists(&w->ctx, &w->dem, &w->box, error));
     w->dem.verlet.drift = w->dem.verlet.closed = 0.0;
     w->dem.verlet.rebuilds++;
-    w->dem.verlet.last_step = w->step;
-    gn_sinks_listed(w);
-    gn_box_listed(w);
-    gn_walls_listed(w);
+    w->dem.verlet.last_step = w->ctx.step;
+    gn_sinks_listed(&w->ctx, &w->dem);
+    gn_box_listed(&w->ctx, &w->dem, &w->box);
+    gn_walls_listed(&w->ctx, &w->dem, &w->boundary);
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    gn_dem_null_particles(w);
-    w->dem.index_of_id = gn_alloc_array((size_t)w->dem.ids + 1, sizeof *w->dem.index_of_id);
-    if (!w->dem.index_of_id)
+gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                             gneiss_error *error) {
+    size_t n = dem->particles.soa.count;
+    gn_dem_null_particles(ctx, dem);
+    dem->index_of_id = gn_alloc_array((size_t)dem->ids + 1, sizeof *dem->index_of_id);
+    if (!dem->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
-    GN_TRY(gn_pieces_create(w, error));
-    gn_dem_number_ids(w);
-    gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
-    gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
-    GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
-    GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
-    ready_kernels(w);
-    GN_TRY(ready_blocks(w, error));
-    gn_sinks_listed(w);
-    GN_TRY(gn_near_lists(w, error));
-    return gn_near_resume(w, error);
+    GN_TRY(gn_pieces_create(ctx, dem, error));
+    gn_dem_number_ids(dem);
+    gn_contacts_pad(&dem->bonds, &dem->particles);
+    gn_contacts_pad(&dem->pairs, &dem->particles);
+    GN_TRY(gn_partials_build(&dem->bonds, n, ctx->threads, &dem->bond_partials, error));
+    GN_TRY(gn_partials_build(&dem->pairs, n, ctx->threads, &dem->pair_partials, error));
+    ready_kernels(ctx, dem);
+    GN_TRY(ready_blocks(ctx, dem, error));
+    gn_sinks_listed(ctx, dem);
+    GN_TRY(gn_near_lists(ctx, dem, box, error));
+    return gn_near_resume(dem, error);
 }

@@ -20,37 +20,38 @@ static gneiss_status own_rows(const gn_partials *of, gn_partials *own, gneiss_er
 }
 
 /* By particle and then by block, as the steps add them. */
-static void add_rows(const gn_world *w, const gn_partials *of, double *load) {
-    const bool space = w->effects & GN_FX_SPACE;
+static void add_rows(const gn_step_context *ctx, const gn_partials *of, double *load) {
+    const bool space = ctx->effects & GN_FX_SPACE;
     for (int32_t k = 0; k < of->first[of->blocks]; k++) {
         const double *row = of->row + (size_t)of->width * (size_t)of->share[k].row;
         double *to = load + 6 * (size_t)of->share[k].particle;
         for (int a = 0; a < 2 + space; a++) to[a] += row[a];
         for (int a = 0; of->width == 8 && a < 3; a++) to[3 + a] += row[4 + a];
-        if (!space && w->effects & GN_FX_ROTATION) to[5] += row[2];
+        if (!space && ctx->effects & GN_FX_ROTATION) to[5] += row[2];
     }
 }
 
-static gneiss_status add_list(const gn_world *w, const gn_contacts *list, const gn_partials *of,
-                              double *load, gneiss_error *error) {
+static gneiss_status add_list(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_periodic_box *box, const gn_contacts *list,
+                              const gn_partials *of, double *load, gneiss_error *error) {
     gn_partials own;
     gn_contacts copy = {0};
     if (!list->soa.count) return GNEISS_OK;
     GN_TRY(own_rows(of, &own, error));
-    gneiss_status status = gn_contacts_evaluate(w, list, &own, &copy, error);
-    if (status == GNEISS_OK) add_rows(w, &own, load);
+    gneiss_status status = gn_contacts_evaluate(ctx, dem, box, list, &own, &copy, error);
+    if (status == GNEISS_OK) add_rows(ctx, &own, load);
     gn_soa_destroy(&gn_contact_record, &copy);
     gn_free(own.row);
     return status;
 }
 
-static void add_walls(const gn_world *w, double *load) {
-    const gn_wall_contacts *walls = &w->boundary.contacts;
-    const int dimension = (int)w->scene.dimension;
-    for (size_t c = 0; w->effects & GN_FX_WALLS && c < walls->soa.count; c++) {
+static void add_walls(const gn_step_context *ctx, const gn_boundary *boundary, double *load) {
+    const gn_wall_contacts *walls = &boundary->contacts;
+    const int dimension = (int)ctx->scene.dimension;
+    for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < walls->soa.count; c++) {
         double *to = load + 6 * (size_t)walls->i[c];
         for (int a = 0; a < dimension; a++) to[a] += walls->row[8 * c + (size_t)a];
-        for (int a = dimension == 3 ? 0 : 2; w->effects & GN_FX_ROTATION && a < 3; a++)
+        for (int a = dimension == 3 ? 0 : 2; ctx->effects & GN_FX_ROTATION && a < 3; a++)
             to[3 + a] += walls->row[8 * c + 4 + (size_t)a];
     }
 }
@@ -66,35 +67,36 @@ static double free_size(const double *v, unsigned held) {
 
 /* Force or moment f, velocity or spin v and 1/m in v[3]; `held`: components that are driven, which
  * have none. See `kick` and `damp_free` of motion_template.c. */
-static void damp(const gn_world *w, double coefficient, unsigned held, const double *f,
+static void damp(const gn_step_context *ctx, double coefficient, unsigned held, const double *f,
                  const double *v, double *out) {
-    const double interval = 0.5 * (w->dt_past + w->dt), inverse = v[3];
-    const double lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
+    const double interval = 0.5 * (ctx->dt_past + ctx->dt), inverse = v[3];
+    const double lead = ctx->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     const double speed = free_size(v, held), size = free_size(f, held);
     for (int a = 0; a < 3; a++) {
         if (held >> a & 1) continue;
-        if (w->effects & GN_FX_VISCOUS) {
+        if (ctx->effects & GN_FX_VISCOUS) {
             double half = 0.5 * coefficient * interval;
             double after = (v[a] * (1.0 - half) + interval * inverse * f[a]) / (1.0 + half);
             out[a] = -0.5 * coefficient * (v[a] + after) / inverse;
-        } else if (w->effects & GN_FX_NONVISCOUS_VECTOR) {
+        } else if (ctx->effects & GN_FX_NONVISCOUS_VECTOR) {
             out[a] = speed > 0.0 ? -coefficient * size / speed * v[a] : 0.0;
-        } else if (w->effects & GN_FX_NONVISCOUS_COMPONENT) {
+        } else if (ctx->effects & GN_FX_NONVISCOUS_COMPONENT) {
             double along = v[a] + lead * interval * inverse * f[a];
             out[a] = along != 0.0 ? -copysign(coefficient * fabs(f[a]), along) : 0.0;
         }
     }
 }
 
-static unsigned driven(const gn_world *w, size_t p) {
-    if (!w->dem.prescribed.count || w->dem.particles.slot[p] < 0) return 0;
-    return w->dem.prescribed.mask[w->dem.particles.slot[p]];
+static unsigned driven(const gn_dem *dem, size_t p) {
+    if (!dem->prescribed.count || dem->particles.slot[p] < 0) return 0;
+    return dem->prescribed.mask[dem->particles.slot[p]];
 }
 
 /* --- all of it --- */
 
-static void complete(const gn_world *w, size_t p, double *total, double *damping) {
-    const gn_particles *q = &w->dem.particles;
+static void complete(const gn_step_context *ctx, const gn_dem *dem, size_t p, double *total,
+                     double *damping) {
+    const gn_particles *q = &dem->particles;
     const double *v = q->vel + 4 * p, *spin = q->spin ? q->spin + 4 * p : NULL;
     memset(damping, 0, 6 * sizeof *damping);
     if (!(v[3] > 0.0)) {
@@ -102,24 +104,25 @@ static void complete(const gn_world *w, size_t p, double *total, double *damping
         return;
     }
     for (size_t a = 0; a < 3; a++) {
-        total[a] += gn_own_share(q, p) / v[3] * w->scene.gravity[a];
+        total[a] += gn_own_share(q, p) / v[3] * ctx->scene.gravity[a];
         if (q->applied) total[a] += q->applied[4 * p + a];
     }
-    const unsigned held = driven(w, p);
-    damp(w, w->scene.background_coefficient, held, total, v, damping);
+    const unsigned held = driven(dem, p);
+    damp(ctx, ctx->scene.background_coefficient, held, total, v, damping);
     if (spin && spin[3] > 0.0)
-        damp(w, gn_scene_spin_damping(&w->scene), held >> 3, total + 3, spin, damping + 3);
+        damp(ctx, gn_scene_spin_damping(&ctx->scene), held >> 3, total + 3, spin, damping + 3);
     for (int k = 0; k < 6; k++) total[k] += damping[k];
 }
 
-gneiss_status gn_world_loads(const gn_world *w, double *total, double *damping,
-                             gneiss_error *error) {
-    const gn_dem *d = &w->dem;
+gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_periodic_box *box, double *total,
+                             double *damping, gneiss_error *error) {
+    const gn_dem *d = dem;
     memset(total, 0, 6 * d->particles.soa.count * sizeof *total);
-    GN_TRY(add_list(w, &d->bonds, &d->bond_partials, total, error));
-    GN_TRY(add_list(w, &d->pairs, &d->pair_partials, total, error));
-    add_walls(w, total);
+    GN_TRY(add_list(ctx, dem, box, &d->bonds, &d->bond_partials, total, error));
+    GN_TRY(add_list(ctx, dem, box, &d->pairs, &d->pair_partials, total, error));
+    add_walls(ctx, boundary, total);
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        complete(w, p, total + 6 * p, damping + 6 * p);
+        complete(ctx, dem, p, total + 6 * p, damping + 6 * p);
     return GNEISS_OK;
 }

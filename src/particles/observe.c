@@ -2,25 +2,26 @@
 #include "soa/single.h"
 #include "world/internal.h"
 
-gneiss_status gn_contacts_evaluate(const gn_world *w, const gn_contacts *list,
+gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_periodic_box *box, const gn_contacts *list,
                                    const gn_partials *partials, gn_contacts *copy,
                                    gneiss_error *error) {
-    gn_near_settle(w);
+    gn_near_settle(ctx, dem);
     gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
     gn_contact_kernel *kernel;
-    GN_TRY(gn_contact_kernel_choose(w->kernels, effects, &kernel, error));
+    GN_TRY(gn_contact_kernel_choose(ctx->kernels, effects, &kernel, error));
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
-    gn_contacts_pad(copy, &w->dem.particles);
+    gn_contacts_pad(copy, &dem->particles);
     /* Of all bonds: of some alone it stays what it was in the last step. */
-    if (list == &w->dem.bonds) gn_dem_confine(w, copy);
-    gn_contact_args args = gn_dem_contact_args(w, copy, false);
+    if (list == &dem->bonds) gn_dem_confine(ctx, dem, copy);
+    gn_contact_args args = gn_dem_contact_args(ctx, dem, box, copy, false);
     args.partials = partials;
     args.uniform = (gn_uniform){0};
     args.dt = 0.0;
     /* Without partial sums any cut into blocks will do. */
     size_t count = copy->soa.count, length = partials ? partials->length : GN_CONTACT_BLOCK;
-#pragma omp parallel for schedule(static) num_threads(w->threads)
+#pragma omp parallel for schedule(static) num_threads(ctx->threads)
     for (size_t c = 0; c < count; c += length) {
         gn_contact_sums sums = {0};
         kernel(&args, c, c + length < count ? c + length : count, &sums);
@@ -28,23 +29,28 @@ gneiss_status gn_contacts_evaluate(const gn_world *w, const gn_contacts *list,
     return GNEISS_OK;
 }
 
-gneiss_status gn_contacts_observe(const gn_world *w, const gn_contacts *list, const int32_t *chosen,
-                                  size_t count, gn_contacts *seen, gneiss_error *error) {
+gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_periodic_box *box, const gn_contacts *list,
+                                  const int32_t *chosen, size_t count, gn_contacts *seen,
+                                  gneiss_error *error) {
     gn_contacts part;
     *seen = (gn_contacts){0};
-    gn_near_settle(w);
+    gn_near_settle(ctx, dem);
     GN_TRY(gn_soa_create(&gn_contact_record, &part, count, list->soa.effects, error));
     gn_soa_permute(&gn_contact_record, &part, list, chosen);
-    gneiss_status status = gn_contacts_evaluate(w, &part, NULL, seen, error);
+    gneiss_status status = gn_contacts_evaluate(ctx, dem, box, &part, NULL, seen, error);
     gn_soa_destroy(&gn_contact_record, &part);
     return status;
 }
 
-gneiss_status gn_world_observe(const gn_world *w, gn_observed *observed, gneiss_error *error) {
+gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_periodic_box *box, gn_observed *observed,
+                               gneiss_error *error) {
     *observed = (gn_observed){0};
-    gneiss_status status = gn_contacts_evaluate(w, &w->dem.bonds, NULL, &observed->bonds, error);
+    gneiss_status status =
+        gn_contacts_evaluate(ctx, dem, box, &dem->bonds, NULL, &observed->bonds, error);
     if (status == GNEISS_OK)
-        status = gn_contacts_evaluate(w, &w->dem.pairs, NULL, &observed->pairs, error);
+        status = gn_contacts_evaluate(ctx, dem, box, &dem->pairs, NULL, &observed->pairs, error);
     if (status != GNEISS_OK) gn_observed_free(observed);
     return status;
 }

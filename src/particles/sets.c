@@ -7,11 +7,11 @@
 #include <math.h>
 #include <string.h>
 
-static bool in_end(const gn_world *w, const gn_set_def *s, const double *x) {
+static bool in_end(const gn_step_context *ctx, const gn_set_def *s, const double *x) {
     int axis = (int)s->end_axis;
     double r = s->end_by_surface ? x[3] : 0.0;
-    return s->end_upper ? x[axis] + r >= w->upper[axis] - s->end_depth
-                        : x[axis] - r <= w->lower[axis] + s->end_depth;
+    return s->end_upper ? x[axis] + r >= ctx->upper[axis] - s->end_depth
+                        : x[axis] - r <= ctx->lower[axis] + s->end_depth;
 }
 
 static bool in_ids(const gn_set_def *s, int32_t id) {
@@ -20,36 +20,37 @@ static bool in_ids(const gn_set_def *s, int32_t id) {
     return false;
 }
 
-static bool selected_at(const gn_world *w, const gn_set_def *s, const double *x, int32_t id) {
+static bool selected_at(const gn_step_context *ctx, const gn_set_def *s, const double *x,
+                        int32_t id) {
     if (s->has_box)
-        for (int a = 0; a < (int)w->scene.dimension; a++) {
-            double seen = gn_point_out(w->scene.origin[a], x[a]);
+        for (int a = 0; a < (int)ctx->scene.dimension; a++) {
+            double seen = gn_point_out(ctx->scene.origin[a], x[a]);
             if (seen < s->box_min[a] || seen > s->box_max[a]) return false;
         }
-    if (s->end_axis >= 0 && !in_end(w, s, x)) return false;
+    if (s->end_axis >= 0 && !in_end(ctx, s, x)) return false;
     return !s->id_count || in_ids(s, id);
 }
 
-static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
-    return selected_at(w, s, w->dem.particles.pos + 4 * p, w->dem.particles.id[p]);
+static bool selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s, size_t p) {
+    return selected_at(ctx, s, dem->particles.pos + 4 * p, dem->particles.id[p]);
 }
 
 /* By where it was at the start; places of a periodic box have moved by whole lengths since. */
-bool gn_set_selected(const gn_world *w, size_t set, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
+    const gn_particles *q = &dem->particles;
     double x[4];
     memcpy(x, q->start + 4 * p, sizeof x);
-    for (int a = 0; w->step > 0 && a < (int)w->scene.dimension; a++)
-        if (gn_scene_periodic_along(&w->scene, a))
-            x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
-    return selected_at(w, &w->scene.sets[set], x, q->id[p]);
+    for (int a = 0; ctx->step > 0 && a < (int)ctx->scene.dimension; a++)
+        if (gn_scene_periodic_along(&ctx->scene, a))
+            x[a] -= ctx->period[a] * floor((x[a] - ctx->scene.periodic_min[a]) / ctx->period[a]);
+    return selected_at(ctx, &ctx->scene.sets[set], x, q->id[p]);
 }
 
-static bool starts_in(const gn_world *w, size_t set, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
+    const gn_particles *q = &dem->particles;
     if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
-    if (q->id[p] >= w->dem.made) return false;    /* a source's: sets are of the specimen */
-    return gn_set_selected(w, set, p);
+    if (q->id[p] >= dem->made) return false;      /* a source's: sets are of the specimen */
+    return gn_set_selected(ctx, dem, set, p);
 }
 
 static const gn_table *channel(const gn_motion *motion, int k) {
@@ -63,34 +64,35 @@ static uint8_t motion_mask(const gn_motion *motion) {
     return mask;
 }
 
-static size_t count_selected(const gn_world *w, const gn_set_def *s) {
+static size_t count_selected(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s) {
     size_t count = 0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) count += selected(w, s, p);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) count += selected(ctx, dem, s, p);
     return count;
 }
 
-static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
+static gneiss_status check_ids(const gn_step_context *ctx, const gn_dem *dem, const gn_set_def *s,
+                               gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
-        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->dem.particles.soa.count)
+        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)dem->particles.soa.count)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
-                           gn_scene_at(&w->scene, s->where, "sets").text, s->name,
-                           w->dem.particles.soa.count - 1, (long long)s->ids[k]);
-    if (count_selected(w, s) == 0)
+                           gn_scene_at(&ctx->scene, s->where, "sets").text, s->name,
+                           dem->particles.soa.count - 1, (long long)s->ids[k]);
+    if (count_selected(ctx, dem, s) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: set '%s': select: expected particles, found none in this selection",
-                       gn_scene_at(&w->scene, s->where, "sets").text, s->name);
+                       gn_scene_at(&ctx->scene, s->where, "sets").text, s->name);
     return GNEISS_OK;
 }
 
-gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    for (size_t k = 0; k < w->scene.set_count; k++) {
-        const gn_set_def *s = &w->scene.sets[k];
-        GN_TRY(check_ids(w, s, error));
-        int material = s->material[0] ? gn_scene_find_material(&w->scene, s->material) : -1;
+gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
+    for (size_t k = 0; k < ctx->scene.set_count; k++) {
+        const gn_set_def *s = &ctx->scene.sets[k];
+        GN_TRY(check_ids(ctx, dem, s, error));
+        int material = s->material[0] ? gn_scene_find_material(&ctx->scene, s->material) : -1;
         for (size_t p = 0; p < q->soa.count; p++) {
-            if (!selected(w, s, p)) continue;
+            if (!selected(ctx, dem, s, p)) continue;
             if (material >= 0) q->material[p] = material;
             if (s->group >= 0) q->group[p] = (int32_t)s->group;
         }
@@ -99,13 +101,13 @@ gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
 }
 
 /* Initial motion and force of one set; the total force is shared out by mass. */
-static void apply_set(gn_world *w, const gn_set_def *s) {
-    gn_particles *q = &w->dem.particles;
+static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def *s) {
+    gn_particles *q = &dem->particles;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (selected(w, s, p)) mass += 1.0 / q->vel[4 * p + 3];
+        if (selected(ctx, dem, s, p)) mass += 1.0 / q->vel[4 * p + 3];
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!selected(w, s, p)) continue;
+        if (!selected(ctx, dem, s, p)) continue;
         for (int k = 0; k < 3; k++) {
             if (s->has_initial_velocity) q->vel[4 * p + k] = s->initial_velocity[k];
             if (s->has_initial_spin && q->spin) q->spin[4 * p + k] = s->initial_spin[k];
@@ -121,122 +123,121 @@ static double own_mass(const gn_particles *q, size_t p) {
     return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
 }
 
-static void share_force(gn_world *w, size_t set) {
-    gn_particles *q = &w->dem.particles;
-    const double *force = w->scene.sets[set].force;
+static void share_force(const gn_step_context *ctx, gn_dem *dem, size_t set) {
+    gn_particles *q = &dem->particles;
+    const double *force = ctx->scene.sets[set].force;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (starts_in(w, set, p)) mass += own_mass(q, p);
+        if (starts_in(ctx, dem, set, p)) mass += own_mass(q, p);
     for (size_t p = 0; p < q->soa.count && mass > 0.0; p++) {
-        if (!starts_in(w, set, p)) continue;
+        if (!starts_in(ctx, dem, set, p)) continue;
         for (size_t k = 0; k < 3; k++) q->applied[4 * p + k] += force[k] * own_mass(q, p) / mass;
     }
 }
 
-static void free_slots(gn_world *w) {
-    gn_prescription *f = &w->dem.prescribed;
-    void *blocks[] = {
-        f->set, f->mask, f->velocity, f->load, w->dem.channel_set, w->dem.set_reaction};
+static void free_slots(gn_dem *dem) {
+    gn_prescription *f = &dem->prescribed;
+    void *blocks[] = {f->set, f->mask, f->velocity, f->load, dem->channel_set, dem->set_reaction};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *f = (gn_prescription){0};
-    w->dem.channel_set = NULL;
-    w->dem.set_reaction = NULL;
+    dem->channel_set = NULL;
+    dem->set_reaction = NULL;
 }
 
-static gneiss_status allocate_slots(gn_world *w, size_t count, gneiss_error *error) {
-    gn_prescription *f = &w->dem.prescribed;
+static gneiss_status allocate_slots(const gn_step_context *ctx, gn_dem *dem, size_t count,
+                                    gneiss_error *error) {
+    gn_prescription *f = &dem->prescribed;
     f->count = count;
     f->set = gn_alloc_array(count + 1, sizeof *f->set);
     f->mask = gn_alloc_array(count + 1, sizeof *f->mask);
     f->velocity = gn_alloc_array(count + 1, 6 * sizeof *f->velocity);
     f->load = gn_alloc_array(count + 1, 6 * sizeof *f->load);
-    w->dem.channel_set = gn_alloc_array(count + 1, 6 * sizeof *w->dem.channel_set);
-    w->dem.set_reaction = gn_alloc_array(w->scene.set_count + 1, 6 * sizeof *w->dem.set_reaction);
-    if (!f->set || !f->mask || !f->velocity || !f->load || !w->dem.channel_set ||
-        !w->dem.set_reaction)
+    dem->channel_set = gn_alloc_array(count + 1, 6 * sizeof *dem->channel_set);
+    dem->set_reaction = gn_alloc_array(ctx->scene.set_count + 1, 6 * sizeof *dem->set_reaction);
+    if (!f->set || !f->mask || !f->velocity || !f->load || !dem->channel_set || !dem->set_reaction)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu prescribed particles", count);
     return GNEISS_OK;
 }
 
 /* A particle's slot takes each channel from the last set that prescribes it. */
-static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
+static gneiss_status make_slots(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
     size_t count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         q->slot[p] = -1;
-        for (size_t s = 0; s < w->scene.set_count && q->slot[p] < 0; s++)
-            if (motion_mask(&w->scene.sets[s].motion) && starts_in(w, s, p))
+        for (size_t s = 0; s < ctx->scene.set_count && q->slot[p] < 0; s++)
+            if (motion_mask(&ctx->scene.sets[s].motion) && starts_in(ctx, dem, s, p))
                 q->slot[p] = (int32_t)count++;
     }
-    GN_TRY(allocate_slots(w, count, error));
-    for (size_t k = 0; k < 6 * count; k++) w->dem.channel_set[k] = -1;
+    GN_TRY(allocate_slots(ctx, dem, count, error));
+    for (size_t k = 0; k < 6 * count; k++) dem->channel_set[k] = -1;
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t slot = q->slot[p];
-        for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
-            uint8_t mask = motion_mask(&w->scene.sets[s].motion);
-            if (!mask || !starts_in(w, s, p)) continue;
-            w->dem.prescribed.set[slot] = (int32_t)s;
-            w->dem.prescribed.mask[slot] |= mask;
+        for (size_t s = 0; slot >= 0 && s < ctx->scene.set_count; s++) {
+            uint8_t mask = motion_mask(&ctx->scene.sets[s].motion);
+            if (!mask || !starts_in(ctx, dem, s, p)) continue;
+            dem->prescribed.set[slot] = (int32_t)s;
+            dem->prescribed.mask[slot] |= mask;
             for (int k = 0; k < 6; k++)
-                if (mask >> k & 1) w->dem.channel_set[6 * slot + k] = (int32_t)s;
+                if (mask >> k & 1) dem->channel_set[6 * slot + k] = (int32_t)s;
         }
     }
     return GNEISS_OK;
 }
 
-static double prescribed_velocity(const gn_world *w, int32_t set, int k, double time) {
-    const gn_set_def *s = &w->scene.sets[set];
-    const double factor = k < 3 ? gn_control_of(w, s->name, k) : 1.0;
+static double prescribed_velocity(const gn_step_context *ctx, int32_t set, int k, double time) {
+    const gn_set_def *s = &ctx->scene.sets[set];
+    const double factor = k < 3 ? gn_control_of(ctx, s->name, k) : 1.0;
     return factor * gn_table_at(channel(&s->motion, k), time);
 }
 
 /* Particles of one set come one after the other. */
-void gn_prescription_update(gn_world *w, double time) {
-    gn_prescription *f = &w->dem.prescribed;
+void gn_prescription_update(const gn_step_context *ctx, gn_dem *dem, double time) {
+    gn_prescription *f = &dem->prescribed;
     for (int k = 0; k < 6; k++) {
         int32_t last = -1;
         double velocity = 0.0;
         for (size_t slot = 0; slot < f->count; slot++) {
-            const int32_t s = w->dem.channel_set[6 * slot + (size_t)k];
+            const int32_t s = dem->channel_set[6 * slot + (size_t)k];
             if (s < 0) continue;
-            if (s != last) velocity = prescribed_velocity(w, s, k, time);
+            if (s != last) velocity = prescribed_velocity(ctx, s, k, time);
             last = s;
             f->velocity[6 * slot + (size_t)k] = velocity;
         }
     }
 }
 
-void gn_reactions_sum(gn_world *w) {
-    memset(w->dem.set_reaction, 0, w->scene.set_count * 6 * sizeof *w->dem.set_reaction);
-    for (size_t slot = 0; slot < w->dem.prescribed.count; slot++)
+void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
+    memset(dem->set_reaction, 0, ctx->scene.set_count * 6 * sizeof *dem->set_reaction);
+    for (size_t slot = 0; slot < dem->prescribed.count; slot++)
         for (int k = 0; k < 6; k++) {
-            int32_t s =
-                w->dem.channel_set[6 * slot + k]; /* of several sets the one that drives it */
-            if (s >= 0) w->dem.set_reaction[6 * s + k] += w->dem.prescribed.load[6 * slot + k];
+            int32_t s = dem->channel_set[6 * slot + k]; /* of several sets the one that drives it */
+            if (s >= 0) dem->set_reaction[6 * s + k] += dem->prescribed.load[6 * slot + k];
         }
 }
 
 /* Whether a particle counts for the travel of a set: where the set prescribes the velocity, those
  * that have it from there, else all that were selected at the start. */
-static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_set_def *s = &w->scene.sets[set];
-    if (s->motion.velocity[axis].count == 0) return gn_set_selected(w, set, p);
+static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
+    const gn_particles *q = &dem->particles;
+    const gn_set_def *s = &ctx->scene.sets[set];
+    if (s->motion.velocity[axis].count == 0) return gn_set_selected(ctx, dem, set, p);
     int32_t slot = q->slot[p];
-    return slot >= 0 && w->dem.channel_set[6 * slot + axis] == (int32_t)set;
+    return slot >= 0 && dem->channel_set[6 * slot + axis] == (int32_t)set;
 }
 
-double gn_set_travel(const gn_world *w, size_t set, int axis) {
-    const gn_set_def *s = &w->scene.sets[set];
-    int32_t *places = gn_conversion_places(w);
+double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     size_t set, int axis) {
+    const gn_set_def *s = &ctx->scene.sets[set];
+    int32_t *places = gn_conversion_places(ctx, solids);
     double sum = 0.0;
-    size_t count = 0, all = s->id_count ? s->id_count : (size_t)w->dem.made;
+    size_t count = 0, all = s->id_count ? s->id_count : (size_t)dem->made;
     for (size_t k = 0; k < all; k++) {
-        int32_t place = w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        int32_t place = dem->index_of_id[s->id_count ? (size_t)s->ids[k] : k];
         size_t p = (size_t)place;
-        if (place < 0 || !travels(w, set, axis, p)) continue;
+        if (place < 0 || !travels(ctx, dem, set, axis, p)) continue;
         double u[3];
-        gn_conversion_travel(w, places, p, u);
+        gn_conversion_travel(dem, solids, places, p, u);
         sum += u[axis];
         count++;
     }
@@ -245,38 +246,38 @@ double gn_set_travel(const gn_world *w, size_t set, int axis) {
 }
 
 /* Prescribed components start with their prescribed value, not with a jump. */
-static void start_prescribed(gn_world *w) {
-    gn_particles *q = &w->dem.particles;
-    gn_prescription_update(w, 0.0);
+static void start_prescribed(const gn_step_context *ctx, gn_dem *dem) {
+    gn_particles *q = &dem->particles;
+    gn_prescription_update(ctx, dem, 0.0);
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t slot = q->slot[p];
         for (int k = 0; slot >= 0 && k < 6; k++) {
-            if (!(w->dem.prescribed.mask[slot] >> k & 1)) continue;
+            if (!(dem->prescribed.mask[slot] >> k & 1)) continue;
             double *target = k < 3 ? q->vel : q->spin;
-            if (target) target[4 * p + k % 3] = w->dem.prescribed.velocity[6 * slot + k];
+            if (target) target[4 * p + k % 3] = dem->prescribed.velocity[6 * slot + k];
         }
     }
 }
 
-gneiss_status gn_sets_apply(gn_world *w, gneiss_error *error) {
-    for (size_t s = 0; s < w->scene.set_count; s++) apply_set(w, &w->scene.sets[s]);
-    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
-    GN_TRY(make_slots(w, error));
-    start_prescribed(w);
+gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    for (size_t s = 0; s < ctx->scene.set_count; s++) apply_set(ctx, dem, &ctx->scene.sets[s]);
+    if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    GN_TRY(make_slots(ctx, dem, error));
+    start_prescribed(ctx, dem);
     return GNEISS_OK;
 }
 
-gneiss_status gn_sets_enter(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
+gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
+    gn_particles *q = &dem->particles;
     if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
-    for (size_t k = 0; q->applied && k < w->scene.set_count; k++)
-        if (w->scene.sets[k].has_force) share_force(w, k);
+    for (size_t k = 0; q->applied && k < ctx->scene.set_count; k++)
+        if (ctx->scene.sets[k].has_force) share_force(ctx, dem, k);
     if (q->load)
         memcpy(q->load, q->applied, q->soa.count * 4 * sizeof *q->load); /* beside pressure */
-    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
-    free_slots(w);
+    if (!(ctx->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    free_slots(dem);
     /* A velocity that jumps takes an impulse, which the kernel books as work. */
-    GN_TRY(make_slots(w, error));
-    gn_prescription_update(w, w->time);
+    GN_TRY(make_slots(ctx, dem, error));
+    gn_prescription_update(ctx, dem, ctx->time);
     return GNEISS_OK;
 }

@@ -208,13 +208,13 @@ gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, doubl
     return status;
 }
 
-bool gn_specimen_is_narrow(const gn_world *w, char *text, size_t size) {
-    const gn_particles *q = &w->dem.particles;
+bool gn_specimen_is_narrow(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {
+    const gn_particles *q = &dem->particles;
     double least = INFINITY, most = 0.0;
-    if (w->scene.source_count || w->scene.sink_count) return false;
+    if (ctx->scene.source_count || ctx->scene.sink_count) return false;
     for (size_t p = 0; p < q->soa.count; p++) {
         least = fmin(least, q->pos[4 * p + 3]);
         most = fmax(most, q->pos[4 * p + 3]);
     }
-    return gn_pack_is_narrow(&w->scene, least, most, q->soa.count, text, size);
+    return gn_pack_is_narrow(&ctx->scene, least, most, q->soa.count, text, size);
 }

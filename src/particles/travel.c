@@ -51,14 +51,15 @@ static ways extent(const gn_particles *q, double *radius) {
 }
 
 /* Cells of at least `width`, not many more than particles. */
-static void lay(const gn_world *w, double width, const ways *room, grid *g) {
-    const double most = cbrt((double)w->dem.particles.soa.count) + 1.0;
+static void lay(const gn_step_context *ctx, const gn_dem *dem, double width, const ways *room,
+                grid *g) {
+    const double most = cbrt((double)dem->particles.soa.count) + 1.0;
     for (int a = 0; a < 3; a++) {
-        const double side = w->effects & GN_FX_PERIODIC ? w->period[a] : 0.0;
+        const double side = ctx->effects & GN_FX_PERIODIC ? ctx->period[a] : 0.0;
         const double size = side > 0.0 ? side : room->high[a] - room->low[a];
         const double cells = floor(fmin(size / width, 4.0 * most));
         g->closed[a] = side > 0.0;
-        g->low[a] = side > 0.0 ? w->scene.periodic_min[a] : room->low[a];
+        g->low[a] = side > 0.0 ? ctx->scene.periodic_min[a] : room->low[a];
         g->count[a] = cells >= 1.0 ? (size_t)cells : 1;
         g->scale[a] = size > 0.0 ? (double)g->count[a] / size : 0.0;
     }
@@ -140,15 +141,15 @@ static ways *room_for(gn_dem *d, size_t cells) {
 }
 
 /* m, by which any two closed in that were not near; at most twice the way of one. */
-static double closed_in(gn_world *w, double most) {
+static double closed_in(const gn_step_context *ctx, gn_dem *dem, double most) {
     grid g;
     double radius;
-    const ways room = extent(&w->dem.particles, &radius);
-    lay(w, 1.001 * (2.0 * radius + w->dem.verlet.skin + 2.0 * most), &room, &g);
-    g.cell = room_for(&w->dem, g.count[0] * g.count[1] * g.count[2]);
+    const ways room = extent(&dem->particles, &radius);
+    lay(ctx, dem, 1.001 * (2.0 * radius + dem->verlet.skin + 2.0 * most), &room, &g);
+    g.cell = room_for(dem, g.count[0] * g.count[1] * g.count[2]);
     if (!g.cell) return 2.0 * most; /* which is as true */
     find_layers(&room, &g);
-    fill(&w->dem.particles, &g);
+    fill(&dem->particles, &g);
     spread(&g);
     const double most2 = longest2(&g);
     return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
@@ -156,12 +157,12 @@ static double closed_in(gn_world *w, double most) {
 
 /* Bonded specimens keep the bits of their runs; where a box or elements move particles, so do their
  * ways. */
-static bool looks_at_neighbours(const gn_world *w) {
-    return !(w->effects & GN_FX_BONDS) && !w->scene.has_couple && !gn_box_moves(w);
+static bool looks_at_neighbours(const gn_step_context *ctx, const gn_periodic_box *box) {
+    return !(ctx->effects & GN_FX_BONDS) && !ctx->scene.has_couple && !gn_box_moves(ctx, box);
 }
 
-void gn_dem_look_at_travel(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box) {
+    const gn_particles *q = &dem->particles;
     double most = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d2 = 0.0;
@@ -171,7 +172,8 @@ void gn_dem_look_at_travel(gn_world *w) {
         }
         most = fmax(most, d2);
     }
-    gn_verlet *v = &w->dem.verlet;
+    gn_verlet *v = &dem->verlet;
     v->drift = sqrt(most);
-    v->closed = looks_at_neighbours(w) && v->drift > 0.0 ? closed_in(w, v->drift) : 2.0 * v->drift;
+    v->closed = looks_at_neighbours(ctx, box) && v->drift > 0.0 ? closed_in(ctx, dem, v->drift)
+                                                                : 2.0 * v->drift;
 }

@@ -59,8 +59,8 @@ static void strip(gn_scene *s, bool mixed) {
 }
 
 /* `close`: as many neighbours as there can be, else half of that. */
-static void put_lattice(const gn_world *w, bool close, gn_scene *s, double upper[3]) {
-    const gn_particles *q = &w->dem.particles;
+static void put_lattice(const gn_dem *dem, bool close, gn_scene *s, double upper[3]) {
+    const gn_particles *q = &dem->particles;
     double count = fmin(fmax((double)q->soa.count, lattice_least), lattice_most), radius = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) radius += q->pos[4 * p + 3] / (double)q->soa.count;
     bool space = s->dimension == 3;
@@ -86,10 +86,11 @@ static void put_lattice(const gn_world *w, bool close, gn_scene *s, double upper
 }
 
 /* A rectangle or a box of as many elements. */
-static void put_grid(const gn_world *w, gn_scene *s) {
+static void put_grid(const gn_solids *solids, gn_scene *s) {
     gn_element_def *e = &s->elements;
     bool space = s->dimension == 3;
-    double count = fmin(fmax((double)gn_elements_totals(w).elements, lattice_least), lattice_most);
+    double count =
+        fmin(fmax((double)gn_elements_totals(solids).elements, lattice_least), lattice_most);
     int64_t cells = (int64_t)ceil(space ? cbrt(count / 6.0) : sqrt(count / 2.0));
     e->mesh[0] = e->mesh_path[0] = 0;
     e->has_beam = false;
@@ -153,7 +154,7 @@ static gneiss_status time_world(gn_world *w, timed *found, gneiss_error *error) 
     found->row = fmax(0.0, with_row - found->step);
     found->particles = (double)w->dem.particles.soa.count;
     found->contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
-    found->elements = (double)gn_elements_totals(w).elements;
+    found->elements = (double)gn_elements_totals(&w->solids).elements;
     return status;
 }
 
@@ -177,34 +178,35 @@ static gneiss_status time_scene(const gn_scene *s, timed *found, gneiss_error *e
     return status;
 }
 
-static gneiss_status time_lattice(const gn_world *w, bool mixed, bool close, timed *found,
-                                  gneiss_error *error) {
+static gneiss_status time_lattice(const gn_step_context *ctx, const gn_dem *dem, bool mixed,
+                                  bool close, timed *found, gneiss_error *error) {
     gn_scene *s = gn_alloc(sizeof *s);
     gn_wall_def wall[2];
     char names[2][GN_NAME_SIZE];
     double upper[3];
     if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    *s = w->given;
+    *s = ctx->given;
     strip(s, mixed);
-    s->end = 1e13 * w->dt; /* never */
+    s->end = 1e13 * ctx->dt; /* never */
     s->has_elements = false;
-    put_lattice(w, close, s, upper);
+    put_lattice(dem, close, s, upper);
     put_ends(s, wall, names, upper);
     gneiss_status status = time_scene(s, found, error);
     gn_free(s);
     return status;
 }
 
-static gneiss_status time_grid(const gn_world *w, bool mixed, timed *found, gneiss_error *error) {
+static gneiss_status time_grid(const gn_step_context *ctx, const gn_solids *solids, bool mixed,
+                               timed *found, gneiss_error *error) {
     gn_scene *s = gn_alloc(sizeof *s);
     gn_element_material material;
     if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    *s = w->given;
+    *s = ctx->given;
     strip(s, mixed);
-    s->end = 1e13 * w->dt; /* never */
+    s->end = 1e13 * ctx->dt; /* never */
     s->has_specimen = false;
     s->test = (gn_test){.kind = GN_TEST_NONE};
-    put_grid(w, s);
+    put_grid(solids, s);
     material = s->elements.materials[0];
     material.group[0] = 0;
     s->elements.materials = &material;
@@ -230,17 +232,19 @@ static void divide(const timed *few, const timed *many, gn_cost *cost) {
     cost->row = 0.5 * (few->row / p + many->row / q);
 }
 
-gneiss_status gn_cost_measure(const gn_world *w, bool mixed, gn_cost *cost, gneiss_error *error) {
+gneiss_status gn_cost_measure(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_solids *solids, bool mixed, gn_cost *cost,
+                              gneiss_error *error) {
     timed few, many;
     *cost = (gn_cost){0};
-    if (!w->scene.has_specimen) {
-        GN_TRY(time_grid(w, mixed, &many, error));
+    if (!ctx->scene.has_specimen) {
+        GN_TRY(time_grid(ctx, solids, mixed, &many, error));
         cost->element = many.step / many.elements;
         cost->row = many.row / many.elements;
         return GNEISS_OK;
     }
-    GN_TRY(time_lattice(w, mixed, false, &few, error));
-    GN_TRY(time_lattice(w, mixed, true, &many, error));
+    GN_TRY(time_lattice(ctx, dem, mixed, false, &few, error));
+    GN_TRY(time_lattice(ctx, dem, mixed, true, &many, error));
     divide(&few, &many, cost);
     return GNEISS_OK;
 }

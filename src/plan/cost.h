@@ -13,7 +13,8 @@ typedef struct gn_cost {
 } gn_cost;
 
 /* `mixed`: the precision. GNEISS_ERROR_INPUT: what the scene is made of does not have it. */
-gneiss_status gn_cost_measure(const gn_world *world, bool mixed, gn_cost *cost,
+gneiss_status gn_cost_measure(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_solids *solids, bool mixed, gn_cost *cost,
                               gneiss_error *error);
 
 #endif

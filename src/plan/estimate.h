@@ -28,9 +28,10 @@ typedef struct gn_estimate {
 } gn_estimate;
 
 /* Only `absent` and what it needs when the scene is no test that the study stands for. */
-gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gneiss_error *error);
+gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_solids *solids, gn_estimate *estimate, gneiss_error *error);
 
 /* s: when the run is foretold to end; 0: not known. */
-double gn_estimate_end(const gn_world *world, const gn_estimate *estimate);
+double gn_estimate_end(const gn_step_context *ctx, const gn_estimate *estimate);
 
 #endif

@@ -52,6 +52,7 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
                            gn_plan *plan, gneiss_error *error);
 
 /* Steps and seconds of a proposal for elements from the world that was made of it. */
-void gn_plan_correct(const gn_world *world, const gn_plan *plan, gn_proposal *proposal);
+void gn_plan_correct(const gn_step_context *ctx, const gn_solids *solids, const gn_plan *plan,
+                     gn_proposal *proposal);
 
 #endif

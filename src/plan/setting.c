@@ -143,9 +143,9 @@ static gneiss_status put_masses(gn_settings *q, const gn_plan *plan, const gn_sc
                plan->unscaled * p->masses * finer * p->safety / plan->groups.safety);
 }
 
-gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
-                               gn_settings *q, gneiss_error *error) {
-    const gn_scene *s = &w->given;
+gneiss_status gn_settings_make(const gn_step_context *ctx, const gn_plan *plan,
+                               const gn_proposal *p, gn_settings *q, gneiss_error *error) {
+    const gn_scene *s = &ctx->given;
     const gn_test_groups *g = &plan->groups;
     if (p->pace != 1.0) GN_TRY(put_pace(q, plan, s, p->pace, error));
     double rows = gn_plan_history_rows(plan, s, p->pace);

@@ -12,8 +12,8 @@ typedef struct gn_settings {
 } gn_settings;
 
 /* What differs from the scene of the world. */
-gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
-                               gn_settings *q, gneiss_error *error);
+gneiss_status gn_settings_make(const gn_step_context *ctx, const gn_plan *plan,
+                               const gn_proposal *p, gn_settings *q, gneiss_error *error);
 gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value,
                               gneiss_error *error);
 void gn_settings_free(gn_settings *q);

@@ -73,8 +73,9 @@ static double speed_of(const gn_world *w, const gn_history *h, const gn_readings
     const double *stress = gn_history_column(h, "stress"), *time = gn_history_column(h, "time");
     double modulus = isnan(r->young_modulus_average) ? r->young_modulus : r->young_modulus_average;
     if (!stress || !time || !h->row_count) return NAN;
-    double closing = gn_test_closing(&w->scene, time[row_of_largest(h, stress)]);
-    return closing / (sqrt(modulus / gn_test_bulk(w)) * r->largest_strain);
+    double closing = gn_test_closing(&w->ctx.scene, time[row_of_largest(h, stress)]);
+    return closing /
+           (sqrt(modulus / gn_test_bulk(&w->ctx, &w->dem, &w->solids)) * r->largest_strain);
 }
 
 /* A cause is as large as the run shows, where that is more than the law says. */
@@ -93,7 +94,8 @@ static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
     raise(c, "velocity",
           fmax(isnan(b->imbalance) ? 0.0 : 0.5 * b->imbalance,
                isnan(b->kinetic) ? 0.0 : 0.5 * b->kinetic));
-    if (w->effects & GN_FX_ENERGY) raise(c, "step", fabs(gn_energy_residual(&w->reading)));
+    if (w->ctx.effects & GN_FX_ENERGY)
+        raise(c, "step", fabs(gn_energy_residual(&w->ledger.reading)));
 }
 
 /* What the largest stress may have been between its row and the next: as much more as it rose from
@@ -131,7 +133,7 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
                           gn_budget *b, gneiss_error *error) {
     gn_test_groups g;
     *b = (gn_budget){.speed = NAN, .imbalance = r->end_imbalance, .kinetic = NAN};
-    const char *reason = gn_study_covers(w, &g);
+    const char *reason = gn_study_covers(&w->ctx, &w->dem, &g);
     if (reason) {
         snprintf(b->absent, sizeof b->absent, "%s", reason);
         return GNEISS_OK;

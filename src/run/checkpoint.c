@@ -25,32 +25,32 @@ enum { FORMAT = 19 };
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
 #define INTEGER(member)      GN_PIECE_INTEGER("", gn_run, member)
-#define MEASURED(name, text) DOUBLES(world.name),
+#define MEASURED(name, text) DOUBLES(world.ledger.name),
 
 static const gn_piece pieces[] = {
-    INTEGER(world.step),
-    INTEGER(world.first_step),
-    DOUBLES(world.time),
-    DOUBLES(world.dt_past),
-    DOUBLES(world.dt),
-    LIMIT(world.stable),
-    INTEGER(world.dt_lowered),
-    DOUBLES(world.energy),
-    DOUBLES(world.reading),
-    GN_MEASURED(MEASURED) DOUBLES(world.stress),
+    INTEGER(world.ctx.step),
+    INTEGER(world.ctx.first_step),
+    DOUBLES(world.ctx.time),
+    DOUBLES(world.ctx.dt_past),
+    DOUBLES(world.ctx.dt),
+    LIMIT(world.ctx.stable),
+    INTEGER(world.ctx.dt_lowered),
+    DOUBLES(world.ledger.energy),
+    DOUBLES(world.ledger.reading),
+    GN_MEASURED(MEASURED) DOUBLES(world.ledger.stress),
     DOUBLES(world.seconds),
-    DOUBLES(world.couple),
-    DOUBLES(world.period),
+    DOUBLES(world.zones.state),
+    DOUBLES(world.ctx.period),
     DOUBLES(world.box),
-    DOUBLES(world.machine),
+    DOUBLES(world.ctx.machine),
     DOUBLES(world.approach),
     DOUBLES(world.section),
-    DOUBLES(world.volume),
-    DOUBLES(world.lower),
-    DOUBLES(world.upper),
-    DOUBLES(world.test_length),
-    DOUBLES(world.test_area),
-    DOUBLES(world.gauge.volume),
+    DOUBLES(world.ctx.volume),
+    DOUBLES(world.ctx.lower),
+    DOUBLES(world.ctx.upper),
+    DOUBLES(world.ctx.test_length),
+    DOUBLES(world.ctx.test_area),
+    DOUBLES(world.gauge.weights.volume),
     INTEGER(history_interval),
     INTEGER(history_halvings),
     INTEGER(history_begin),
@@ -138,11 +138,11 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
 enum { STAGE_NUMBERS = sizeof(gn_stage_state) / sizeof(double) };
 
 static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    int64_t stage = (int64_t)w->stage;
-    gn_stage_state *stages = w->stages;
-    gn_checkpoint_array array = {"stages", GN_F64, w->given.stage_count, STAGE_NUMBERS,
+    int64_t stage = (int64_t)w->stages.now;
+    gn_stage_state *stages = w->stages.state;
+    gn_checkpoint_array array = {"stages", GN_F64, w->ctx.given.stage_count, STAGE_NUMBERS,
                                  (void **)&stages};
-    if (!w->given.stage_count) return GNEISS_OK;
+    if (!w->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_attribute_i64(file, "/", "stage", &stage, 1, error));
     return gn_checkpoint_put_arrays(file, &array, 1, error);
 }
@@ -158,24 +158,26 @@ static gneiss_status put_kept(const gn_run *run, gn_h5 *file, gneiss_error *erro
 static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     const int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
-                  pairs = (int64_t)w->dem.pairs.soa.effects, hash = (int64_t)gn_world_hash(w);
+                  pairs = (int64_t)w->dem.pairs.soa.effects,
+                  hash =
+                      (int64_t)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     const gn_progress progress = gn_run_progress(run);
     const gn_h5_attribute list[] = {{"format", .whole = &format},
                                     {"state_hash", .whole = &hash},
                                     {"bond_effects", .whole = &bonds},
                                     {"pair_effects", .whole = &pairs},
                                     {"version", .text = gn_version()},
-                                    {"scene_file", .text = w->scene.source},
+                                    {"scene_file", .text = w->ctx.scene.source},
                                     {"seconds", .number = &progress.seconds},
                                     {"cpu_seconds", .number = &progress.cpu_seconds}};
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
-    if (w->halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->halt, error));
+    if (w->outcome.halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->outcome.halt, error));
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
-    gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
-    int32_t *belongs = w->belongs;
+    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge hands out places to fill */
+    int32_t *belongs = w->gauge.belongs;
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
-    list_gauge(&gauge, &belongs, w->gauged, arrays);
+    list_gauge(&gauge, &belongs, w->gauge.count, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, GAUGE_ARRAYS, error));
     GN_TRY(put_kept(run, file, error));
@@ -199,7 +201,7 @@ gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_er
 
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
     char *path = NULL;
-    GN_TRY(gn_checkpoint_path(run->directory, run->world.step, &path, error));
+    GN_TRY(gn_checkpoint_path(run->directory, run->world.ctx.step, &path, error));
     gneiss_status status = gn_checkpoint_write(run, path, error);
     free(path);
     GN_TRY(status);
@@ -210,9 +212,9 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
 
 static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *error) {
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
-    GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.count, error));
-    GN_TRY(gn_h5_rows(file, "arrays/gauge_belongs", &w->gauged, error));
-    list_gauge(&w->gauge, &w->belongs, w->gauged, arrays);
+    GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.weights.count, error));
+    GN_TRY(gn_h5_rows(file, "arrays/gauge_belongs", &w->gauge.count, error));
+    list_gauge(&w->gauge.weights, &w->gauge.belongs, w->gauge.count, arrays);
     return gn_checkpoint_get_arrays(file, arrays, GAUGE_ARRAYS, error);
 }
 
@@ -249,9 +251,9 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
 
 static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
-    bool good = !w->gauged || w->gauged == (size_t)w->dem.ids;
-    for (size_t k = 0; k < w->gauge.count; k++)
-        good = good && w->gauge.id[k] >= 0 && (size_t)w->gauge.id[k] < n;
+    bool good = !w->gauge.count || w->gauge.count == (size_t)w->dem.ids;
+    for (size_t k = 0; k < w->gauge.weights.count; k++)
+        good = good && w->gauge.weights.id[k] >= 0 && (size_t)w->gauge.weights.id[k] < n;
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected particle numbers below %zu, found others", path, n);
@@ -261,7 +263,7 @@ static bool kept_is_good(const gn_run *run) {
     bool good = true;
     for (size_t n = 0; n < run->kept.count; n++) {
         const gn_kept_snapshot *s = &run->kept.list[n];
-        good = good && s->step >= 0.0 && s->step <= (double)run->world.step &&
+        good = good && s->step >= 0.0 && s->step <= (double)run->world.ctx.step &&
                s->step == floor(s->step) && s->part >= 0.0 &&
                s->part < (1 << GN_SNAPSHOT_HALVINGS) &&
                (s->kind == GN_KEPT_PEAK || s->kind == GN_KEPT_HALF || s->kind == GN_KEPT_REGULAR ||
@@ -297,8 +299,9 @@ static bool spacing_is_good(const gn_run *run) {
 static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
     bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && spacing_is_good(run) &&
-                run->snapshot_next >= 0 && run->snapshot_span >= 0.0 && w->step >= 0 &&
-                isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past);
+                run->snapshot_next >= 0 && run->snapshot_span >= 0.0 && w->ctx.step >= 0 &&
+                isfinite(w->ctx.time) && w->ctx.dt > 0.0 && isfinite(w->ctx.dt) &&
+                isfinite(w->ctx.dt_past);
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected positive steps and intervals, found others", path);
@@ -307,20 +310,20 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 /* A state that was saved has steps like those before it, and rates that its step goes with: values
  * far from these would make a run without end. */
 static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_error *error) {
-    const double far = 1e5, steps = (double)(w->step - w->first_step);
-    const double least = steps > 0.0 ? w->time / steps / far : 0.0, most = far / w->dt;
+    const double far = 1e5, steps = (double)(w->ctx.step - w->ctx.first_step);
+    const double least = steps > 0.0 ? w->ctx.time / steps / far : 0.0, most = far / w->ctx.dt;
     const struct {
         const char *name;
         double value;
     } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
                  {"world_boundary_vertex_rate", w->boundary.vertex_rate},
-                 {"world_couple", w->couple.rate[0]},
-                 {"world_couple", w->couple.rate[1]}};
-    if (w->dt < least)
+                 {"world_couple", w->zones.state.rate[0]},
+                 {"world_couple", w->zones.state.rate[1]}};
+    if (w->ctx.dt < least)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: run/world_dt: expected at least %.3g s, 1e-5 of the mean step so far, "
                        "found %.3g s",
-                       path, least, w->dt);
+                       path, least, w->ctx.dt);
     for (size_t k = 0; k < sizeof rates / sizeof *rates; k++)
         if (!(rates[k].value <= most))
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -334,10 +337,11 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
     double least = 0.0;
-    for (size_t k = 0; k < w->given.stage_count && k <= w->stage; k++) {
-        const gn_stage_state *s = &w->stages[k];
+    for (size_t k = 0; k < w->ctx.given.stage_count && k <= w->stages.now; k++) {
+        const gn_stage_state *s = &w->stages.state[k];
         bool good = s->row >= least && s->row <= (double)run->history.row_count && s->step >= 0.0 &&
-                    s->step <= (double)w->step && s->ended >= 0.0 && s->ended <= GN_STAGE_PRESSED;
+                    s->step <= (double)w->ctx.step && s->ended >= 0.0 &&
+                    s->ended <= GN_STAGE_PRESSED;
         least = s->row;
         if (!good)
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -351,14 +355,14 @@ static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_er
 static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path,
                                 gneiss_error *error) {
     int64_t stage = 0;
-    gn_checkpoint_array array = {"stages", GN_F64, w->given.stage_count, STAGE_NUMBERS,
-                                 (void **)&w->stages};
-    if (!w->given.stage_count) return GNEISS_OK;
+    gn_checkpoint_array array = {"stages", GN_F64, w->ctx.given.stage_count, STAGE_NUMBERS,
+                                 (void **)&w->stages.state};
+    if (!w->ctx.given.stage_count) return GNEISS_OK;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "stage", &stage, 1, error));
-    if (stage < 0 || (size_t)stage >= w->given.stage_count)
+    if (stage < 0 || (size_t)stage >= w->ctx.given.stage_count)
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a stage below %zu, found %lld",
-                       path, w->given.stage_count, (long long)stage);
-    w->stage = (size_t)stage;
+                       path, w->ctx.given.stage_count, (long long)stage);
+    w->stages.now = (size_t)stage;
     return gn_checkpoint_get_arrays(file, &array, 1, error);
 }
 
@@ -369,9 +373,9 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     GN_TRY(gn_h5_get_text(file, "scene", &text, error));
     gneiss_status status = gn_h5_get_attribute_text(file, "/", "scene_file", &source, error);
     if (status == GNEISS_OK)
-        status = gn_scene_parse_saved(text, path, overrides, count, &w->given, error);
+        status = gn_scene_parse_saved(text, path, overrides, count, &w->ctx.given, error);
     if (status == GNEISS_OK)
-        snprintf(w->given.source, sizeof w->given.source, "%s", gn_make_printable(source));
+        snprintf(w->ctx.given.source, sizeof w->ctx.given.source, "%s", gn_make_printable(source));
     free(text);
     free(source);
     if (status == GNEISS_OK) status = get_stages(w, file, path, error);
@@ -385,13 +389,13 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_h5_check_names(file, true, error));
     gn_h5_demand_finite(file, true);
     GN_TRY(get_scene(w, file, path, overrides, count, error));
-    GN_TRY(gn_world_prepare(w, error));
+    GN_TRY(gn_world_prepare(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, error));
     gneiss_error unsaid;
     char *halt = NULL; /* only where the model itself ended the run */
     if (gn_h5_get_attribute_text(file, "/", "halt", &halt, &unsaid) == GNEISS_OK)
-        snprintf(w->halt, sizeof w->halt, "%s", gn_make_printable(halt));
+        snprintf(w->outcome.halt, sizeof w->outcome.halt, "%s", gn_make_printable(halt));
     free(halt);
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(check_numbers(run, path, error));
@@ -409,10 +413,10 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(w, error));
     GN_TRY(gn_world_restore(w, error));
-    GN_TRY(gn_world_check_duration(w, error));
+    GN_TRY(gn_world_check_duration(&w->ctx, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));
-    if (hash != gn_world_hash(w))
+    if (hash != gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: the state does not have the hash it was saved with", path);
     return GNEISS_OK;

@@ -20,8 +20,8 @@ _Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0 &&
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     gn_boundary *b = &w->boundary;
-    size_t n = 0, bodies = w->scene.body_count;
-    out[n++] = (gn_checkpoint_array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8,
+    size_t n = 0, bodies = w->ctx.scene.body_count;
+    out[n++] = (gn_checkpoint_array){"walls", GN_F64, w->ctx.scene.wall_count, sizeof(gn_wall) / 8,
                                      (void **)&b->walls};
     if (!bodies) return n;
     out[n++] =
@@ -43,7 +43,7 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->boundary, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, count, error));
-    if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
+    if (!(w->ctx.effects & GN_FX_WALLS)) return GNEISS_OK;
     GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->boundary.contacts,
                             error));
     if (!w->boundary.body_contacts.soa.count) return GNEISS_OK;
@@ -55,8 +55,8 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
 
 /* Facets of each body lie within its vertices, and all of them in what is there. */
 static bool good_bodies(const gn_world *w) {
-    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    size_t corners = (size_t)w->ctx.scene.dimension, vertices = 0, facets = 0;
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const int64_t *shape = w->boundary.body_shape[k];
         if (shape[0] < 0 || shape[0] > INT32_MAX || shape[1] < 1 || shape[1] > INT32_MAX)
             return false;
@@ -81,15 +81,15 @@ static bool good_contacts(const gn_world *w) {
     q = &w->boundary.body_contacts;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->boundary.body_vertex_count &&
-               q->wall[c] >= 0 && (size_t)q->wall[c] < w->scene.wall_count;
+               q->wall[c] >= 0 && (size_t)q->wall[c] < w->ctx.scene.wall_count;
     const gn_body_pairs *p = &w->boundary.pairs;
     const double named[] = {p->deepest.first, p->deepest.second, p->pushed.first, p->pushed.second};
     for (size_t k = 0; k < 4; k++)
-        good = good && named[k] >= 0.0 && named[k] <= (double)w->scene.body_count &&
-               (named[k] < (double)w->scene.body_count || named[k] == 0.0);
+        good = good && named[k] >= 0.0 && named[k] <= (double)w->ctx.scene.body_count &&
+               (named[k] < (double)w->ctx.scene.body_count || named[k] == 0.0);
     for (size_t k = 0; k < p->count; k++)
         good = good && p->pair[k].first >= 0.0 && p->pair[k].first < p->pair[k].second &&
-               p->pair[k].second < (double)w->scene.body_count;
+               p->pair[k].second < (double)w->ctx.scene.body_count;
     return good;
 }
 
@@ -98,7 +98,7 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
     gn_boundary *b = &w->boundary;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, b, error));
-    if (w->scene.body_count) {
+    if (w->ctx.scene.body_count) {
         GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &b->body_vertex_count, error));
         GN_TRY(gn_h5_rows(file, "arrays/body_corner", &b->body_corner_count, error));
         if (gn_h5_has(file, "arrays/body_pairs"))
@@ -107,16 +107,16 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
     }
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
-    b->wall_normals = gn_alloc_array(w->scene.wall_count + 1, 4 * sizeof(double));
+    b->wall_normals = gn_alloc_array(w->ctx.scene.wall_count + 1, 4 * sizeof(double));
     if (!b->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
-    for (size_t k = 0; k < w->scene.wall_count; k++)
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
         memcpy(b->wall_normals + 4 * k, b->walls[k].normal, 3 * sizeof(double));
-    if (w->effects & GN_FX_WALLS)
+    if (w->ctx.effects & GN_FX_WALLS)
         GN_TRY(gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &b->contacts,
-                                w->effects, error));
+                                w->ctx.effects, error));
     if (gn_h5_has(file, "body_contacts"))
         GN_TRY(gn_h5_get_record(file, "body_contacts", &gn_wall_contact_record, &b->body_contacts,
-                                gn_body_wall_effects(w), error));
+                                gn_body_wall_effects(&w->ctx), error));
     if (good_bodies(w) && good_contacts(w)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path,
@@ -124,7 +124,7 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
 }
 
 static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_error *error) {
-    size_t all = w->scene.wall_count;
+    size_t all = w->ctx.scene.wall_count;
     bool good = true;
     for (size_t k = 0; k < w->boundary.surface_count; k++)
         all += w->boundary.surfaces[k].facets.count;
@@ -136,7 +136,7 @@ static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_er
 }
 
 gneiss_status gn_boundary_load_surfaces(gn_world *w, const char *path, gneiss_error *error) {
-    GN_TRY(gn_bodies_surfaces(w, error));
-    GN_TRY(gn_element_contact_create(w, error));
+    GN_TRY(gn_bodies_surfaces(&w->ctx, &w->boundary, &w->solids, error));
+    GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
     return check_facets(w, path, error);
 }

@@ -53,17 +53,18 @@ enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 9 };
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
     gn_prescription *f = &w->dem.prescribed;
-    if (w->effects & GN_FX_MEMBRANE) {
+    if (w->ctx.effects & GN_FX_MEMBRANE) {
         out[n++] = (gn_checkpoint_array){"membrane", GN_F64, 1, sizeof(gn_membrane) / 8,
                                          (void **)&w->dem.membrane};
         out[n++] = (gn_checkpoint_array){"patches", GN_F64, w->dem.patch_count,
                                          sizeof(gn_patch) / 8, (void **)&w->dem.patches};
     }
-    if (w->effects & GN_FX_HERTZ && w->scene.has_specimen)
-        out[n++] = (gn_checkpoint_array){
-            "driven", GN_F64, w->scene.wall_count + w->scene.body_count + w->scene.set_count, 1,
-            (void **)&w->dem.driven};
-    if (!(w->effects & GN_FX_PRESCRIBED)) return n;
+    if (w->ctx.effects & GN_FX_HERTZ && w->ctx.scene.has_specimen)
+        out[n++] = (gn_checkpoint_array){"driven", GN_F64,
+                                         w->ctx.scene.wall_count + w->ctx.scene.body_count +
+                                             w->ctx.scene.set_count,
+                                         1, (void **)&w->dem.driven};
+    if (!(w->ctx.effects & GN_FX_PRESCRIBED)) return n;
     out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
     out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};
     out[n++] =
@@ -71,7 +72,7 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     out[n++] = (gn_checkpoint_array){"prescribed_load", GN_F64, f->count, 6, (void **)&f->load};
     out[n++] =
         (gn_checkpoint_array){"channel_set", GN_I32, f->count, 6, (void **)&w->dem.channel_set};
-    out[n++] = (gn_checkpoint_array){"set_reaction", GN_F64, w->scene.set_count, 6,
+    out[n++] = (gn_checkpoint_array){"set_reaction", GN_F64, w->ctx.scene.set_count, 6,
                                      (void **)&w->dem.set_reaction};
     return n;
 }
@@ -89,7 +90,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     size_t groups;
-    const gn_near_kept kept = gn_near_keep(w, &groups);
+    const gn_near_kept kept = gn_near_keep(&w->ctx, &w->dem, &groups);
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
@@ -99,7 +100,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     if (groups)
         GN_TRY(
             gn_h5_put(file, "near_act", GN_U8, groups, 1, 0, w->dem.near.act, NULL, NULL, error));
-    if (gn_converts(w)) GN_TRY(put_sleepers(w, file, error));
+    if (gn_converts(&w->ctx)) GN_TRY(put_sleepers(w, file, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
     GN_TRY(gn_checkpoint_put_flow(w, file, error));
@@ -124,7 +125,7 @@ static bool good_particles(const gn_world *w) {
     bool good = true;
     for (size_t p = 0; p < q->soa.count; p++) {
         good = good && q->id[p] >= 0 && q->id[p] < w->dem.ids && q->material[p] >= 0 &&
-               (size_t)q->material[p] < w->scene.material_count;
+               (size_t)q->material[p] < w->ctx.scene.material_count;
         if (q->slot)
             good = good && q->slot[p] >= -1 && q->slot[p] < (int32_t)w->dem.prescribed.count;
     }
@@ -135,10 +136,10 @@ static bool good_prescription(const gn_world *w) {
     const gn_prescription *f = &w->dem.prescribed;
     bool good = true;
     for (size_t s = 0; s < f->count; s++) {
-        good = good && f->set[s] >= 0 && (size_t)f->set[s] < w->scene.set_count;
+        good = good && f->set[s] >= 0 && (size_t)f->set[s] < w->ctx.scene.set_count;
         for (size_t c = 6 * s; c < 6 * s + 6; c++)
             good = good && w->dem.channel_set[c] >= -1 &&
-                   w->dem.channel_set[c] < (int64_t)w->scene.set_count;
+                   w->dem.channel_set[c] < (int64_t)w->ctx.scene.set_count;
     }
     return good;
 }
@@ -187,7 +188,7 @@ static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *pa
     gn_dem *d = &w->dem;
     const size_t count = d->particles.soa.count;
     GN_TRY(gn_h5_get_record(file, "prepared", &gn_contact_record, &d->prepared,
-                            gn_contact_list_effects(w->effects, true), error));
+                            gn_contact_list_effects(w->ctx.effects, true), error));
     d->sleeper = gn_alloc_array(count + 1, sizeof *d->sleeper);
     if (!d->sleeper)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", count);
@@ -224,8 +225,8 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
 }
 
 gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
-    gn_effects bonded = gn_contact_list_effects(w->effects, true);
-    gn_effects unbonded = gn_contact_list_effects(w->effects, false);
+    gn_effects bonded = gn_contact_list_effects(w->ctx.effects, true);
+    gn_effects unbonded = gn_contact_list_effects(w->ctx.effects, false);
     gn_dem *d = &w->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
@@ -233,18 +234,18 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
                        path, (long long)d->ids);
     GN_TRY(gn_checkpoint_get_flow(w, file, path, error));
-    if (w->effects & GN_FX_PRESCRIBED)
+    if (w->ctx.effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
-    if (w->effects & GN_FX_MEMBRANE)
+    if (w->ctx.effects & GN_FX_MEMBRANE)
         GN_TRY(gn_h5_rows(file, "arrays/patches", &d->patch_count, error));
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
-    GN_TRY(
-        gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->effects, error));
+    GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->ctx.effects,
+                            error));
     GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
     GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
     GN_TRY(get_near(w, file, path, error));
-    if (gn_converts(w)) GN_TRY(get_sleepers(w, file, path, error));
+    if (gn_converts(&w->ctx)) GN_TRY(get_sleepers(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));
     return check(w, path, error);
 }

@@ -43,7 +43,8 @@ static gneiss_status save_body(size_t solid, const gn_element_model *q, gn_h5 *f
 }
 
 gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < w->element_count; k++) GN_TRY(save_body(k, w->elements[k], file, error));
+    for (size_t k = 0; k < w->solids.count; k++)
+        GN_TRY(save_body(k, w->solids.elements[k], file, error));
     return GNEISS_OK;
 }
 
@@ -147,9 +148,9 @@ static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *f
 gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh = {0};
-    if (w->scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
-    GN_TRY(gn_elements_create(w, &mesh, error));
-    for (size_t k = 0; k < w->element_count; k++)
-        GN_TRY(load_body(k, w->elements[k], file, path, error));
+    if (w->ctx.scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
+    GN_TRY(gn_elements_create(&w->ctx, &w->solids, &mesh, error));
+    for (size_t k = 0; k < w->solids.count; k++)
+        GN_TRY(load_body(k, w->solids.elements[k], file, path, error));
     return GNEISS_OK;
 }

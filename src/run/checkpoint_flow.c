@@ -15,10 +15,10 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[ARRAYS_MOST]) {
     size_t n = 0;
     out[n++] = (gn_checkpoint_array){"lost", GN_F64, f->lost_count, sizeof(gn_lost) / 8,
                                      (void **)&f->lost};
-    if (!gn_scene_flows(&w->scene)) return n;
-    out[n++] = (gn_checkpoint_array){"sources", GN_F64, w->scene.source_count,
+    if (!gn_scene_flows(&w->ctx.scene)) return n;
+    out[n++] = (gn_checkpoint_array){"sources", GN_F64, w->ctx.scene.source_count,
                                      sizeof(gn_source_state) / 8, (void **)&f->sources};
-    out[n++] = (gn_checkpoint_array){"sinks", GN_F64, w->scene.sink_count,
+    out[n++] = (gn_checkpoint_array){"sinks", GN_F64, w->ctx.scene.sink_count,
                                      sizeof(gn_sink_state) / 8, (void **)&f->sinks};
     /* Found of particles of which some are gone. */
     out[n++] = (gn_checkpoint_array){"loose", GN_U8, (size_t)w->dem.ids, 1, (void **)&w->dem.loose};
@@ -37,15 +37,15 @@ static bool is_count(double value) {
 
 static gneiss_status check_flow(const gn_world *w, const char *path, gneiss_error *error) {
     const gn_flow *f = &w->dem.flow;
-    bool good = true, flows = gn_scene_flows(&w->scene);
+    bool good = true, flows = gn_scene_flows(&w->ctx.scene);
     for (size_t k = 0; k < f->lost_count; k++)
         good = good && f->lost[k].id >= 0.0 && f->lost[k].id < (double)w->dem.ids;
-    for (size_t k = 0; flows && k < w->scene.source_count; k++) {
+    for (size_t k = 0; flows && k < w->ctx.scene.source_count; k++) {
         const gn_source_state *s = &f->sources[k];
         good = good && is_count(s->number) && is_count(s->sizes) && is_count(s->places) &&
                is_count(s->full) && s->mass >= 0.0 && s->radius >= 0.0;
     }
-    for (size_t k = 0; flows && k < w->scene.sink_count; k++)
+    for (size_t k = 0; flows && k < w->ctx.scene.sink_count; k++)
         good = good && is_count(f->sinks[k].number) && f->sinks[k].mass >= 0.0;
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,

@@ -18,7 +18,7 @@ static gneiss_status add_columns(const gn_world *w, const gn_quantity_place *at,
     const gn_quantity *q = at->quantity;
     const char *kind = at->group->kind;
     gn_shape_component part[GN_SHAPE_MOST];
-    size_t parts = gn_shape_components(q->shape, (int)w->scene.dimension, part);
+    size_t parts = gn_shape_components(q->shape, (int)w->ctx.scene.dimension, part);
     for (size_t c = 0; c < parts; c++) {
         char name[GN_COLUMN_NAME_SIZE];
         snprintf(name, sizeof name, "%s%s%s%s%s%s", kind ? kind : "", kind ? "_" : "",
@@ -45,7 +45,7 @@ static void put_row(const gn_world *w, gn_instant instant, double *row) {
     while (gn_quantity_next(w, &at)) {
         const gn_quantity *q = at.quantity;
         gn_shape_component part[GN_SHAPE_MOST];
-        size_t parts = gn_shape_components(q->shape, (int)w->scene.dimension, part);
+        size_t parts = gn_shape_components(q->shape, (int)w->ctx.scene.dimension, part);
         double value[9];
         if (q->instant == instant) {
             q->read(w, at.owner, value);
@@ -62,9 +62,9 @@ static double largest(const double x[3]) {
 /* m: the largest coordinate at the start, which is what places are rounded by: not by the extent,
  * when the model lies beside the origin. */
 static double largest_coordinate(const gn_world *w) {
-    double most = fmax(largest(w->lower), largest(w->upper));
+    double most = fmax(largest(w->ctx.lower), largest(w->ctx.upper));
     double lower[3] = {0, 0, 0}, upper[3] = {0, 0, 0};
-    gn_elements_extent(w, lower, upper);
+    gn_elements_extent(&w->solids, lower, upper);
     return fmax(most, fmax(largest(lower), largest(upper)));
 }
 
@@ -85,15 +85,17 @@ static double largest_coordinate(const gn_world *w) {
  * which gravity has its work and of which no place sees anything: m g d/2 in every step at worst
  * (measured: a quarter of that), and to be a hundredth of the scale as well. */
 static double rounding_of(const gn_world *w, double mass, double coordinate) {
-    const double d = DBL_EPSILON * coordinate, speed = 100.0 * d / w->dt, *g = w->scene.gravity;
-    const double steps = (double)w->step, weight = mass * sqrt(gn_dot3(g, g));
+    const double d = DBL_EPSILON * coordinate, speed = 100.0 * d / w->ctx.dt,
+                 *g = w->ctx.scene.gravity;
+    const double steps = (double)w->ctx.step, weight = mass * sqrt(gn_dot3(g, g));
     return mass * speed * speed * (1.0 + steps / 200.0) + 50.0 * weight * d * steps;
 }
 
 /* Bodies may lie anywhere, and come far. */
 static double rounding_energy(const gn_world *w) {
-    double sum = rounding_of(w, gn_world_mass(w) + w->dem.scaling.added, largest_coordinate(w));
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    double sum = rounding_of(w, gn_world_mass(&w->dem, &w->solids) + w->dem.scaling.added,
+                             largest_coordinate(w));
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];
         sum += rounding_of(w, b->mass, largest(b->position) + b->reach);
     }
@@ -102,13 +104,13 @@ static double rounding_energy(const gn_world *w) {
 
 /* The scale of the residual never falls. Elements are in the reading only. */
 static void read_passed(gn_world *w) {
-    double passed = fmax(gn_energy_passed(&w->reading), rounding_energy(w));
-    w->reading.passed = fmax(w->energy.passed, passed);
+    double passed = fmax(gn_energy_passed(&w->ledger.reading), rounding_energy(w));
+    w->ledger.reading.passed = fmax(w->ledger.energy.passed, passed);
 }
 
 static void note_passed(gn_world *w) {
     read_passed(w);
-    w->energy.passed = w->reading.passed;
+    w->ledger.energy.passed = w->ledger.reading.passed;
 }
 
 /* Columns that have no number in this row. */
@@ -117,7 +119,8 @@ static void note_absent(const gn_world *w, gn_history *h) {
     gn_column *column = h->columns;
     while (gn_quantity_next(w, &at)) {
         gn_shape_component part[GN_SHAPE_MOST];
-        const size_t parts = gn_shape_components(at.quantity->shape, (int)w->scene.dimension, part);
+        const size_t parts =
+            gn_shape_components(at.quantity->shape, (int)w->ctx.scene.dimension, part);
         const bool absent = at.quantity->absent && at.quantity->absent(w);
         for (size_t c = 0; c < parts; c++, column++) column->absent = column->absent || absent;
     }
@@ -150,7 +153,7 @@ static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss
         put_row(w, GN_AFTER_STEP, row);
         status = check_row(w, h, row, error);
         if (status == GNEISS_OK) status = gn_history_append(h, row, error);
-        if (!last) gn_flow_row(w);
+        if (!last) gn_flow_row(&w->ctx, &w->dem);
     }
     free(row);
     w->seconds[GN_PHASE_measure] += gn_now() - start;

@@ -30,14 +30,14 @@ static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.25, GROWTH_FALLEN = 1.
 
 /* Tests that have a peak; of stages those that look at the test, and the last one. */
 static bool has_peak(const gn_run *run) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     const gn_test_kind kind = s->test.kind;
     if (kind == GN_TEST_NONE || kind == GN_TEST_HYDROSTATIC || kind == GN_TEST_OEDOMETER)
         return false;
     if (!gn_run_staged(run)) return true;
-    const gn_stage *e = &s->stages[run->world.stage];
+    const gn_stage *e = &s->stages[run->world.stages.now];
     return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 ||
-           run->world.stage + 1 == s->stage_count;
+           run->world.stages.now + 1 == s->stage_count;
 }
 
 static double last_in(const gn_run *run, const char *column) {
@@ -46,7 +46,7 @@ static double last_in(const gn_run *run, const char *column) {
 }
 
 static int64_t halvings_of(const gn_run *run) {
-    const int64_t wanted = run->world.scene.snapshots;
+    const int64_t wanted = run->world.ctx.scene.snapshots;
     int64_t most = 0;
     while (most < GN_SNAPSHOT_HALVINGS && wanted << (most + 1) <= MOST_WRITTEN) most++;
     return gn_halvings(run->snapshot_interval, LEAST_STEPS, most);
@@ -56,7 +56,7 @@ void gn_kept_begin(gn_run *run, bool closer) {
     gn_kept *k = &run->kept;
     gn_kept_snapshot *list = k->list;
     const size_t capacity = k->capacity;
-    *k = (gn_kept){.list = list, .capacity = capacity, .base = run->world.step};
+    *k = (gn_kept){.list = list, .capacity = capacity, .base = run->world.ctx.step};
     if (closer && run->snapshot_interval && (gn_run_may_end_early(run) || has_peak(run)))
         k->halvings = halvings_of(run);
 }
@@ -82,7 +82,7 @@ static const gn_kept_snapshot *candidate(const gn_kept *k, gn_kept_kind kind) {
 
 static bool bonds_hold(const gn_run *run) {
     const gn_dem *d = &run->world.dem;
-    return run->world.effects & GN_FX_BONDS && d->broken_tension + d->broken_shear == 0;
+    return run->world.ctx.effects & GN_FX_BONDS && d->broken_tension + d->broken_shear == 0;
 }
 
 /* Of the peak, or of what is larger than the last candidate by enough. */
@@ -91,7 +91,7 @@ static bool is_candidate(gn_run *run, double stress) {
     const gn_kept_snapshot *before = candidate(k, GN_KEPT_PEAK);
     const double least = before ? before->stress : 0.0;
     const double growth = bonds_hold(run) ? GROWTH_WHOLE : GROWTH_BROKEN;
-    const double from = before ? before->step : 0.0, now = (double)run->world.step;
+    const double from = before ? before->step : 0.0, now = (double)run->world.ctx.step;
     if (stress < (1.0 - FALL) * k->peak && !k->fell) {
         k->fell = 1;
         return stress > GROWTH_FALLEN * least;
@@ -134,7 +134,7 @@ void gn_kept_row(gn_run *run, bool look) {
         k->fell = k->halved = 0;
     }
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
-    const bool early = rows < ROWS_BEFORE && run->world.step < STEPS_BEFORE;
+    const bool early = rows < ROWS_BEFORE && run->world.ctx.step < STEPS_BEFORE;
     if (early || !(k->peak > 0.0) || !gn_run_loaded(run, k->peak)) return;
     if (is_candidate(run, stress)) k->due |= GN_KEPT_PEAK;
     if (stress <= 0.5 * k->peak && !k->halved) {
@@ -153,7 +153,7 @@ static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *
         if (k->list[n].step == step) return GNEISS_OK;
     for (size_t n = 0; n < sizeof names / sizeof *names; n++)
         GN_TRY(gn_step_remove(run->directory, names[n], (int64_t)step, ".hdf", error));
-    for (size_t n = 0; n < run->world.element_count; n++) {
+    for (size_t n = 0; n < run->world.solids.count; n++) {
         char file[GN_ELEMENT_PATH];
         GN_TRY(gn_step_remove(run->directory, gn_elements_file(n, "elements", file), (int64_t)step,
                               ".hdf", error));
@@ -228,7 +228,7 @@ void gn_kept_plan(gn_run *run) {
 }
 
 static size_t most_regular(const gn_run *run) {
-    const int64_t wanted = run->world.scene.snapshots;
+    const int64_t wanted = run->world.ctx.scene.snapshots;
     return (size_t)(wanted > LEAST_COUNT ? wanted : LEAST_COUNT);
 }
 
@@ -242,7 +242,7 @@ static bool is_superfluous(const gn_run *run) {
 bool gn_kept_is_due(gn_run *run, bool first) {
     gn_kept *k = &run->kept;
     if (first) k->part = 0;
-    if (first || run->world.step >= run->snapshot_next) {
+    if (first || run->world.ctx.step >= run->snapshot_next) {
         if (is_superfluous(run))
             gn_kept_plan(run);
         else
@@ -268,9 +268,9 @@ static gneiss_status add(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
     gn_kept *k = &run->kept;
     if (k->count == k->capacity) GN_TRY(grow(k, error));
     const double stress = last_in(run, "stress");
-    k->list[k->count++] =
-        (gn_kept_snapshot){(double)run->world.step, kind == GN_KEPT_REGULAR ? (double)k->part : 0.0,
-                           isnan(stress) ? 0.0 : stress, (double)kind};
+    k->list[k->count++] = (gn_kept_snapshot){(double)run->world.ctx.step,
+                                             kind == GN_KEPT_REGULAR ? (double)k->part : 0.0,
+                                             isnan(stress) ? 0.0 : stress, (double)kind};
     return GNEISS_OK;
 }
 
@@ -299,7 +299,7 @@ static gneiss_status drop_former(gn_run *run, bool over, gneiss_error *error) {
 /* The one before of its kind; with a peak also what came after an earlier one. */
 static gneiss_status replace(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
     gn_kept *k = &run->kept;
-    const double now = (double)run->world.step;
+    const double now = (double)run->world.ctx.step;
     for (size_t n = k->count; n > 0; n--) {
         gn_kept_snapshot *s = &k->list[n - 1];
         const bool same = s->kind == (double)kind && s->step < now;
@@ -322,13 +322,13 @@ gneiss_status gn_kept_note(gn_run *run, gneiss_error *error) {
         GN_TRY(replace(run, tested[n], error));
     }
     if (!(due & GN_KEPT_REGULAR)) return GNEISS_OK;
-    if (!k->part) k->base = run->world.step;
+    if (!k->part) k->base = run->world.ctx.step;
     return note_regular(run, error);
 }
 
 gneiss_status gn_kept_finish(gn_run *run, gneiss_error *error) {
     gn_kept *k = &run->kept;
-    const int64_t wanted = run->world.scene.snapshots;
+    const int64_t wanted = run->world.ctx.scene.snapshots;
     while (k->halvings > 0 && (int64_t)count_regular(k) > wanted) GN_TRY(thin(run, error));
     return drop_former(run, true, error);
 }

@@ -47,7 +47,7 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
 }
 
 static bool shows_contacts(const gn_world *w) {
-    return w->scene.contact_rows == GN_SWITCH_ON && w->dem.particles.soa.count;
+    return w->ctx.scene.contact_rows == GN_SWITCH_ON && w->dem.particles.soa.count;
 }
 
 static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v, const char *before,
@@ -61,15 +61,18 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v, 
     for (size_t p = 0; p < count; p++) gn_output_place(v, p, place + 3 * (size_t)v->row[p]);
     gneiss_status status = gn_output_arrays_read(&particles, &points, error);
     if (status == GNEISS_OK) {
-        gn_snapshot s = {
-            .bad = w->bad, .time = w->time, .step = w->step, .point_count = count, .points = place};
+        gn_snapshot s = {.bad = w->outcome.bad,
+                         .time = w->ctx.time,
+                         .step = w->ctx.step,
+                         .point_count = count,
+                         .points = place};
         s.point_arrays = points.of;
         s.point_array_count = points.count;
         char name[64];
         snprintf(name, sizeof name, "%sparticles", before);
         status = gn_snapshot_write(run->directory, name, &s, error);
         snprintf(name, sizeof name, "%sbonds", before);
-        if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
+        if (status == GNEISS_OK && w->ctx.effects & GN_FX_BONDS)
             status = write_bonds(run, v, name, &s, error);
         snprintf(name, sizeof name, "%scontacts", before);
         if (status == GNEISS_OK && shows_contacts(w))
@@ -84,7 +87,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_e
     gn_observed seen;
     gn_output_view view;
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
-    GN_TRY(gn_world_observe(&run->world, &seen, error));
+    GN_TRY(gn_world_observe(&run->world.ctx, &run->world.dem, &run->world.box, &seen, error));
     gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
     if (status == GNEISS_OK) {
         status = write_snapshot(run, &view, before, error);
@@ -96,19 +99,19 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *before, gneiss_e
 
 static gneiss_status write_series(gn_run *run, gneiss_error *error) {
     gn_snapshot_times *times = &run->snapshot_times;
-    if (run->world.scene.body_count)
-        GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
-    for (size_t k = 0; k < run->world.element_count; k++) {
+    if (run->world.ctx.scene.body_count)
+        GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.ctx.step, times, error));
+    for (size_t k = 0; k < run->world.solids.count; k++) {
         char name[GN_ELEMENT_PATH];
         GN_TRY(gn_snapshot_series(run->directory, gn_elements_file(k, "elements", name),
-                                  run->world.step, times, error));
+                                  run->world.ctx.step, times, error));
     }
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
-    GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
+    GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.ctx.step, times, error));
     if (shows_contacts(&run->world))
-        GN_TRY(gn_snapshot_series(run->directory, "contacts", run->world.step, times, error));
-    if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
-    return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
+        GN_TRY(gn_snapshot_series(run->directory, "contacts", run->world.ctx.step, times, error));
+    if (!(run->world.ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
+    return gn_snapshot_series(run->directory, "bonds", run->world.ctx.step, times, error);
 }
 
 gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
@@ -148,7 +151,7 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
 
 /* Names, a line each; which of them a row is of stands in the history. */
 static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1) + 1;
     if (!s->stage_count) return GNEISS_OK;
     char *text = calloc(size, 1);
@@ -163,9 +166,9 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
 
 /* Who made up for the momentum that masses of particles would have changed. */
 static void summary_corrections(const gn_world *w, gn_json *j) {
-    const gn_corrections *c = &w->couple.corrected;
-    const gn_conversion_parts *p = &w->couple.parts;
-    if (!gn_converts(w)) return;
+    const gn_corrections *c = &w->zones.state.corrected;
+    const gn_conversion_parts *p = &w->zones.state.parts;
+    if (!gn_converts(&w->ctx)) return;
     gn_json_object(j, "conversions");
     gn_json_integer(j, "count", (int64_t)c->count);
     gn_json_integer(j, "wider", (int64_t)c->wider);
@@ -190,8 +193,8 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
 
 /* What brought converted particles into balance. */
 static void summary_relaxation(const gn_world *w, gn_json *j) {
-    const gn_relaxations *r = &w->couple.relaxed;
-    if (!gn_converts(w) || !(w->scene.couple.convert.relax > 0.0)) return;
+    const gn_relaxations *r = &w->zones.state.relaxed;
+    if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
     gn_json_object(j, "relaxation");
     gn_json_integer(j, "count", (int64_t)r->count);
     gn_json_integer(j, "iterations", (int64_t)r->iterations);
@@ -207,7 +210,7 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
 /* What was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
-    if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
     const gn_h5_attribute list[] = {{"added_mass", .number = &s->added},
                                     {"own_mass", .number = &w->dem.mass},
                                     {"dt_without_added_mass", .number = &s->unscaled}};
@@ -217,9 +220,9 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
 /* What makes the mean stress of that of the contacts. */
 static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const double volume = gn_space_volume(w);
-    const bool membrane = w->effects & GN_FX_MEMBRANE;
+    const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
     double stress[9] = {0};
-    if (!membrane && volume == w->volume) return GNEISS_OK;
+    if (!membrane && volume == w->ctx.volume) return GNEISS_OK;
     gn_membrane_stress(w, stress);
     const gn_h5_attribute list[] = {{"stress_volume", .number = &volume},
                                     {"membrane_stress", .number = stress, .count = 9}};
@@ -227,7 +230,7 @@ static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *err
 }
 
 gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    char *scene = gn_scene_write(&w->given);
+    char *scene = gn_scene_write(&w->ctx.given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
     free(scene);
@@ -237,30 +240,32 @@ gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *err
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     char effects[512], hash[24];
-    effect_names(w->effects, effects, sizeof effects);
-    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
-    const int64_t threads = w->threads, finished = run->finished, steps = w->step;
+    effect_names(w->ctx.effects, effects, sizeof effects);
+    snprintf(
+        hash, sizeof hash, "%016llx",
+        (unsigned long long)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box));
+    const int64_t threads = w->ctx.threads, finished = run->finished, steps = w->ctx.step;
     const gn_progress progress = gn_run_progress(run);
     const gn_h5_attribute list[] = {
-        {"title", .text = w->scene.title},
-        {"scene_file", .text = w->scene.source},
+        {"title", .text = w->ctx.scene.title},
+        {"scene_file", .text = w->ctx.scene.source},
         {"version", .text = gn_version()},
         {"build", .text = gn_build()},
-        {"isa", .text = w->kernels->name},
-        {"precision", .text = w->effects & GN_FX_MIXED ? "mixed" : "double"},
+        {"isa", .text = w->ctx.kernels->name},
+        {"precision", .text = w->ctx.effects & GN_FX_MIXED ? "mixed" : "double"},
         {"effects", .text = effects},
         {"state_hash", .text = hash},
         {"stop_reason", .text = run->stop_reason},
         {"threads", .whole = &threads},
         {"finished", .whole = &finished},
-        {"dimension", .whole = &w->scene.dimension},
+        {"dimension", .whole = &w->ctx.scene.dimension},
         {"steps", .whole = &steps},
-        {"dt", .number = &w->dt},
-        {"volume", .number = &w->volume},
-        {"volume_of", .text = gn_world_volume_source(w)},
+        {"dt", .number = &w->ctx.dt},
+        {"volume", .number = &w->ctx.volume},
+        {"volume_of", .text = gn_world_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids)},
         {"seconds", .number = &progress.seconds},
         {"cpu_seconds", .number = &progress.cpu_seconds},
-        {"origin", .number = w->scene.origin, .count = 3},
+        {"origin", .number = w->ctx.scene.origin, .count = 3},
     };
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
     GN_TRY(put_mass_scaling(w, file, error));
@@ -297,11 +302,11 @@ static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group
 /* Of all stages that have begun. */
 static gneiss_status put_stage_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
-    for (size_t k = 0; gn_run_staged(run) && k <= w->stage; k++) {
+    for (size_t k = 0; gn_run_staged(run) && k <= w->stages.now; k++) {
         char group[GN_NAME_SIZE + 32];
         gn_readings r;
         GN_TRY(gn_run_stage_readings(run, k, &r, error));
-        snprintf(group, sizeof group, "stages/%s/readings", w->scene.stages[k].name);
+        snprintf(group, sizeof group, "stages/%s/readings", w->ctx.scene.stages[k].name);
         GN_TRY(put_group(run, file, group, &r, error));
     }
     return GNEISS_OK;
@@ -330,15 +335,15 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         const gn_column *column = &run->history.columns[c];
         char path[160];
         snprintf(path, sizeof path, "history/%s", column->name);
-        gn_h5_demand_finite(file, !column->absent && !w->bad);
+        gn_h5_demand_finite(file, !column->absent && !w->outcome.bad);
         GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value,
                          column->unit, column->text, error));
     }
-    gn_h5_demand_finite(file, !w->bad);
+    gn_h5_demand_finite(file, !w->outcome.bad);
     GN_TRY(put_readings(run, file, error));
     gn_energy_figure figure[GN_ENERGY_FIGURES];
-    gn_energy_figures(&w->reading, figure);
-    for (int k = 0; w->effects & GN_FX_ENERGY && k < GN_ENERGY_FIGURES; k++)
+    gn_energy_figures(&w->ledger.reading, figure);
+    for (int k = 0; w->ctx.effects & GN_FX_ENERGY && k < GN_ENERGY_FIGURES; k++)
         GN_TRY(put_energy(file, &figure[k], error));
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
@@ -349,14 +354,14 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
 static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    if (!w->dem.particles.soa.count && !(w->effects & GN_FX_BONDS)) return GNEISS_OK;
-    GN_TRY(gn_world_observe(w, &seen, error));
+    if (!w->dem.particles.soa.count && !(w->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
+    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
     gneiss_status status = gn_output_view_make(w, &seen, &view, error);
     if (status == GNEISS_OK) {
         const gn_output_source particles = gn_output_particles(&view),
                                bonds = gn_output_bonds(&view);
         if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
-        if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
+        if (status == GNEISS_OK && w->ctx.effects & GN_FX_BONDS)
             status = gn_output_put(&bonds, file, error);
         if (status == GNEISS_OK && shows_contacts(w))
             status = gn_output_contacts_put(&view, file, error);
@@ -371,7 +376,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
-    gn_h5_demand_finite(file, !run->world.bad);
+    gn_h5_demand_finite(file, !run->world.outcome.bad);
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
@@ -437,21 +442,22 @@ static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_erro
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     gn_json_object(j, "counts");
-    bool flows = gn_scene_flows(&w->scene);
+    bool flows = gn_scene_flows(&w->ctx.scene);
     gn_json_integer(j, "particles",
-                    (int64_t)(flows ? gn_world_present(w) : w->dem.particles.soa.count));
-    if (gn_converts(w)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(w));
+                    (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
+    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(&w->dem));
     gn_json_integer(j, "contacts", (int64_t)contacts);
     gn_json_integer(j, "bonds", w->dem.bonds_at_start);
     gn_json_integer(j, "broken_tension", w->dem.broken_tension);
     gn_json_integer(j, "broken_shear", w->dem.broken_shear);
     gn_json_integer(j, "removed", w->dem.lost);
-    if (w->scene.body_count) {
-        gn_json_integer(j, "bodies", (int64_t)w->scene.body_count);
-        gn_json_integer(j, "facets", (int64_t)w->boundary.body_corner_count / w->scene.dimension);
+    if (w->ctx.scene.body_count) {
+        gn_json_integer(j, "bodies", (int64_t)w->ctx.scene.body_count);
+        gn_json_integer(j, "facets",
+                        (int64_t)w->boundary.body_corner_count / w->ctx.scene.dimension);
     }
-    if (w->element_count) {
-        gn_element_totals t = gn_elements_totals(w);
+    if (w->solids.count) {
+        gn_element_totals t = gn_elements_totals(&w->solids);
         gn_json_integer(j, "nodes", (int64_t)t.nodes);
         gn_json_integer(j, "elements", (int64_t)t.elements);
     }
@@ -459,23 +465,24 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
 }
 
 static void summary_step(const gn_world *w, gn_json *j) {
-    gn_json_integer(j, "steps", w->step);
-    gn_json_number(j, "time", w->time);
-    gn_json_number(j, "dt", w->dt);
-    gn_json_number(j, "dt_limit", w->stable);
-    gn_json_number(j, "dt_limit_sharp", gn_world_sharp_limit(w));
-    gn_json_number(j, "dt_limit_bound", gn_world_bound(w));
+    gn_json_integer(j, "steps", w->ctx.step);
+    gn_json_number(j, "time", w->ctx.time);
+    gn_json_number(j, "dt", w->ctx.dt);
+    gn_json_number(j, "dt_limit", w->ctx.stable);
+    gn_json_number(j, "dt_limit_sharp",
+                   gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones));
+    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones));
     gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 
 /* What was added for a longer step. */
 static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     const gn_mass_scaling *s = &w->dem.scaling;
-    if (!(w->effects & GN_FX_MASS_SCALING)) return;
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return;
     gn_json_object(j, "mass_scaling");
     gn_json_number(j, "added_mass", s->added);
     gn_json_number(j, "added_share", s->added / w->dem.mass);
-    gn_json_number(j, "added_kinetic", gn_dem_added_kinetic(w));
+    gn_json_number(j, "added_kinetic", gn_dem_added_kinetic(&w->dem));
     gn_json_integer(j, "particles", s->raised);
     gn_json_number(j, "largest_factor", s->largest);
     gn_json_number(j, "dt_wanted", s->step > 0.0 ? s->step : s->unscaled);
@@ -488,19 +495,19 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
     const gn_world *w = &run->world;
     if (!gn_run_staged(run)) return GNEISS_OK;
     gn_json_array(j, "stages");
-    for (size_t k = 0; k <= w->stage; k++) {
-        const gn_stage_state *s = &w->stages[k];
+    for (size_t k = 0; k <= w->stages.now; k++) {
+        const gn_stage_state *s = &w->stages.state[k];
         char reason[96];
         gn_readings r;
         GN_TRY(gn_run_stage_readings(run, k, &r, error));
         gn_json_object(j, NULL);
-        gn_json_text(j, "name", w->scene.stages[k].name);
+        gn_json_text(j, "name", w->ctx.scene.stages[k].name);
         gn_json_integer(j, "step", (int64_t)s->step);
         gn_json_number(j, "time", s->time);
         gn_json_integer(j, "row", (int64_t)s->row);
-        gn_json_text(
-            j, "ended",
-            gn_stage_reason(&w->scene.stages[k], (gn_stage_cause)s->ended, reason, sizeof reason));
+        gn_json_text(j, "ended",
+                     gn_stage_reason(&w->ctx.scene.stages[k], (gn_stage_cause)s->ended, reason,
+                                     sizeof reason));
         summary_of(run, &r, j);
         gn_json_end(j);
     }
@@ -544,12 +551,12 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     gn_json_end(j);
     gn_json_integer(j, "peak_memory", peak_memory());
     gn_json_number(j, "particle_steps_per_second",
-                   (double)w->dem.particles.soa.count * (double)w->step / p.seconds);
+                   (double)w->dem.particles.soa.count * (double)w->ctx.step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);
-    if (w->element_count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
-    gn_json_integer(j, "threads", w->threads);
-    gn_json_text(j, "isa", w->kernels->name);
-    gn_json_text(j, "precision", w->effects & GN_FX_MIXED ? "mixed" : "double");
+    if (w->solids.count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
+    gn_json_integer(j, "threads", w->ctx.threads);
+    gn_json_text(j, "isa", w->ctx.kernels->name);
+    gn_json_text(j, "precision", w->ctx.effects & GN_FX_MIXED ? "mixed" : "double");
     gn_json_text(j, "version", gn_version());
     gn_json_text(j, "build", gn_build());
 }
@@ -557,23 +564,26 @@ static void summary_cost(const gn_run *run, gn_json *j) {
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_observed seen;
-    GN_TRY(gn_world_observe(w, &seen, error));
+    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
     size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
     gn_observed_free(&seen);
     char hash[24], path[GN_PATH_SIZE + 32];
-    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
+    snprintf(
+        hash, sizeof hash, "%016llx",
+        (unsigned long long)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box));
     gn_json *j = gn_json_begin();
-    gn_json_text(j, "title", w->scene.title);
+    gn_json_text(j, "title", w->ctx.scene.title);
     gneiss_status status = summary_readings(run, j, error);
     if (status == GNEISS_OK) status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
     summary_corrections(w, j);
     summary_relaxation(w, j);
     gn_output_flow(run, j);
-    gn_json_number(j, "volume", w->volume);
-    gn_json_text(j, "volume_of", gn_world_volume_source(w));
+    gn_json_number(j, "volume", w->ctx.volume);
+    gn_json_text(j, "volume_of",
+                 gn_world_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids));
     gn_json_number(j, "energy_residual",
-                   w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
+                   w->ctx.effects & GN_FX_ENERGY ? gn_energy_residual(&w->ledger.reading) : NAN);
     if (status == GNEISS_OK) status = summary_warnings(run, j, error);
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);

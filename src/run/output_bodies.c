@@ -28,7 +28,7 @@ static void free_view(view *v) {
 static void fill(view *v) {
     const gn_world *w = v->world;
     size_t vertex = 0, facet = 0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
         const int64_t *shape = w->boundary.body_shape[k];
         size_t end = facet + (size_t)shape[1];
         for (size_t c = v->corners * facet; c < v->corners * end; c++)
@@ -38,7 +38,7 @@ static void fill(view *v) {
             double *place = v->place + 3 * vertex;
             v->vertex_body[vertex] = (int32_t)k;
             gn_rigid_place(&w->boundary.bodies[k], w->boundary.body_vertex + 4 * vertex, place);
-            gn_world_point_out(w, place, place);
+            gn_world_point_out(&w->ctx, place, place);
         }
     }
 }
@@ -46,7 +46,7 @@ static void fill(view *v) {
 static gneiss_status make_view(const gn_world *w, view *v, gneiss_error *error) {
     *v = (view){.world = w,
                 .vertices = w->boundary.body_vertex_count,
-                .corners = (size_t)w->scene.dimension};
+                .corners = (size_t)w->ctx.scene.dimension};
     v->facets = w->boundary.body_corner_count / v->corners;
     v->place = gn_alloc_array(v->vertices + 1, 3 * sizeof *v->place);
     v->vertex_body = gn_alloc_array(v->vertices + 1, sizeof *v->vertex_body);
@@ -78,11 +78,11 @@ READ(inertia, 3, b->inertia)
 
 static void read_position(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(w, w->boundary.bodies[k].position, value);
+    gn_world_point_out(&w->ctx, w->boundary.bodies[k].position, value);
 }
 static void read_start(const void *of, size_t k, double *value) {
     const gn_world *w = ((const view *)of)->world;
-    gn_world_point_out(w, w->boundary.bodies[k].start, value);
+    gn_world_point_out(&w->ctx, w->boundary.bodies[k].start, value);
 }
 static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);
@@ -158,9 +158,9 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
     gn_output_arrays points = {0}, cells = {0};
     gneiss_status status = gn_output_arrays_read(&vertices, &points, error);
     if (status == GNEISS_OK) status = gn_output_arrays_read(&facets, &cells, error);
-    const gn_snapshot s = {.bad = w->bad,
-                           .time = w->time,
-                           .step = w->step,
+    const gn_snapshot s = {.bad = w->outcome.bad,
+                           .time = w->ctx.time,
+                           .step = w->ctx.step,
                            .point_count = v->vertices,
                            .points = v->place,
                            .line_count = v->facets,
@@ -179,7 +179,7 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
 gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const char *name,
                                  gneiss_error *error) {
     view v;
-    if (!w->scene.body_count) return GNEISS_OK;
+    if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
     gneiss_status status = write_snapshot(&v, directory, name, error);
     free_view(&v);
@@ -188,12 +188,12 @@ gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const
 
 /* One a line. */
 static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    size_t used = 0, size = w->scene.body_count * (GN_NAME_SIZE + 1) + 1;
+    size_t used = 0, size = w->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
     char *names = gn_alloc(size);
     if (!names) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of bodies");
-    for (size_t k = 0; k < w->scene.body_count; k++)
+    for (size_t k = 0; k < w->ctx.scene.body_count; k++)
         used += (size_t)snprintf(names + used, size - used, "%s%s", k ? "\n" : "",
-                                 w->scene.bodies[k].name);
+                                 w->ctx.scene.bodies[k].name);
     gneiss_status status = gn_h5_put_text(file, "bodies/name", names, error);
     gn_free(names);
     return status;
@@ -202,7 +202,7 @@ static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *err
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = v->world;
     const gn_output_source
-        bodies = {&gn_body_outputs, v, w->effects, w->scene.body_count, NULL, NULL, 0},
+        bodies = {&gn_body_outputs, v, w->ctx.effects, w->ctx.scene.body_count, NULL, NULL, 0},
         vertices = vertices_of(v), facets = facets_of(v);
     GN_TRY(put_names(w, file, error));
     GN_TRY(gn_output_put(&bodies, file, error));
@@ -214,7 +214,7 @@ static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
 
 gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     view v;
-    if (!w->scene.body_count) return GNEISS_OK;
+    if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
     gneiss_status status = put_view(&v, file, error);
     free_view(&v);

@@ -36,11 +36,11 @@ static gn_output_contact between(const gn_output_view *v, const gn_contacts *lis
                            .with = WITH_PARTICLE,
                            .side = -1,
                            .state = list->cause ? gn_output_bond_state(list, c) : NEVER_BONDED};
-    const double length = sqrt(gn_branch(w, x, y, k.branch));
-    for (int a = 0; a < (int)w->scene.dimension; a++) k.force[a] = turn * row[a];
+    const double length = sqrt(gn_branch(&w->ctx, x, y, k.branch));
+    for (int a = 0; a < (int)w->ctx.scene.dimension; a++) k.force[a] = turn * row[a];
     for (int a = 0; a < 3; a++) k.branch[a] *= turn;
     k.overlap = (list->length0 ? list->length0[c] : x[3] + y[3]) - length;
-    k.area = gn_contact_area(w, list, c, k.overlap);
+    k.area = gn_contact_area(&w->ctx, &w->dem, list, c, k.overlap);
     split(&k);
     return k;
 }
@@ -57,7 +57,7 @@ static void reach_for(const gn_world *w, size_t c, gn_output_contact *k) {
         gap = gn_wall_distance(plane, x) - x[3] - list->gap0[c];
     } else {
         double size2 = 0.0;
-        for (size_t a = 0; a < (size_t)w->scene.dimension; a++) {
+        for (size_t a = 0; a < (size_t)w->ctx.scene.dimension; a++) {
             k->branch[a] = list->touch[c + a * list->soa.capacity] - x[a];
             size2 += k->branch[a] * k->branch[a];
         }
@@ -73,14 +73,14 @@ static gn_output_contact with_surface(const gn_output_view *v, size_t c) {
     const size_t wall = (size_t)list->wall[c], p = (size_t)list->i[c];
     gn_output_contact k = {
         .i = v->row[p], .j = -1, .with = WITH_WALL, .side = (int32_t)wall, .state = NEVER_BONDED};
-    if (wall >= w->scene.wall_count) {
-        const gn_surface *s = gn_surface_of_row(w, c);
+    if (wall >= w->ctx.scene.wall_count) {
+        const gn_surface *s = gn_surface_of_row(&w->ctx, &w->boundary, c);
         k.with = s->body >= 0 ? WITH_BODY : WITH_ELEMENTS;
-        k.side = s->body >= 0 ? s->body : (int32_t)(wall - w->scene.wall_count) - s->first;
+        k.side = s->body >= 0 ? s->body : (int32_t)(wall - w->ctx.scene.wall_count) - s->first;
     }
-    for (size_t a = 0; a < (size_t)w->scene.dimension; a++) k.force[a] = list->row[8 * c + a];
+    for (size_t a = 0; a < (size_t)w->ctx.scene.dimension; a++) k.force[a] = list->row[8 * c + a];
     reach_for(w, c, &k);
-    k.area = gn_touch_area(w, p, k.overlap);
+    k.area = gn_touch_area(&w->ctx, &w->dem, p, k.overlap);
     split(&k);
     return k;
 }
@@ -114,7 +114,7 @@ static size_t list_contacts(const gn_output_view *v, gn_output_contact *to) {
 static size_t list_surfaces(const gn_output_view *v, gn_output_contact *to) {
     const gn_world *w = v->world;
     size_t count = 0;
-    for (size_t c = 0; w->effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++) {
+    for (size_t c = 0; w->ctx.effects & GN_FX_WALLS && c < w->boundary.contacts.soa.count; c++) {
         if (!pressed(w, c)) continue;
         if (to) to[count] = with_surface(v, c);
         count++;

@@ -229,9 +229,9 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of elements");
     if (status == GNEISS_OK) status = gn_output_arrays_read(&nodes, &points, error);
     if (status == GNEISS_OK) status = gn_output_arrays_read(&elements, &cells, error);
-    const gn_snapshot s = {.bad = w->bad,
-                           .time = w->time,
-                           .step = w->step,
+    const gn_snapshot s = {.bad = w->outcome.bad,
+                           .time = w->ctx.time,
+                           .step = w->ctx.step,
                            .point_count = nodes.count,
                            .points = places,
                            .line_count = elements.count,
@@ -251,10 +251,10 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
 
 gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
                                    gneiss_error *error) {
-    for (size_t k = 0; k < w->element_count; k++) {
+    for (size_t k = 0; k < w->solids.count; k++) {
         char file[GN_ELEMENT_PATH];
         view v;
-        GN_TRY(make_view(&w->elements[k]->solid, k, &v, error));
+        GN_TRY(make_view(&w->solids.elements[k]->solid, k, &v, error));
         gneiss_status status =
             write_snapshot(w, &v, directory, gn_elements_file(k, name, file), error);
         free_view(&v);
@@ -289,7 +289,7 @@ static gneiss_status put_body(size_t number, const gn_fem_solid *b, gn_h5 *file,
 gneiss_status gn_elements_read(const gn_world *w, size_t solid, bool nodes,
                                const gn_output_field *field, double *values, gneiss_error *error) {
     view v;
-    GN_TRY(make_view(&w->elements[solid]->solid, solid, &v, error));
+    GN_TRY(make_view(&w->solids.elements[solid]->solid, solid, &v, error));
     const gn_output_source source = nodes ? nodes_source(&v) : elements_source(&v);
     gn_output_read(&source, field, values);
     free_view(&v);
@@ -297,7 +297,7 @@ gneiss_status gn_elements_read(const gn_world *w, size_t solid, bool nodes,
 }
 
 gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < w->element_count; k++)
-        GN_TRY(put_body(k, &w->elements[k]->solid, file, error));
+    for (size_t k = 0; k < w->solids.count; k++)
+        GN_TRY(put_body(k, &w->solids.elements[k]->solid, file, error));
     return GNEISS_OK;
 }

@@ -32,8 +32,8 @@ READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
 READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
-READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_asleep(w, k))
-READ(asleep, gn_is_asleep(w, k))
+READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_asleep(&w->dem, k))
+READ(asleep, gn_is_asleep(&w->dem, k))
 READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
 
 static const gn_world *world_of(const void *view) {
@@ -43,24 +43,24 @@ static const gn_world *world_of(const void *view) {
 /* Who sleeps is where the elements have the body. */
 static void read_displacement(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
-    gn_conversion_travel(v->world, v->places, k, value);
+    gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, k, value);
 }
 void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
     const gn_particles *q = &v->world->dem.particles;
     double now[3], travel[3];
     memcpy(now, q->pos + 4 * p, sizeof now);
-    if (gn_is_asleep(v->world, p)) {
-        gn_conversion_travel(v->world, v->places, p, travel);
+    if (gn_is_asleep(&v->world->dem, p)) {
+        gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
         for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
     }
-    gn_world_point_out(v->world, now, place);
+    gn_world_point_out(&v->world->ctx, now, place);
 }
 static void read_position(const void *view, size_t k, double *value) {
     gn_output_place(view, k, value);
 }
 static void read_velocity(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
-    gn_conversion_velocity(v->world, v->places, k, value);
+    gn_conversion_velocity(&v->world->dem, &v->world->solids, v->places, k, value);
 }
 static void read_spin(const void *view, size_t k, double *value) {
     const double *spin = world_of(view)->dem.particles.spin;
@@ -171,14 +171,14 @@ static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
     const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
     force[0] = row[0];
     force[1] = row[1];
-    force[2] = v->world->effects & GN_FX_SPACE ? row[2] : 0.0;
+    force[2] = v->world->ctx.effects & GN_FX_SPACE ? row[2] : 0.0;
 }
 
 static double normal_of(const gn_output_view *v, size_t c, const double force[3]) {
     const gn_world *w = v->world;
     const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.i[c],
                  *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.j[c];
-    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0;
+    double d[3], d2 = gn_branch(&w->ctx, x, y, d), along = 0.0;
     for (int a = 0; a < 3; a++) along += force[a] * d[a];
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
 }
@@ -201,7 +201,7 @@ static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
     const gn_world *w = v->world;
     const gn_contacts *b = &w->dem.bonds;
     const gn_law *law = gn_law_of(b->soa.effects);
-    double n[3], n2 = gn_branch(w, w->dem.particles.pos + 4 * (int64_t)b->i[c],
+    double n[3], n2 = gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)b->i[c],
                                 w->dem.particles.pos + 4 * (int64_t)b->j[c], n);
     if (!law->moments || !(n2 > 0.0)) return (gn_law_moments){0};
     for (int a = 0; a < 3; a++) n[a] /= sqrt(n2);
@@ -321,15 +321,16 @@ const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of
 
 gn_output_source gn_output_particles(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){
-        &gn_particle_outputs, v, w->effects, w->dem.particles.soa.count, v->row, NULL,
-        w->scene.asked};
+    return (gn_output_source){&gn_particle_outputs,       v,      w->ctx.effects,
+                              w->dem.particles.soa.count, v->row, NULL,
+                              w->ctx.scene.asked};
 }
 
 gn_output_source gn_output_bonds(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL,
-                              w->scene.asked};
+    return (gn_output_source){&gn_bond_outputs,       v,    w->ctx.effects,
+                              w->dem.bonds.soa.count, NULL, NULL,
+                              w->ctx.scene.asked};
 }
 
 /* --- what takes more than one particle --- */
@@ -357,19 +358,20 @@ static void damage_of_the_awake(const gn_world *w, double *damage) {
 
 static gneiss_status read_fragments(gn_output_view *v, gneiss_error *error) {
     const unsigned wanted = GN_ASKED(fragment) | GN_ASKED(fragment_size);
-    if (!(v->world->scene.asked & wanted)) return GNEISS_OK;
-    return gn_fragments_list(v->world, &v->fragments, error);
+    if (!(v->world->ctx.scene.asked & wanted)) return GNEISS_OK;
+    return gn_fragments_list(&v->world->ctx, &v->world->dem, &v->fragments, error);
 }
 
 /* Nothing costs what nobody asks for. */
 static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
     const size_t n = v->world->dem.particles.soa.count;
-    if (!(v->world->scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;
+    if (!(v->world->ctx.scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;
     v->total = calloc(n + 1, 6 * sizeof(double));
     v->damping = calloc(n + 1, 6 * sizeof(double));
     if (!v->total || !v->damping)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the forces on %zu particles", n);
-    return gn_world_loads(v->world, v->total, v->damping, error);
+    return gn_world_loads(&v->world->ctx, &v->world->dem, &v->world->boundary, &v->world->box,
+                          v->total, v->damping, error);
 }
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
@@ -383,29 +385,32 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
                           .normal = calloc(bonds + 1, sizeof(double)),
                           .shear = calloc(bonds + 1, sizeof(double)),
                           .row = calloc(n + 1, sizeof(int32_t)),
-                          .places = gn_conversion_places(w)};
-    if ((gn_converts(w) && !v->places) || !v->row || !v->damage || !v->stress || !v->coordination ||
-        !v->normal || !v->shear) {
+                          .places = gn_conversion_places(&w->ctx, &w->solids)};
+    if ((gn_converts(&w->ctx) && !v->places) || !v->row || !v->damage || !v->stress ||
+        !v->coordination || !v->normal || !v->shear) {
         gn_output_view_free(v);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
     }
     int32_t row = 0;
     for (int64_t id = 0; id < w->dem.ids; id++)
         if (w->dem.index_of_id[id] >= 0) v->row[w->dem.index_of_id[id]] = row++;
-    gn_assembly assembly = gn_world_assembly(w);
+    gn_assembly assembly = gn_world_assembly(&w->ctx, &w->dem, &w->boundary);
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
-    const double solid = (1.0 - gn_world_porosity(w)) * w->volume / gn_space_volume(w);
+    const double solid = (1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids)) *
+                         w->ctx.volume / gn_space_volume(w);
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
-    gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
+    gneiss_status status =
+        gn_coupled_add_stress(&w->ctx, &w->dem, &w->solids, &w->zones, v->stress, error);
     if (status == GNEISS_OK) status = read_loads(v, error);
     if (status == GNEISS_OK) status = read_fragments(v, error);
     if (status != GNEISS_OK) {
         gn_output_view_free(v);
         return status;
     }
-    if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
-    if (gn_converts(w)) damage_of_the_awake(w, v->damage);
+    if (w->ctx.effects & GN_FX_BONDS)
+        gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
+    if (gn_converts(&w->ctx)) damage_of_the_awake(w, v->damage);
     count_contacts(&w->dem.bonds, &seen->bonds, v->coordination);
     count_contacts(&w->dem.pairs, &seen->pairs, v->coordination);
     split_forces(v);

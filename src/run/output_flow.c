@@ -62,22 +62,22 @@ static void begin_entry(gn_json *j, const char *name, double number, double mass
 
 void gn_output_flow(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
-    if (!gn_scene_flows(&w->scene)) return;
+    if (!gn_scene_flows(&w->ctx.scene)) return;
     gn_json_array(j, "sources");
-    for (size_t k = 0; k < w->scene.source_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
         const gn_source_state *s = &w->dem.flow.sources[k];
-        begin_entry(j, w->scene.sources[k].name, s->number, s->mass, s->energy);
-        gn_json_number(j, "behind", gn_flow_behind(w, k));
+        begin_entry(j, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
+        gn_json_number(j, "behind", gn_flow_behind(&w->ctx, &w->dem, k));
         gn_json_integer(j, "without_room", (int64_t)s->full);
         gn_json_end(j);
     }
     gn_json_end(j);
     gn_json_array(j, "sinks");
-    for (size_t k = 0; k < w->scene.sink_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
         const gn_sink_state *s = &w->dem.flow.sinks[k];
-        begin_entry(j, w->scene.sinks[k].name, s->number, s->mass, s->energy);
+        begin_entry(j, w->ctx.scene.sinks[k].name, s->number, s->mass, s->energy);
         gn_json_number(j, "steady_rate",
-                       gn_sink_steady_rate(&run->history, w->scene.sinks[k].name));
+                       gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name));
         gn_json_end(j);
     }
     gn_json_end(j);

@@ -23,86 +23,87 @@ static void difference3(double *to, const double *a, const double *b) {
 
 static bool has_stages(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.stage_count > 0;
+    return w->ctx.scene.stage_count > 0;
 }
 static bool has_test(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.test.kind != GN_TEST_NONE;
+    return w->ctx.scene.test.kind != GN_TEST_NONE;
 }
 static bool has_ends(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->scene.test.kind != GN_TEST_HYDROSTATIC;
+    return has_test(w, k) && w->ctx.scene.test.kind != GN_TEST_HYDROSTATIC;
 }
 static bool has_confinement(const gn_world *w, size_t k) {
     (void)k;
-    return gn_test_in(w->scene.test.kind, GN_TESTS_CONFINED);
+    return gn_test_in(w->ctx.scene.test.kind, GN_TESTS_CONFINED);
 }
 static bool has_volume(const gn_world *w, size_t k) {
-    return has_confinement(w, k) || w->scene.test.kind == GN_TEST_HYDROSTATIC;
+    return has_confinement(w, k) || w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC;
 }
 static bool has_shear(const gn_world *w, size_t k) {
     (void)k;
-    return gn_test_in(w->scene.test.kind, GN_TESTS_SHEARED);
+    return gn_test_in(w->ctx.scene.test.kind, GN_TESTS_SHEARED);
 }
 static bool has_membrane(const gn_world *w, size_t k) {
     (void)k;
-    return w->effects & GN_FX_MEMBRANE;
+    return w->ctx.effects & GN_FX_MEMBRANE;
 }
 static bool has_opening(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->scene.test.has_opening;
+    return has_test(w, k) && w->ctx.scene.test.has_opening;
 }
 static bool has_control(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->scene.test.has_control;
+    return has_test(w, k) && w->ctx.scene.test.has_control;
 }
 static bool has_centre(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.test.kind == GN_TEST_BRAZILIAN && w->scene.has_specimen;
+    return w->ctx.scene.test.kind == GN_TEST_BRAZILIAN && w->ctx.scene.has_specimen;
 }
 static bool has_bonds(const gn_world *w, size_t k) {
     (void)k;
-    return w->effects & GN_FX_BONDS;
+    return w->ctx.effects & GN_FX_BONDS;
 }
 static bool has_ledger(const gn_world *w, size_t k) {
     (void)k;
-    return w->effects & GN_FX_ENERGY;
+    return w->ctx.effects & GN_FX_ENERGY;
 }
 static bool is_periodic(const gn_world *w, size_t k) {
     (void)k;
-    return w->effects & GN_FX_PERIODIC;
+    return w->ctx.effects & GN_FX_PERIODIC;
 }
 static bool has_added_mass(const gn_world *w, size_t k) {
     (void)k;
-    return w->effects & GN_FX_MASS_SCALING;
+    return w->ctx.effects & GN_FX_MASS_SCALING;
 }
 static bool is_counted(const gn_world *w, size_t k) {
     (void)k;
-    return gn_scene_flows(&w->scene) || gn_converts(w);
+    return gn_scene_flows(&w->ctx.scene) || gn_converts(&w->ctx);
 }
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
-    return w->element_count && w->scene.has_specimen;
+    return w->solids.count && w->ctx.scene.has_specimen;
 }
 static bool set_moves(const gn_world *w, size_t k) {
-    const gn_set_def *s = &w->scene.sets[k];
+    const gn_set_def *s = &w->ctx.scene.sets[k];
     size_t points = 0;
     for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
-    return points > 0 || (w->scene.stage_count && w->effects & GN_FX_PRESCRIBED);
+    return points > 0 || (w->ctx.scene.stage_count && w->ctx.effects & GN_FX_PRESCRIBED);
 }
 static bool motion_drives(const gn_world *w, size_t k) {
-    return gn_elements_motion_drives(w, k);
+    return gn_elements_motion_drives(&w->solids, k);
 }
 
 /* What comes and goes has no places at the start. In a box all round the sides tell. */
 static bool has_average_strain(const gn_world *w, size_t k) {
-    return !gn_scene_flows(&w->scene) || (is_periodic(w, k) && !gn_scene_half_periodic(&w->scene));
+    return !gn_scene_flows(&w->ctx.scene) ||
+           (is_periodic(w, k) && !gn_scene_half_periodic(&w->ctx.scene));
 }
 
 static bool has_zones(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.has_couple && w->scene.couple.zone_count;
+    return w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count;
 }
 static bool converts(const gn_world *w, size_t k) {
     (void)k;
-    return gn_converts(w);
+    return gn_converts(&w->ctx);
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
@@ -135,9 +136,9 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
         *value = (expression);                                                                     \
     }
 
-READ(step, (double)w->step)
-READ(time, w->time)
-READ(stage, (double)w->stage)
+READ(step, (double)w->ctx.step)
+READ(time, w->ctx.time)
+READ(stage, (double)w->stages.now)
 
 READ(deflection, gn_ends_deflection(w))
 
@@ -145,18 +146,19 @@ READ(deflection, gn_ends_deflection(w))
  * Elements without particles are the specimen. */
 static void mean_strain(const gn_world *w, double strain[9]) {
     double gradient[9];
-    if (!w->scene.has_specimen) {
-        gn_elements_strain(w, gradient);
+    if (!w->ctx.scene.has_specimen) {
+        gn_elements_strain(&w->solids, gradient);
         gn_strain_of(gradient, strain);
         return;
     }
-    if (!(w->effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->scene)) {
-        gn_conversion_gradient(w, gradient);
+    if (!(w->ctx.effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->ctx.scene)) {
+        gn_conversion_gradient(&w->ctx, &w->dem, &w->solids, &w->gauge, gradient);
         gn_strain_of(gradient, strain);
         return;
     }
     memset(strain, 0, 9 * sizeof *strain);
-    for (int a = 0; a < (int)w->scene.dimension; a++) strain[4 * a] = gn_box_strain(w, a);
+    for (int a = 0; a < (int)w->ctx.scene.dimension; a++)
+        strain[4 * a] = gn_box_strain(&w->ctx, &w->box, a);
 }
 
 /* Minus the trace of the average strain: what the volume lost of itself. */
@@ -170,10 +172,10 @@ READ(volumetric_strain, lost_volume(w))
 /* Mean over the directions across the axis, compression positive. */
 static double lateral_strain(const gn_world *w) {
     double g[9], sum = 0.0;
-    int dimension = (int)w->scene.dimension;
+    int dimension = (int)w->ctx.scene.dimension;
     mean_strain(w, g);
     for (int a = 0; a < dimension; a++)
-        if (a != (int)w->scene.test.axis) sum -= g[4 * a];
+        if (a != (int)w->ctx.scene.test.axis) sum -= g[4 * a];
     return sum / (dimension - 1);
 }
 READ(lateral_strain, lateral_strain(w))
@@ -181,20 +183,21 @@ READ(lateral_strain, lateral_strain(w))
 /* Loss of the volume that walls, a periodic box or the places of the particles tell. */
 static double hydrostatic_strain(const gn_world *w) {
     double now, start, stretch[9], cofactor[9];
-    if (gn_space_closed(w, &now, &start)) return 1.0 - now / start;
+    if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
+        return 1.0 - now / start;
     mean_strain(w, stretch);
     for (int a = 0; a < 3; a++) stretch[4 * a] += 1.0;
     gn_cofactor3(stretch, cofactor);
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
-READ(test_strain, w->scene.test.kind == GN_TEST_HYDROSTATIC
+READ(test_strain, w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC
                       ? hydrostatic_strain(w)
-                      : gn_ends_shortening(w) / w->test_length)
+                      : gn_ends_shortening(w) / w->ctx.test_length)
 
 static double mean_pressure(const gn_world *w) {
-    const double *s = w->stress;
-    return -(s[0] + s[4] + s[8]) / (double)w->scene.dimension;
+    const double *s = w->ledger.stress;
+    return -(s[0] + s[4] + s[8]) / (double)w->ctx.scene.dimension;
 }
 
 /* Of confined specimens the deviator: what ends bear of the pressure where the membrane does not
@@ -202,20 +205,22 @@ static double mean_pressure(const gn_world *w) {
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
     gn_ends_forces(w, &lower, &upper);
-    bool bare = has_confinement(w, 0) && w->scene.membrane.faces == GN_FACES_SIDES;
-    return (upper_end ? upper : lower) / gn_space_area(w) - (bare ? gn_membrane_pressure(w) : 0.0);
+    bool bare = has_confinement(w, 0) && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
+    return (upper_end ? upper : lower) / gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box) -
+           (bare ? gn_membrane_pressure(&w->dem) : 0.0);
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
-READ(test_stress, w->scene.test.kind == GN_TEST_HYDROSTATIC
+READ(test_stress, w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC
                       ? mean_pressure(w)
                       : 0.5 * (end_stress(w, false) + end_stress(w, true)))
-READ(membrane_pressure, gn_membrane_pressure(w))
-READ(membrane_area, gn_membrane_area(w))
+READ(membrane_pressure, gn_membrane_pressure(&w->dem))
+READ(membrane_area, gn_membrane_area(&w->dem))
 static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
     double lower, upper;
     gn_ends_normals(w, &lower, &upper);
-    return (of_lower * lower + of_upper * upper) / gn_space_area(w);
+    return (of_lower * lower + of_upper * upper) /
+           gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box);
 }
 READ(normal_stress, normal_stress(w, 0.5, 0.5))
 READ(normal_lower, normal_stress(w, 1.0, 0.0))
@@ -228,22 +233,22 @@ static void read_test_force(const gn_world *w, size_t k, double *value) {
     *value = 0.5 * (lower + upper);
 }
 
-READ(machine, w->machine.factor)
+READ(machine, w->ctx.machine.factor)
 READ(opening, gn_ends_opening(w))
 static void read_centre_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
-    gn_test_centre_stress(w, value);
+    gn_test_centre_stress(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box, value);
 }
 
 static void read_elements_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
     double gradient[9];
-    gn_elements_strain(w, gradient);
+    gn_elements_strain(&w->solids, gradient);
     gn_strain_of(gradient, value);
 }
 static void read_elements_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
-    gn_elements_stress(w, value);
+    gn_elements_stress(&w->solids, value);
 }
 static void read_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -252,25 +257,25 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
 /* Too few particles, or all on a plane, have no average strain; nor has a specimen of which too
  * little is left. */
 static bool no_strain(const gn_world *w) {
-    bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->scene);
-    return w->scene.has_specimen && !w->gauge.count && !box;
+    bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->ctx.scene);
+    return w->ctx.scene.has_specimen && !w->gauge.weights.count && !box;
 }
 static bool no_test_strain(const gn_world *w) {
     double now, start;
-    return w->scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w) &&
-           !gn_space_closed(w, &now, &start);
+    return w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w) &&
+           !gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start);
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
-    memcpy(value, w->stress, sizeof w->stress);
+    memcpy(value, w->ledger.stress, sizeof w->ledger.stress);
 }
 static void read_box(const gn_world *w, size_t k, double *value) {
     (void)k;
-    copy3(value, w->period);
+    copy3(value, w->ctx.period);
 }
-READ(unbalanced, w->unbalanced)
-READ(particles, (double)gn_world_present(w))
-READ(added_kinetic, gn_dem_added_kinetic(w))
+READ(unbalanced, w->ledger.unbalanced)
+READ(particles, (double)gn_world_present(&w->dem))
+READ(added_kinetic, gn_dem_added_kinetic(&w->dem))
 
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
@@ -278,8 +283,8 @@ static double broken(const gn_world *w) {
 /* Bonds that left with removed particles or were dissolved are neither intact nor broken. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
-    for (size_t c = 0;
-         (w->dem.lost || w->scene.stage_count || w->scene.sink_count) && c < w->dem.bonds.soa.count;
+    for (size_t c = 0; (w->dem.lost || w->ctx.scene.stage_count || w->ctx.scene.sink_count) &&
+                       c < w->dem.bonds.soa.count;
          c++)
         left += w->dem.bonds.cause[c] >= GN_BOND_LEFT && w->dem.bonds.cause[c] != GN_BOND_NEVER;
     return (double)left;
@@ -289,17 +294,17 @@ READ(broken_tension, (double)w->dem.broken_tension)
 READ(broken_shear, (double)w->dem.broken_shear)
 READ(damage, w->dem.bonds_at_start > 0 ? broken(w) / (double)w->dem.bonds_at_start : 0.0)
 
-#define X(name, kind, text) READ(energy_##name, w->reading.name)
+#define X(name, kind, text) READ(energy_##name, w->ledger.reading.name)
 GN_ENERGY_TERMS(X)
 #undef X
-READ(energy_residual, gn_energy_residual(&w->reading))
+READ(energy_residual, gn_energy_residual(&w->ledger.reading))
 
 static void read_returned_energy(const gn_world *w, size_t k, double *value) {
-    const double share = gn_coupled_returned_share(w, k);
+    const double share = gn_coupled_returned_share(&w->ctx, &w->solids, &w->ledger, k);
     *value = isnan(share) ? 0.0 : share;
 }
 
-READ(elements, (double)gn_conversion_elements(w))
+READ(elements, (double)gn_conversion_elements(&w->solids))
 
 #define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
     { name, unit, text, GN_SCALAR, instant, &when, read, absent }
@@ -386,10 +391,10 @@ static size_t one(const gn_world *w) {
 }
 
 static size_t wall_count(const gn_world *w) {
-    return w->scene.wall_count;
+    return w->ctx.scene.wall_count;
 }
 static const char *wall_name(const gn_world *w, size_t k) {
-    return w->scene.walls[k].name;
+    return w->ctx.scene.walls[k].name;
 }
 static void read_wall_force(const gn_world *w, size_t k, double *value) {
     copy3(value, w->boundary.walls[k].force);
@@ -405,10 +410,10 @@ static const gn_quantity of_walls[] = {{"force", "N", "force of particles and bo
                                         NULL}};
 
 static size_t body_count(const gn_world *w) {
-    return w->scene.body_count;
+    return w->ctx.scene.body_count;
 }
 static const char *body_name(const gn_world *w, size_t k) {
-    return w->scene.bodies[k].name;
+    return w->ctx.scene.bodies[k].name;
 }
 static void read_body_force(const gn_world *w, size_t k, double *value) {
     copy3(value, w->boundary.bodies[k].force);
@@ -434,10 +439,10 @@ static const gn_quantity of_bodies[] = {
      GN_BEFORE_STEP, &always, read_body_velocity, NULL}};
 
 static size_t set_count(const gn_world *w) {
-    return w->scene.set_count;
+    return w->ctx.scene.set_count;
 }
 static const char *set_name(const gn_world *w, size_t k) {
-    return w->scene.sets[k].name;
+    return w->ctx.scene.sets[k].name;
 }
 static void read_set_reaction(const gn_world *w, size_t k, double *value) {
     copy3(value, w->dem.set_reaction + 6 * k);
@@ -450,16 +455,16 @@ static const gn_quantity of_sets[] = {{"reaction", "N",
 /* --- of sources and sinks --- */
 
 static size_t source_count(const gn_world *w) {
-    return w->scene.source_count;
+    return w->ctx.scene.source_count;
 }
 static const char *source_name(const gn_world *w, size_t k) {
-    return w->scene.sources[k].name;
+    return w->ctx.scene.sources[k].name;
 }
 static size_t sink_count(const gn_world *w) {
-    return w->scene.sink_count;
+    return w->ctx.scene.sink_count;
 }
 static const char *sink_name(const gn_world *w, size_t k) {
-    return w->scene.sinks[k].name;
+    return w->ctx.scene.sinks[k].name;
 }
 
 /* A quantity of one source (sink). */
@@ -471,12 +476,12 @@ static const char *sink_name(const gn_world *w, size_t k) {
     }
 READ_ONE(source, number, s->number)
 READ_ONE(source, mass, s->mass)
-READ_ONE(source, behind, gn_flow_behind(w, k))
+READ_ONE(source, behind, gn_flow_behind(&w->ctx, &w->dem, k))
 READ_ONE(sink, number, s->number)
 READ_ONE(sink, mass, s->mass)
 /* Since the last row; of the first there is none. */
 READ_ONE(sink, rate,
-         w->time > s->row_time ? (s->mass - s->row_mass) / (w->time - s->row_time) : 0.0)
+         w->ctx.time > s->row_time ? (s->mass - s->row_mass) / (w->ctx.time - s->row_time) : 0.0)
 static void read_source_momentum(const gn_world *w, size_t k, double *value) {
     copy3(value, w->dem.flow.sources[k].momentum);
 }

@@ -43,8 +43,8 @@ void gn_run_unwatch(gn_run *run) {
 
 /* At the end of the rows of a stage that is over; else of the world as it is. */
 static double returned(const gn_world *w, const gn_history *rows, bool over) {
-    if (!w->scene.couple.zone_count) return NAN;
-    if (!over) return gn_coupled_returned_share(w, 0);
+    if (!w->ctx.scene.couple.zone_count) return NAN;
+    if (!over) return gn_coupled_returned_share(&w->ctx, &w->solids, &w->ledger, 0);
     const double *column = gn_history_column(rows, "returned_energy");
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
@@ -68,33 +68,37 @@ static double by_ends(const gn_world *w) {
     const double most = 0.05;
     gn_test_groups groups;
     const gn_bar_section *x = &w->section;
-    if (x->guessed == 0.0 && x->spread > most && gn_study_covers(w, &groups)) return NAN;
-    return gn_section_by_ends(w);
+    if (x->guessed == 0.0 && x->spread > most && gn_study_covers(&w->ctx, &w->dem, &groups))
+        return NAN;
+    return gn_section_by_ends(&w->ctx, &w->section);
 }
 
 static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over) {
-    const gn_test *t = &w->scene.test;
-    const double *g = w->scene.gravity;
-    const gn_fragments pieces = gn_world_fragments(w);
-    return (gn_tested){.kind = t->kind,
-                       .dimension = (int)w->scene.dimension,
-                       .axis = (int)t->axis,
-                       .sign = gn_test_sign(t->kind),
-                       .notched = t->notch > 0.0,
-                       .by_ends = by_ends(w),
-                       .by_mean = gn_section_by_mean(w),
-                       .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
-                       .halted = !over && w->halt[0],
-                       .fragments = pieces.count,
-                       .largest_fragment = pieces.largest,
-                       .zones = w->scene.couple.zone_count > 0,
-                       .returned = returned(w, rows, over),
-                       .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
-                       .elastic = !w->scene.has_specimen,
-                       .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
-                                  !gn_scene_end_drives(&w->scene, &t->upper),
-                       .no_bursts = w->effects & GN_FX_BONDS ? "output.events off keeps no breaks"
-                                                             : "the scene has no bonds"};
+    const gn_test *t = &w->ctx.scene.test;
+    const double *g = w->ctx.scene.gravity;
+    const gn_fragments pieces = gn_world_fragments(&w->ctx, &w->dem);
+    return (gn_tested){
+        .kind = t->kind,
+        .dimension = (int)w->ctx.scene.dimension,
+        .axis = (int)t->axis,
+        .sign = gn_test_sign(t->kind),
+        .notched = t->notch > 0.0,
+        .by_ends = by_ends(w),
+        .by_mean = gn_section_by_mean(&w->ctx, &w->dem, &w->solids, &w->section),
+        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+        .halted = !over && w->outcome.halt[0],
+        .fragments = pieces.count,
+        .largest_fragment = pieces.largest,
+        .zones = w->ctx.scene.couple.zone_count > 0,
+        .returned = returned(w, rows, over),
+        .section = t->kind == GN_TEST_NONE
+                       ? NAN
+                       : gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids).section,
+        .elastic = !w->ctx.scene.has_specimen,
+        .watched = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
+                   !gn_scene_end_drives(&w->ctx.scene, &t->upper),
+        .no_bursts = w->ctx.effects & GN_FX_BONDS ? "output.events off keeps no breaks"
+                                                  : "the scene has no bonds"};
 }
 
 /* `over`: the rows have ended before the run. */
@@ -102,12 +106,12 @@ static gneiss_status compute(const gn_world *w, const gn_history *rows, span whe
                              gn_readings *r, gneiss_error *error) {
     gn_tested tested = tested_of(w, rows, over);
     gn_bursts bursts;
-    gneiss_status status = gn_bursts_find(w, &bursts, error);
+    gneiss_status status = gn_bursts_find(&w->ctx, &w->dem, &bursts, error);
     int32_t *size = calloc(bursts.count + 1, sizeof *size);
     if (status == GNEISS_OK && !size)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bursts", bursts.count);
     if (status == GNEISS_OK) {
-        tested.bursts = w->effects & GN_FX_EVENTS ? size : NULL;
+        tested.bursts = w->ctx.effects & GN_FX_EVENTS ? size : NULL;
         tested.burst_count = sizes_of(&bursts, when, size);
         gn_readings_compute(rows, &tested, r);
         /* A quotient by nothing is no reading either. */
@@ -122,9 +126,9 @@ static gneiss_status compute(const gn_world *w, const gn_history *rows, span whe
 }
 
 static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
-    *begin = (size_t)run->world.stages[stage].row;
+    *begin = (size_t)run->world.stages.state[stage].row;
     size_t end = run->history.row_count;
-    if (stage < run->world.stage) end = (size_t)run->world.stages[stage + 1].row;
+    if (stage < run->world.stages.now) end = (size_t)run->world.stages.state[stage + 1].row;
     return end - *begin;
 }
 
@@ -163,7 +167,7 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        const bool volume = run->world.scene.test.kind == GN_TEST_HYDROSTATIC &&
+        const bool volume = run->world.ctx.scene.test.kind == GN_TEST_HYDROSTATIC &&
                             strcmp(all->columns[c].name, "strain") == 0;
         const double left = volume ? 1.0 - from[0] : 1.0; /* of which it is the share lost */
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
@@ -175,7 +179,7 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
 
 /* The one whose readings are those of the run. */
 static size_t stage_read(const gn_run *run) {
-    size_t stage = run->world.stage, begin;
+    size_t stage = run->world.stages.now, begin;
     while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
     return stage;
 }
@@ -196,8 +200,9 @@ static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings 
     gn_history part;
     GN_TRY(part_of(run, stage, &part, error));
     const gn_world *w = &run->world;
-    const bool over = stage < w->stage;
-    const span when = {w->stages[stage].time, over ? w->stages[stage + 1].time : INFINITY};
+    const bool over = stage < w->stages.now;
+    const span when = {w->stages.state[stage].time,
+                       over ? w->stages.state[stage + 1].time : INFINITY};
     gneiss_status status = compute(w, &part, when, over, readings, error);
     if (stage != stage_read(run)) leave_fragments(readings);
     free(part.columns[part.column_count].value);
@@ -216,8 +221,8 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
                               gneiss_error *error) {
     const gn_world *w = &run->world;
     struct gn_run_read *read = run->read;
-    const state now = {w->step, w->dem.broken_tension + w->dem.broken_shear, w->dem.lost,
-                       run->history.row_count, w->stage};
+    const state now = {w->ctx.step, w->dem.broken_tension + w->dem.broken_shear, w->dem.lost,
+                       run->history.row_count, w->stages.now};
     *readings = &read->readings;
     if (read->known && same(&read->of, &now)) return GNEISS_OK;
     read->known = false;
@@ -234,7 +239,7 @@ gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
 }
 
 bool gn_run_reads(const gn_run *run, gn_reading which) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     return gn_reading_belongs(which, s->test.kind, s->couple.zone_count > 0);
 }
 

@@ -12,16 +12,16 @@ static gneiss_status say_where(const gn_run *run, const gneiss_error *first, con
     gneiss_error second = {0};
     if (gn_checkpoint_list(run->directory, &step, 1, &count, &second) != GNEISS_OK)
         return gn_fail(error, first->status, "%.1000s\n  at step %lld%.500s", first->message,
-                       (long long)run->world.step, tried);
+                       (long long)run->world.ctx.step, tried);
     if (count == 0)
         return gn_fail(error, first->status,
                        "%.1000s\n  at step %lld%.500s; there is no checkpoint", first->message,
-                       (long long)run->world.step, tried);
+                       (long long)run->world.ctx.step, tried);
     return gn_fail(
         error, first->status,
         "%.1000s\n  at step %lld%.300s; the checkpoint of step %lld stands: gneiss resume "
         "%.300s",
-        first->message, (long long)run->world.step, tried, (long long)step, run->directory);
+        first->message, (long long)run->world.ctx.step, tried, (long long)step, run->directory);
 }
 
 gneiss_status gn_run_rescue(gn_run *run, bool save, gneiss_status status, gneiss_error *error) {

@@ -27,18 +27,18 @@ enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* s: until the end, or that of the stage. */
 static double span_of(const gn_run *run) {
-    return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.scene.end;
+    return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.ctx.scene.end;
 }
 
 /* Rows or snapshots wanted in `span` s -> steps from one to the next; the first is always taken. */
 static int64_t interval(const gn_run *run, double span, int64_t wanted) {
-    double steps = wanted > 0 ? span / run->world.dt / (double)wanted : INFINITY;
+    double steps = wanted > 0 ? span / run->world.ctx.dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
 /* `begins`: a run or a stage, whose rows and snapshots may be closer at first. */
 static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     if (history) {
         gn_run_space_rows(run, interval(run, span_of(run), s->history_rows));
         if (!begins) run->history_halvings = 0;
@@ -46,7 +46,7 @@ static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins
     if (!snapshots) return;
     run->snapshot_span = span_of(run);
     run->snapshot_interval = s->snapshots > 0 ? interval(run, run->snapshot_span, s->snapshots) : 0;
-    const int64_t every = run->snapshot_interval, step = run->world.step;
+    const int64_t every = run->snapshot_interval, step = run->world.ctx.step;
     if (every) run->snapshot_next = step / every * every + (step % every ? every : 0);
     gn_kept_begin(run, begins);
 }
@@ -56,7 +56,7 @@ static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     const bool regular = run->kept.due & GN_KEPT_REGULAR;
     if (regular && !run->kept.part)
-        run->snapshot_interval = interval(run, run->snapshot_span, w->scene.snapshots);
+        run->snapshot_interval = interval(run, run->snapshot_span, w->ctx.scene.snapshots);
     GN_TRY(gn_kept_note(run, error));
     if (regular) gn_kept_plan(run);
     return GNEISS_OK;
@@ -65,7 +65,7 @@ static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
 static void set_clock(gn_run *run) {
     run->wall_start = gn_now();
     run->cpu_start = gn_process_time();
-    double every = run->directory[0] ? run->world.scene.checkpoint_wall : 0.0;
+    double every = run->directory[0] ? run->world.ctx.scene.checkpoint_wall : 0.0;
     run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
 }
 
@@ -73,7 +73,7 @@ static gneiss_status open_folder(gn_run *run, bool force, gneiss_error *error) {
     GN_TRY(gn_make_directory(run->directory, error));
     GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
     if (!force) GN_TRY(gn_folder_check(run->directory, error));
-    return gn_folder_clear(run->directory, &run->world.scene, error);
+    return gn_folder_clear(run->directory, &run->world.ctx.scene, error);
 }
 
 gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
@@ -96,7 +96,8 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
 gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, gn_run *run,
                            gneiss_error *error) {
     GN_TRY(gn_run_create(scene, run, error));
-    gneiss_status status = gn_folder_choose(&run->world.scene, directory, run->directory, error);
+    gneiss_status status =
+        gn_folder_choose(&run->world.ctx.scene, directory, run->directory, error);
     if (status == GNEISS_OK) status = open_folder(run, force, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
@@ -127,13 +128,13 @@ enum { ROWS_BEFORE_PEAK = 20 };
 
 /* What the model itself ends at. */
 static void check_halt(gn_run *run) {
-    if (!run->world.halt[0] || run->finished) return;
+    if (!run->world.outcome.halt[0] || run->finished) return;
     run->finished = true;
-    snprintf(run->stop_reason, sizeof run->stop_reason, "%s", run->world.halt);
+    snprintf(run->stop_reason, sizeof run->stop_reason, "%s", run->world.outcome.halt);
 }
 
 static void stop_by_kind(gn_run *run, const char *format, double value) {
-    const gn_test_kind kind = run->world.scene.test.kind;
+    const gn_test_kind kind = run->world.ctx.scene.test.kind;
     stop(run, format, value);
     const size_t used = strlen(run->stop_reason);
     snprintf(run->stop_reason + used, sizeof run->stop_reason - used, ", as %s tests end",
@@ -148,7 +149,7 @@ static int64_t broken(const gn_run *run) {
  * of N^((d - 1)/d), N being all bonds. A few that a platen breaks when it meets the specimen are
  * none of it. */
 static bool broken_through(const gn_run *run) {
-    const double d = (double)run->world.scene.dimension,
+    const double d = (double)run->world.ctx.scene.dimension,
                  section = pow((double)run->world.dem.bonds.soa.count, (d - 1.0) / d);
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
@@ -156,7 +157,7 @@ static bool broken_through(const gn_run *run) {
 /* Of what ten and twenty rows are of the thousand that there are by default: as long a time where
  * fewer or more are wanted. */
 static size_t rows_of_thousand(const gn_run *run, size_t rows) {
-    const double wanted = (double)run->world.scene.history_rows * (double)rows / 1000.0;
+    const double wanted = (double)run->world.ctx.scene.history_rows * (double)rows / 1000.0;
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
@@ -198,15 +199,15 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
 /* As the scene says: the first fall of a row counts. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
-    const bool counts =
-        run->world.effects & GN_FX_BONDS ? broken(run) > 0 : run->looks.count > ROWS_BEFORE_PEAK;
+    const bool counts = run->world.ctx.effects & GN_FX_BONDS ? broken(run) > 0
+                                                             : run->looks.count > ROWS_BEFORE_PEAK;
     if (counts && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
         stress < (1.0 - peak_drop) * run->peak)
         stop(run, "stress fell by %g of its peak", peak_drop);
 }
 
 static void check_stop_conditions(gn_run *run) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     const gn_stops stops = gn_scene_stops(s);
     if (gn_run_staged(run)) {
         gn_run_stage_row(run);
@@ -283,7 +284,7 @@ static void note_damage(gn_run *run, const gneiss_error *first) {
     snprintf(run->note, sizeof run->note,
              "%.1500s; it is kept with .damaged behind its name; going on from the checkpoint of "
              "step %lld",
-             first->message, (long long)run->world.step);
+             first->message, (long long)run->world.ctx.step);
 }
 
 /* A damaged checkpoint gives way to the one before it: run->note tells, and *damaged is how many of
@@ -333,14 +334,14 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
             return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
                                                                    : GNEISS_ERROR_INPUT;
     }
-    GN_TRY(gn_world_check_duration(w, error));
+    GN_TRY(gn_world_check_duration(&w->ctx, error));
     /* A scene that was written out says auto where nothing was said. */
-    if (w->scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
+    if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
         (sets(overrides, count, "time.stop.strain") ||
          sets(overrides, count, "time.stop.unbalanced")))
-        w->scene.stop_peak_drop = w->given.stop_peak_drop = 0.0;
+        w->ctx.scene.stop_peak_drop = w->ctx.given.stop_peak_drop = 0.0;
     for (size_t k = 0; k < count; k++) /* which is looked at again */
-        if (ends_stage(&overrides[k])) w->stages[w->stage].ended = 0.0;
+        if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"), false);
     return GNEISS_OK;
@@ -349,7 +350,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
 /* A run that had ended has still ended, unless the overrides say otherwise. */
 static void take_up(gn_run *run) {
     set_clock(run);
-    if (last(run, "step") == (double)(run->world.step - 1) &&
+    if (last(run, "step") == (double)(run->world.ctx.step - 1) &&
         gn_run_is_look(run, run->history.row_count - 1))
         check_stop_conditions(run);
     check_halt(run);
@@ -417,7 +418,7 @@ static gneiss_status write_files(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     const gn_world *w = &run->world;
-    return gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error);
+    return gn_snapshot_times_add(&run->snapshot_times, w->ctx.step, w->ctx.time, error);
 }
 
 static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
@@ -448,7 +449,7 @@ static gneiss_status note_state(void *context, const gn_first_break *so_far, gne
 
 gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneiss_error *error) {
     gn_world *w = &run->world;
-    if (w->scene.start != GN_START_FIRST_BREAK || w->step > 0) return GNEISS_OK;
+    if (w->ctx.scene.start != GN_START_FIRST_BREAK || w->ctx.step > 0) return GNEISS_OK;
     beginning b = {run, watch};
     double start = gn_now();
     gneiss_status status =
@@ -472,8 +473,9 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
 /* As many steps from row to row as take the same time, now that they are others. */
 static void keep_row_spacing(gn_run *run, double step_before) {
     const gn_world *w = &run->world;
-    if (!gn_converts(w) || w->dt == step_before || run->history_interval == INT64_MAX) return;
-    const double steps = round((double)run->history_interval * step_before / w->dt);
+    if (!gn_converts(&w->ctx) || w->ctx.dt == step_before || run->history_interval == INT64_MAX)
+        return;
+    const double steps = round((double)run->history_interval * step_before / w->ctx.dt);
     run->history_interval = steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
@@ -491,10 +493,10 @@ static gneiss_status after_row(gn_run *run, gneiss_error *error) {
 
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
-    const double step_before = w->dt;
+    const double step_before = w->ctx.dt;
     GN_TRY(gn_run_drop_end_row(run, error));
     GN_TRY(gn_run_begin(run, NULL, error));
-    bool first = w->step == w->first_step;
+    bool first = w->ctx.step == w->ctx.first_step;
     const bool before = run->finished;
     if (gn_run_staged(run)) GN_TRY(go_to_stage(run, &first, error));
     if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
@@ -507,21 +509,22 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     if (first || gn_run_row_is_due(run)) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(after_row(run, error));
-    } else if (gn_run_time_left(run) <= 1.5 * w->dt) {
+    } else if (gn_run_time_left(run) <= 1.5 * w->ctx.dt) {
         GN_TRY(gn_history_last(w, gn_run_has_end_row(run) ? &run->history : NULL, error));
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }
-    if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
+    if (w->ctx.step % (w->solids.count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
     keep_row_spacing(run, step_before);
-    if (w->halt[0] && !run->finished && last(run, "step") != (double)(w->step - 1)) {
+    if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
         GN_TRY(gn_history_step(w, &run->history, error)); /* how far it came */
         GN_TRY(gn_run_check_ledger(run, error));
     }
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
-    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) gn_run_out_of_time(run);
+    if (!run->finished && w->ctx.time >= w->ctx.scene.end - 0.5 * w->ctx.dt)
+        gn_run_out_of_time(run);
     return GNEISS_OK;
 }
 
@@ -543,7 +546,7 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK && run->directory[0] && run->series_length < run->snapshot_times.count)
         status = gn_output_series(run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
-    double every = run->world.scene.checkpoint_wall;
+    double every = run->world.ctx.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
     return gn_run_rescue(run, false, status, error);
 }
@@ -551,7 +554,7 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
 gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
                              gneiss_error *error) {
     double until = gn_now() + seconds;
-    if (!run->finished && run->world.time >= run->world.scene.end - 0.5 * run->world.dt)
+    if (!run->finished && run->world.ctx.time >= run->world.ctx.scene.end - 0.5 * run->world.ctx.dt)
         gn_run_out_of_time(run);
     for (int64_t k = 1; !run->finished; k++) {
         GN_TRY(one_step(run, error));
@@ -579,11 +582,12 @@ static double end_by_strain(const gn_run *run) {
     const gn_world *w = &run->world;
     const bool staged = gn_run_staged(run);
     const double stop =
-        staged ? w->scene.stages[w->stage].strain : gn_scene_stops(&w->scene).strain;
-    const double from = staged ? w->stages[w->stage].time : 0.0,
-                 grown = last(run, "strain") - (staged ? w->stages[w->stage].strain : 0.0);
-    if (w->scene.test.kind == GN_TEST_NONE || !(stop > 0.0) || !(grown > 0.0)) return INFINITY;
-    return from + (w->time - from) * stop / grown;
+        staged ? w->ctx.scene.stages[w->stages.now].strain : gn_scene_stops(&w->ctx.scene).strain;
+    const double from = staged ? w->stages.state[w->stages.now].time : 0.0,
+                 grown =
+                     last(run, "strain") - (staged ? w->stages.state[w->stages.now].strain : 0.0);
+    if (w->ctx.scene.test.kind == GN_TEST_NONE || !(stop > 0.0) || !(grown > 0.0)) return INFINITY;
+    return from + (w->ctx.time - from) * stop / grown;
 }
 
 /* s to the end that is expected; *at_most: to the bound of a run that may end at any time before.
@@ -591,35 +595,35 @@ static double end_by_strain(const gn_run *run) {
 static double time_to_go(const gn_run *run, bool *at_most) {
     const gn_world *w = &run->world;
     const double bound = gn_run_time_left(run);
-    const bool last_stage = !gn_run_staged(run) || w->stage + 1 == w->scene.stage_count;
+    const bool last_stage = !gn_run_staged(run) || w->stages.now + 1 == w->ctx.scene.stage_count;
     *at_most = gn_run_may_end_early(run) || !last_stage;
     if (!last_stage) return bound;
     double end = end_by_strain(run);
-    if (run->expected_end > w->time) end = fmin(end, run->expected_end);
-    if (!(end - w->time < bound)) return bound;
+    if (run->expected_end > w->ctx.time) end = fmin(end, run->expected_end);
+    if (!(end - w->ctx.time < bound)) return bound;
     *at_most = false;
-    return fmax(0.0, end - w->time);
+    return fmax(0.0, end - w->ctx.time);
 }
 
 gn_progress gn_run_progress(const gn_run *run) {
     const gn_world *w = &run->world;
     gn_progress p = {0};
-    p.step = w->step;
-    p.time = w->time;
-    p.end = w->scene.end;
-    p.stages = w->scene.stage_count;
-    p.stage_index = w->stage;
-    p.stage = p.stages ? w->scene.stages[w->stage].name : NULL;
+    p.step = w->ctx.step;
+    p.time = w->ctx.time;
+    p.end = w->ctx.scene.end;
+    p.stages = w->ctx.scene.stage_count;
+    p.stage_index = w->stages.now;
+    p.stage = p.stages ? w->ctx.scene.stages[w->stages.now].name : NULL;
     p.seconds = run->wall_before + gn_now() - run->wall_start;
     p.cpu_seconds = run->cpu_before + gn_process_time() - run->cpu_start;
-    double rate = p.seconds > 0.0 ? (double)(w->step - w->first_step) / p.seconds : 0.0;
+    double rate = p.seconds > 0.0 ? (double)(w->ctx.step - w->ctx.first_step) / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
-    p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
+    p.element_steps_per_second = rate * (double)gn_elements_totals(&w->solids).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
     const double left = time_to_go(run, &p.eta_at_most);
-    p.eta = rate > 0.0 ? fmax(0.0, left / w->dt / rate) : NAN;
-    p.unbalanced = w->unbalanced;
-    p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
+    p.eta = rate > 0.0 ? fmax(0.0, left / w->ctx.dt / rate) : NAN;
+    p.unbalanced = w->ledger.unbalanced;
+    p.residual = w->ctx.effects & GN_FX_ENERGY ? gn_energy_residual(&w->ledger.reading) : NAN;
     p.broken = w->dem.broken_tension + w->dem.broken_shear;
     p.stress = last(run, "stress");
     p.strain = last(run, "strain");
@@ -649,7 +653,7 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {
     snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
     run->finished = false;
-    run->world.bad = true;
+    run->world.outcome.bad = true;
     GN_TRY(gn_output_snapshot(run, "failed_", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));

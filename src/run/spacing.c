@@ -14,9 +14,9 @@
 enum { LEAST_STEPS = 5 };
 
 bool gn_run_may_end_early(const gn_run *run) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     if (gn_run_staged(run)) {
-        const gn_stage *e = &s->stages[run->world.stage];
+        const gn_stage *e = &s->stages[run->world.stages.now];
         return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 || e->unbalanced > 0.0 ||
                e->held > 0.0;
     }
@@ -40,8 +40,8 @@ int64_t gn_row_halvings(int64_t interval) {
  */
 static bool adapts(const gn_run *run) {
     const gn_world *w = &run->world;
-    return w->scene.history_rows > 0 && !gn_converts(w) && !gn_scene_flows(&w->scene) &&
-           gn_run_may_end_early(run);
+    return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
+           !gn_scene_flows(&w->ctx.scene) && gn_run_may_end_early(run);
 }
 
 void gn_run_space_rows(gn_run *run, int64_t interval) {
@@ -67,16 +67,17 @@ static bool is_spaced(const gn_run *run, int64_t step) {
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;
-    if (!gn_converts(w) || !rows) return is_spaced(run, w->step);
+    if (!gn_converts(&w->ctx) || !rows) return is_spaced(run, w->ctx.step);
     const double last = gn_history_column(&run->history, "time")[rows - 1];
-    return w->time - last > ((double)run->history_interval - 0.5) * w->dt;
+    return w->ctx.time - last > ((double)run->history_interval - 0.5) * w->ctx.dt;
 }
 
 /* --- the row of the last step --- */
 
 bool gn_run_has_end_row(const gn_run *run) {
-    const gn_scene *s = &run->world.scene;
-    return !run->finished && s->history_rows > 0 && gn_scene_flows(s) && !gn_converts(&run->world);
+    const gn_scene *s = &run->world.ctx.scene;
+    return !run->finished && s->history_rows > 0 && gn_scene_flows(s) &&
+           !gn_converts(&run->world.ctx);
 }
 
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
@@ -84,7 +85,7 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
     if (!gn_run_has_end_row(run) || (int64_t)h->row_count <= run->history_begin + 1)
         return GNEISS_OK;
     const int64_t step = (int64_t)gn_history_column(h, "step")[h->row_count - 1];
-    if (step != run->world.step - 1 || is_spaced(run, step)) return GNEISS_OK;
+    if (step != run->world.ctx.step - 1 || is_spaced(run, step)) return GNEISS_OK;
     h->row_count--;
     return gn_run_note_looks(run, error);
 }
@@ -163,7 +164,7 @@ static gneiss_status thin(gn_run *run, gneiss_error *error) {
 }
 
 gneiss_status gn_run_thin_rows(gn_run *run, gneiss_error *error) {
-    const int64_t wanted = run->world.scene.history_rows;
+    const int64_t wanted = run->world.ctx.scene.history_rows;
     while (run->history_halvings > 0 &&
            (int64_t)run->history.row_count - run->history_begin >= 2 * wanted) {
         run->history_halvings--;

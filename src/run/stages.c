@@ -15,19 +15,19 @@
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
 static gn_stage_state *state_of(const gn_run *run) {
-    return &run->world.stages[run->world.stage];
+    return &run->world.stages.state[run->world.stages.now];
 }
 
 static const gn_stage *stage_of(const gn_run *run) {
-    return &run->world.scene.stages[run->world.stage];
+    return &run->world.ctx.scene.stages[run->world.stages.now];
 }
 
 static bool is_last(const gn_run *run) {
-    return run->world.stage + 1 == run->world.scene.stage_count;
+    return run->world.stages.now + 1 == run->world.ctx.scene.stage_count;
 }
 
 bool gn_run_staged(const gn_run *run) {
-    return run->world.scene.stage_count > 0;
+    return run->world.ctx.scene.stage_count > 0;
 }
 
 bool gn_run_stages_left(const gn_run *run) {
@@ -44,10 +44,11 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
 
 gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row) {
     const gn_world *w = &run->world;
-    const gn_wall_def *def = &w->scene.walls[wall];
+    const gn_wall_def *def = &w->ctx.scene.walls[wall];
     static const char *const axes[] = {"x", "y", "z"};
-    double pressed = 0.0, wanted = gn_wall_wanted(w, wall, in_row(run, "time", row));
-    for (int a = 0; a < (int)w->scene.dimension; a++) {
+    double pressed = 0.0,
+           wanted = gn_wall_wanted(&w->ctx, &w->boundary, wall, in_row(run, "time", row));
+    for (int a = 0; a < (int)w->ctx.scene.dimension; a++) {
         char name[GN_COLUMN_NAME_SIZE];
         snprintf(name, sizeof name, "wall_%s_force_%s", def->name, axes[a]);
         pressed -= in_row(run, name, row) * def->normal[a];
@@ -57,7 +58,7 @@ gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row) {
 
 gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
-    const gn_box_side *side = &run->world.scene.box[axis];
+    const gn_box_side *side = &run->world.ctx.scene.box[axis];
     double wanted = gn_table_at(&side->stress, in_row(run, "time", row));
     return (gn_servo_row){-in_row(run, stresses[axis], row), wanted};
 }
@@ -70,7 +71,8 @@ static bool holds(const gn_run *run, gn_servo_row servo) {
 static double volume_left(const gn_run *run, size_t row) {
     static const char *const strains[] = {"strain_xx", "strain_yy", "strain_zz"};
     double sum = 1.0;
-    for (int a = 0; a < (int)run->world.scene.dimension; a++) sum += in_row(run, strains[a], row);
+    for (int a = 0; a < (int)run->world.ctx.scene.dimension; a++)
+        sum += in_row(run, strains[a], row);
     return sum > 0.0 ? sum : 1.0; /* unknown: as at the start */
 }
 
@@ -78,7 +80,7 @@ static double volume_left(const gn_run *run, size_t row) {
  * specimen, or under a membrane on the sides that across their axis. */
 static gn_servo_row membrane_row(const gn_run *run, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     const bool sides = s->membrane.faces == GN_FACES_SIDES;
     double sum = 0.0, count = 0.0;
     for (int a = 0; a < (int)s->dimension; a++) {
@@ -94,15 +96,16 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
 
 static bool has_servo(const gn_world *w) {
     bool any = false;
-    for (int a = 0; a < 3; a++) any = any || w->scene.box[a].stress.count;
-    for (size_t k = 0; k < w->scene.wall_count; k++) any = any || w->scene.walls[k].servo.active;
+    for (int a = 0; a < 3; a++) any = any || w->ctx.scene.box[a].stress.count;
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
+        any = any || w->ctx.scene.walls[k].servo.active;
     return any;
 }
 
 /* Whether the membrane has no pressure, its ramp over, and will have none: of a series one may be
  * that. */
 static bool released(const gn_run *run, size_t row) {
-    const gn_table *given = &run->world.scene.membrane.pressure;
+    const gn_table *given = &run->world.ctx.scene.membrane.pressure;
     const size_t last = given->count ? given->count - 1 : 0;
     if (in_row(run, "membrane_pressure", row) != 0.0) return false;
     if (!given->count) return true;
@@ -110,7 +113,8 @@ static bool released(const gn_run *run, size_t row) {
 }
 
 static bool membrane_holds(const gn_run *run, size_t rows) {
-    if (rows < ROWS_HELD || !run->world.scene.has_membrane || has_servo(&run->world)) return false;
+    if (rows < ROWS_HELD || !run->world.ctx.scene.has_membrane || has_servo(&run->world))
+        return false;
     for (size_t r = 1; r <= ROWS_HELD; r++) {
         const size_t look = gn_run_look(run, r);
         const gn_servo_row row = membrane_row(run, look);
@@ -123,16 +127,16 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     const gn_world *w = &run->world;
     if (rows < ROWS_HELD || !has_servo(w)) return false;
     for (int a = 0; a < 3; a++)
-        for (size_t r = 1; w->scene.box[a].stress.count && r <= ROWS_HELD; r++)
+        for (size_t r = 1; w->ctx.scene.box[a].stress.count && r <= ROWS_HELD; r++)
             if (!holds(run, gn_run_side_servo(run, a, gn_run_look(run, r)))) return false;
-    for (size_t k = 0; k < w->scene.wall_count; k++)
-        for (size_t r = 1; w->scene.walls[k].servo.active && r <= ROWS_HELD; r++)
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
+        for (size_t r = 1; w->ctx.scene.walls[k].servo.active && r <= ROWS_HELD; r++)
             if (!holds(run, gn_run_wall_servo(run, k, gn_run_look(run, r)))) return false;
     return true;
 }
 
 bool gn_run_loaded(const gn_run *run, double peak) {
-    const gn_test_kind kind = run->world.scene.test.kind;
+    const gn_test_kind kind = run->world.ctx.scene.test.kind;
     const size_t row = run->history.row_count - 1;
     if (gn_test_in(kind, GN_TESTS_CONFINED))
         return peak > 0.1 * in_row(run, "membrane_pressure", row);
@@ -142,8 +146,8 @@ bool gn_run_loaded(const gn_run *run, double peak) {
 
 static bool fell(const gn_run *run, size_t rows, double stress) {
     const gn_dem *d = &run->world.dem;
-    bool counts = run->world.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
-                                                   : rows > ROWS_BEFORE;
+    bool counts = run->world.ctx.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
+                                                       : rows > ROWS_BEFORE;
     double peak = state_of(run)->peak;
     return counts && peak > 0.0 && gn_run_loaded(run, peak) &&
            stress < (1.0 - stage_of(run)->peak_drop) * peak;
@@ -152,9 +156,9 @@ static bool fell(const gn_run *run, size_t rows, double stress) {
 /* What falls freely, what nothing presses yet, or what particles are still to come to has not
  * settled. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit) {
-    const gn_balance *b = &run->world.balance;
+    const gn_balance *b = &run->world.ledger.balance;
     return limit > 0.0 && rows > ROWS_BEFORE && b->carries && !b->falls && b->ratio < limit &&
-           !gn_flow_brings(&run->world);
+           !gn_flow_brings(&run->world.ctx, &run->world.dem);
 }
 
 static gn_stage_cause cause_in_row(gn_run *run) {
@@ -162,7 +166,7 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     const gn_stage *e = stage_of(run);
     gn_stage_state *s = state_of(run);
     size_t row = run->history.row_count - 1, rows = gn_run_looks(run, (size_t)s->row, ROWS_MOST);
-    if (w->scene.test.kind != GN_TEST_NONE) {
+    if (w->ctx.scene.test.kind != GN_TEST_NONE) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
         /* The first row is of the instant of the change, and has what stops ends that moved. */
         if (rows == 1)
@@ -198,8 +202,8 @@ const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text,
 }
 
 static void name_stage(const gn_run *run, char *text, size_t size) {
-    snprintf(text, size, "stage '%s' (%zu of %zu)", stage_of(run)->name, run->world.stage + 1,
-             run->world.scene.stage_count);
+    snprintf(text, size, "stage '%s' (%zu of %zu)", stage_of(run)->name, run->world.stages.now + 1,
+             run->world.ctx.scene.stage_count);
 }
 
 static void end(gn_run *run, gn_stage_cause cause) {
@@ -226,29 +230,30 @@ void gn_run_stage_time(gn_run *run) {
         end(run, (gn_stage_cause)s->ended);
         return;
     }
-    if (e->steps >= 0 && (double)w->step - s->step >= (double)e->steps) end(run, GN_STAGE_STEPS);
+    if (e->steps >= 0 && (double)w->ctx.step - s->step >= (double)e->steps)
+        end(run, GN_STAGE_STEPS);
     /* A time above 0, however short, takes a step. */
-    bool begun = e->time == 0.0 || (double)w->step > s->step;
-    bool over = begun && w->time - s->time >= e->time - 0.5 * w->dt;
+    bool begun = e->time == 0.0 || (double)w->ctx.step > s->step;
+    bool over = begun && w->ctx.time - s->time >= e->time - 0.5 * w->ctx.dt;
     if (s->ended == 0.0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
 }
 
 double gn_run_stage_duration(const gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
-    double left = w->scene.end - state_of(run)->time;
+    double left = w->ctx.scene.end - state_of(run)->time;
     if (e->time >= 0.0) left = fmin(left, e->time);
-    return e->steps >= 0 ? fmin(left, (double)e->steps * w->dt) : left;
+    return e->steps >= 0 ? fmin(left, (double)e->steps * w->ctx.dt) : left;
 }
 
 double gn_run_time_left(const gn_run *run) {
     const gn_world *w = &run->world;
-    double end = w->scene.end - w->time, left = 0.0;
-    for (size_t k = w->stage; gn_run_staged(run) && k < w->scene.stage_count; k++) {
-        const gn_stage *e = &w->scene.stages[k];
+    double end = w->ctx.scene.end - w->ctx.time, left = 0.0;
+    for (size_t k = w->stages.now; gn_run_staged(run) && k < w->ctx.scene.stage_count; k++) {
+        const gn_stage *e = &w->ctx.scene.stages[k];
         double most = e->time >= 0.0 ? e->time : (double)INFINITY;
-        if (e->steps >= 0) most = fmin(most, (double)e->steps * w->dt);
-        left += k == w->stage ? fmax(0.0, w->stages[k].time + most - w->time) : most;
+        if (e->steps >= 0) most = fmin(most, (double)e->steps * w->ctx.dt);
+        left += k == w->stages.now ? fmax(0.0, w->stages.state[k].time + most - w->ctx.time) : most;
     }
     return gn_run_staged(run) ? fmin(end, left) : end;
 }
@@ -258,7 +263,7 @@ void gn_run_out_of_time(gn_run *run) {
     if (gn_run_staged(run)) name_stage(run, name, sizeof name);
     run->finished = true;
     snprintf(run->stop_reason, sizeof run->stop_reason, "t = %g s reached%s%s%s",
-             run->world.scene.end, *name ? " in " : "", name,
+             run->world.ctx.scene.end, *name ? " in " : "", name,
              !*name                                     ? ""
              : gn_run_stages_left(run) && !is_last(run) ? ": later stages were not reached"
              : gn_run_stages_left(run)                  ? ", which was not over"
@@ -272,7 +277,7 @@ gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) 
     *entered = false;
     gn_run_stage_time(run);
     while (!run->finished && state_of(run)->ended != 0.0) {
-        GN_TRY(gn_world_enter(w, w->stage + 1, error));
+        GN_TRY(gn_world_enter(w, w->stages.now + 1, error));
         state_of(run)->row = (double)run->history.row_count;
         *entered = true;
         gn_run_stage_time(run);

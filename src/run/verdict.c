@@ -12,12 +12,12 @@
 
 double gn_run_residual(const gn_run *run) {
     const gn_world *w = &run->world;
-    return w->effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->reading)) : NAN;
+    return w->ctx.effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->ledger.reading)) : NAN;
 }
 
 /* Not a number is beyond every limit. */
 static bool beyond(const gn_run *run, double limit) {
-    return run->world.effects & GN_FX_ENERGY && run->history.row_count > 0 && limit > 0.0 &&
+    return run->world.ctx.effects & GN_FX_ENERGY && run->history.row_count > 0 && limit > 0.0 &&
            !(gn_run_residual(run) <= limit);
 }
 
@@ -31,14 +31,14 @@ static gneiss_status fail(const gn_run *run, const char *since, gneiss_error *er
                    "step %lld, t = %g s: the energy ledger does not close: %.3g of the %.4g J that "
                    "have gone through are unexplained (run.residual_limit: %g)%s; try a smaller "
                    "time.safety",
-                   (long long)w->step, w->time, gn_energy_residual(&w->reading),
-                   gn_energy_scale(&w->reading), w->scene.residual_limit, since);
+                   (long long)w->ctx.step, w->ctx.time, gn_energy_residual(&w->ledger.reading),
+                   gn_energy_scale(&w->ledger.reading), w->ctx.scene.residual_limit, since);
 }
 
 gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error) {
     char since[64];
-    int64_t now = run->world.step - 1;
-    if (!beyond(run, run->world.scene.residual_limit)) {
+    int64_t now = run->world.ctx.step - 1;
+    if (!beyond(run, run->world.ctx.scene.residual_limit)) {
         run->bad_since = -1;
         return GNEISS_OK;
     }
@@ -49,7 +49,7 @@ gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error) {
 }
 
 gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
-    if (!run->finished || !beyond(run, run->world.scene.residual_limit)) return GNEISS_OK;
+    if (!run->finished || !beyond(run, run->world.ctx.scene.residual_limit)) return GNEISS_OK;
     return fail(run, " at the end", error);
 }
 
@@ -68,21 +68,22 @@ static gn_warning *add(gn_warnings *list, const char *name) {
 
 static void warn_of_residual(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    if (!beyond(run, w->scene.residual_warning)) return;
+    if (!beyond(run, w->ctx.scene.residual_warning)) return;
     gn_warning *to = add(list, "energy_residual");
     snprintf(
         to->text, sizeof to->text,
         "%.3g of the %.4g J that have gone through are unexplained (run.residual_warning: %g); "
         "a smaller time.safety tells whether the step is to blame",
-        gn_energy_residual(&w->reading), gn_energy_scale(&w->reading), w->scene.residual_warning);
+        gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
+        w->ctx.scene.residual_warning);
 }
 
 /* Where the step was lowered while something vibrated near the limit. */
 static void warn_of_change(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    const gn_energy *e = &w->reading;
-    double limit = w->scene.residual_warning;
-    if (!(w->effects & GN_FX_ENERGY && limit > 0.0)) return;
+    const gn_energy *e = &w->ledger.reading;
+    double limit = w->ctx.scene.residual_warning;
+    if (!(w->ctx.effects & GN_FX_ENERGY && limit > 0.0)) return;
     if (!(fabs(e->step_change) > limit * gn_energy_scale(e))) return;
     gn_warning *to = add(list, "energy_step_change");
     snprintf(to->text, sizeof to->text,
@@ -99,10 +100,10 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
  */
 static void warn_of_gain(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    double limit = w->scene.residual_warning, least = 0.0;
+    double limit = w->ctx.scene.residual_warning, least = 0.0;
     const char *name = NULL;
-    if (!(w->effects & GN_FX_ENERGY && limit > 0.0)) return;
-#define X(term, text) {#term, "energy_" #term, w->reading.term},
+    if (!(w->ctx.effects & GN_FX_ENERGY && limit > 0.0)) return;
+#define X(term, text) {#term, "energy_" #term, w->ledger.reading.term},
     const struct {
         const char *name, *column;
         double now;
@@ -116,18 +117,19 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
         least = lowest;
         name = losses[k].name;
     }
-    if (!(-least > limit * gn_energy_scale(&w->reading))) return;
+    if (!(-least > limit * gn_energy_scale(&w->ledger.reading))) return;
     gn_warning *to = add(list, "energy_gain");
     snprintf(to->text, sizeof to->text,
              "%s was at %.3g of the %.4g J that have gone through, less than nothing: the step is "
              "too long for what vibrated when it happened, and made energy (run.residual_warning: "
              "%g); a smaller time.safety, 0.5 or less, avoids it",
-             name, least / gn_energy_scale(&w->reading), gn_energy_scale(&w->reading), limit);
+             name, least / gn_energy_scale(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
+             limit);
 }
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!*gn_world_step_warning(&run->world, text, sizeof text)) return;
+    if (!*gn_world_step_warning(&run->world.ctx, &run->world.dem, text, sizeof text)) return;
     gn_warning *to = add(list, "time_step");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
@@ -139,13 +141,13 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text,
              "neighbours.skin of %g m is less than what touches may come apart by in one step: "
              "lists were made with up to %.3g m",
-             run->world.scene.skin, widened);
+             run->world.ctx.scene.skin, widened);
 }
 
 /* Softening over a length that the bond's own spring exceeds would have to go back. */
 static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     const gn_contacts *b = &run->world.dem.bonds;
-    if (run->world.scene.softening == GN_SOFTENING_NONE) return;
+    if (run->world.ctx.scene.softening == GN_SOFTENING_NONE) return;
     size_t count = gn_softening_too_long(b);
     if (!count) return;
     gn_warning *to = add(list, "bonds_too_long");
@@ -170,7 +172,7 @@ static bool softens_in_shear(const gn_scene *s) {
 
 static void warn_of_shear(const gn_run *run, gn_warnings *list) {
     const gn_contacts *b = &run->world.dem.bonds;
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
     size_t count = gn_softening_brittle_in_shear(b);
     if (!count) return;
@@ -190,7 +192,8 @@ static void warn_of_shear(const gn_run *run, gn_warnings *list) {
 static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_mass_scaling *s = &w->dem.scaling;
-    if (!(w->effects & GN_FX_MASS_SCALING && s->step > 0.0 && s->reached < (1.0 - 1e-9) * s->step))
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->step > 0.0 &&
+          s->reached < (1.0 - 1e-9) * s->step))
         return;
     gn_warning *to = add(list, "mass_scaling");
     snprintf(to->text, sizeof to->text,
@@ -201,7 +204,7 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
 
 /* Keys that change nothing, as the reader of the scene found them. */
 static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
-    const gn_scene_notes *notes = &run->world.given.notes;
+    const gn_scene_notes *notes = &run->world.ctx.given.notes;
     size_t used = 0;
     gn_warning *to = NULL;
     for (size_t k = 0; k < notes->count; k++) {
@@ -217,9 +220,10 @@ static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
 /* An automatic step is known only once there is a specimen; a given one has to be below the end. */
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    if (!run->finished || w->step > 0 || w->halt[0]) return;
+    if (!run->finished || w->ctx.step > 0 || w->outcome.halt[0]) return;
     gn_warning *to = add(list, "no_steps");
-    if (w->time < w->scene.end - 0.5 * w->dt) { /* not time.end: stages that take none */
+    if (w->ctx.time <
+        w->ctx.scene.end - 0.5 * w->ctx.dt) { /* not time.end: stages that take none */
         snprintf(to->text, sizeof to->text,
                  "every stage ended by steps or time of 0: no step was taken, and nothing has "
                  "happened");
@@ -228,40 +232,43 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
              "has happened",
-             w->scene.end, w->dt);
+             w->ctx.scene.end, w->ctx.dt);
 }
 
 /* The model itself ended the run (conversion/conversion.c). */
 static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    if (!run->finished || !w->halt[0]) return;
-    const bool box = gn_conversion_left_box(w);
+    if (!run->finished || !w->outcome.halt[0]) return;
+    const bool box = gn_conversion_left_box(&w->outcome);
     gn_warning *to = add(list, "conversion_halted");
     int told =
         snprintf(to->text, sizeof to->text,
                  "the run ended at %.4g s of %.4g s, and what comes after is not known: %s; ",
-                 w->time, w->scene.end, w->halt);
+                 w->ctx.time, w->ctx.scene.end, w->outcome.halt);
     if (box)
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "couple.convert.box and the packing in it have to reach farther on that side than "
                  "what converts by the width of the zone, %g m (couple.convert.width), or more",
-                 w->scene.couple.convert.width);
-    else if (gn_conversion_was_thin(w))
+                 w->ctx.scene.couple.convert.width);
+    else if (gn_conversion_was_thin(&w->outcome))
         snprintf(
             to->text + told, sizeof to->text - (size_t)told,
             "the zone has to be wider than %g m (couple.convert.width), three elements and six "
             "particles, or elements larger there",
-            w->scene.couple.convert.width);
-    else if (gn_conversion_met_watched(w))
+            w->ctx.scene.couple.convert.width);
+    else if (gn_conversion_met_watched(&w->outcome))
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "sets of particles, which may sleep, can watch there instead (sets: select "
                  "without motion)%s",
-                 gn_conversion_left_bare(w) ? ", or elements be no smaller than particles" : "");
+                 gn_conversion_left_bare(&w->outcome) ? ", or elements be no smaller than particles"
+                                                      : "");
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
                  "what is driven or loaded has to be farther from what converts, or "
                  "couple.convert.stress or .mohr_coulomb higher there%s",
-                 gn_conversion_left_bare(w) ? ", or elements there no smaller than particles" : "");
+                 gn_conversion_left_bare(&w->outcome)
+                     ? ", or elements there no smaller than particles"
+                     : "");
 }
 
 /* A condition that was not met in time. */
@@ -272,13 +279,14 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) came while the run was in stage '%s' (%zu of %zu), whose end had not "
              "come: a later time.end, or another condition under its end",
-             w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
+             w->ctx.scene.end, w->ctx.scene.stages[w->stages.now].name, w->stages.now + 1,
+             w->ctx.scene.stage_count);
 }
 
 /* Inertia of added mass is small where little is added, whatever the reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
-    if (!(run->world.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
+    if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
     gn_warning *to = add(list, "added_mass");
     snprintf(to->text, sizeof to->text,
              "time.mass_scaling added %.3g times the particles' own mass: nothing like it was "
@@ -289,12 +297,12 @@ static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
 /* A hundredth of the time, or one particle, is no delay. */
 static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    for (size_t k = 0; k < w->scene.source_count; k++) {
-        const gn_source_def *d = &w->scene.sources[k];
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
+        const gn_source_def *d = &w->ctx.scene.sources[k];
         const gn_source_state *s = &w->dem.flow.sources[k];
-        double behind = gn_flow_behind(w, k);
-        if (!gn_flow_is_behind(w, k)) continue;
-        const char *wall = gn_flow_wall_before(w, k);
+        double behind = gn_flow_behind(&w->ctx, &w->dem, k);
+        if (!gn_flow_is_behind(&w->ctx, &w->dem, k)) continue;
+        const char *wall = gn_flow_wall_before(&w->ctx, &w->dem, &w->boundary, k);
         gn_warning *to = add(list, "source_behind");
         if (s->full == 0.0) {
             snprintf(to->text, sizeof to->text,
@@ -302,7 +310,7 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
                      "came in; particles come when lists are made, up to 50 steps late, and what "
                      "was due since then did not come any more: a longer run%s lets them in",
                      d->name, behind, s->number, s->mass,
-                     d->end > 0.0 && d->end < w->scene.end
+                     d->end > 0.0 && d->end < w->ctx.scene.end
                          ? ""
                          : ", or an end of the source before that of the run,");
             return;
@@ -324,7 +332,7 @@ static void warn_of_passing(const gn_run *run, gn_warnings *list,
                             const char *why) {
     const gn_world *w = &run->world;
     size_t count = 0, first = 0;
-    for (size_t k = w->scene.body_count; k-- > 0;)
+    for (size_t k = w->ctx.scene.body_count; k-- > 0;)
         if (passes(w, k)) {
             count++;
             first = k;
@@ -332,7 +340,8 @@ static void warn_of_passing(const gn_run *run, gn_warnings *list,
     if (!count) return;
     gn_warning *to = add(list, name);
     snprintf(to->text, sizeof to->text, "%zu bod%s, as '%.60s', pass%s through %s", count,
-             count == 1 ? "y" : "ies", w->scene.bodies[first].name, count == 1 ? "es" : "", why);
+             count == 1 ? "y" : "ies", w->ctx.scene.bodies[first].name, count == 1 ? "es" : "",
+             why);
 }
 
 /* Bodies that walls and others are near to, and could meet but for their shape or stiffness. */
@@ -348,7 +357,7 @@ static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
 /* What the springs of bodies cannot hold. */
 static void warn_of_depth(const gn_run *run, gn_warnings *list) {
     const gn_body_pairs *p = &run->world.boundary.pairs;
-    const gn_body_def *body = run->world.scene.bodies;
+    const gn_body_def *body = run->world.ctx.scene.bodies;
     if (p->pushed.value > 0.0) {
         gn_warning *to = add(list, "bodies_pushed");
         snprintf(to->text, sizeof to->text,
@@ -376,27 +385,30 @@ static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
              "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
              "no law of contacts holds, and what is deeper than a radius comes out at the other "
              "side; more stiffness, or less load or speed, keeps overlaps small",
-             gn_depth_text(&run->world, who, sizeof who), d->overlap, d->share, d->time,
-             d->share / d->excess);
+             gn_depth_text(&run->world.ctx, &run->world.dem, who, sizeof who), d->overlap, d->share,
+             d->time, d->share / d->excess);
 }
 
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
+    if (!gn_specimen_is_narrow(&run->world.ctx, &run->world.dem, text, sizeof text)) return;
     gn_warning *to = add(list, "packing_sizes");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
 static void warn_of_geometry(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_geometry_doubts(&run->world, text, sizeof text)) return;
+    if (!gn_geometry_doubts(&run->world.ctx, &run->world.dem, &run->world.boundary,
+                            &run->world.solids, text, sizeof text))
+        return;
     gn_warning *to = add(list, "test_geometry");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
 static void warn_of_ends(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (!gn_ends_doubts(&run->world, text, sizeof text)) return;
+    if (!gn_ends_doubts(&run->world.ctx, &run->world.dem, &run->world.solids, text, sizeof text))
+        return;
     gn_warning *to = add(list, "test_ends");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
@@ -405,8 +417,8 @@ static void warn_of_ends(const gn_run *run, gn_warnings *list) {
 static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     char text[GNEISS_MESSAGE_SIZE];
-    if (gn_run_staged(run) && w->stage + 1 < w->scene.stage_count) return;
-    if (!gn_shear_is_loose(w, text, sizeof text)) return;
+    if (gn_run_staged(run) && w->stages.now + 1 < w->ctx.scene.stage_count) return;
+    if (!gn_shear_is_loose(&w->ctx, &w->dem, text, sizeof text)) return;
     gn_warning *to = add(list, "no_normal_stress");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
@@ -416,11 +428,11 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
 enum { SWINGS = 10 };
 
 static void warn_of_control(const gn_run *run, gn_warnings *list) {
-    const gn_control *c = &run->world.scene.test.control;
+    const gn_control *c = &run->world.ctx.scene.test.control;
     const double *factor = gn_history_column(&run->history, "control"),
                  *way = gn_history_column(&run->history, "deflection");
     size_t swings = 0, beyond_start = 0;
-    if (!run->world.scene.test.has_control || !factor || !way) return;
+    if (!run->world.ctx.scene.test.has_control || !factor || !way) return;
     for (size_t r = 1; r < run->history.row_count; r++) {
         bool back = factor[r] <= -0.5 * c->reverse && c->reverse > 0.0;
         swings += back && factor[r - 1] >= 0.5;
@@ -455,7 +467,7 @@ static double first_force(const gn_run *run, const char *kind, const char *name)
 /* J, in contacts of particles with walls, bodies and elements in the first row; ends of a test have
  * the part of it that their forces are of all. */
 static double stored_outside(const gn_run *run) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     double ends = 0.0, others = 0.0;
     for (size_t k = 0; k < s->wall_count; k++)
         *(gn_scene_is_end(s, s->walls[k].name) ? &ends : &others) +=
@@ -482,11 +494,11 @@ static void warn_of_burst(const gn_run *run, gn_warnings *list) {
                  moving = first_row(run, "energy_kinetic"), ratio = first_row(run, "unbalanced");
     const bool pressed = outside > inside;
     const double particles = fmax(1.0, (double)w->dem.particles.soa.count),
-                 most = pressed ? balanced * pow(particles, -1.0 / (double)w->scene.dimension)
+                 most = pressed ? balanced * pow(particles, -1.0 / (double)w->ctx.scene.dimension)
                                 : balanced;
-    if (!w->scene.has_specimen || !(ratio > most)) return;
-    if (!(stored > moving) || !gn_stored_matters(w, stored)) return;
-    if (!(stored > share * gn_energy_scale(&w->reading))) return;
+    if (!w->ctx.scene.has_specimen || !(ratio > most)) return;
+    if (!(stored > moving) || !gn_stored_matters(&w->ctx, &w->dem, stored)) return;
+    if (!(stored > share * gn_energy_scale(&w->ledger.reading))) return;
     gn_warning *to = add(list, "stressed_at_start");
     if (pressed)
         snprintf(to->text, sizeof to->text,
@@ -508,8 +520,8 @@ static void warn_of_burst(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_sinks(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
-    for (size_t k = 0; k < run->world.scene.sink_count; k++) {
-        if (!gn_sink_is_too_thin(&run->world, k, text, sizeof text)) continue;
+    for (size_t k = 0; k < run->world.ctx.scene.sink_count; k++) {
+        if (!gn_sink_is_too_thin(&run->world.ctx, &run->world.dem, k, text, sizeof text)) continue;
         gn_warning *to = add(list, "sink_too_thin");
         snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
         return;

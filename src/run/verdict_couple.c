@@ -9,7 +9,7 @@
 #include <string.h>
 
 static void warn_of_lost(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_lost(&run->world);
+    size_t count = gn_coupled_lost(&run->world.ctx, &run->world.zones);
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_lost");
     snprintf(to->text, sizeof to->text,
@@ -19,7 +19,7 @@ static void warn_of_lost(const gn_run *run, gn_warnings *list) {
 }
 
 static void warn_of_zones(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_broken(&run->world);
+    size_t count = gn_coupled_broken(&run->world.dem);
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_broken");
     snprintf(to->text, sizeof to->text,
@@ -33,15 +33,15 @@ static void warn_of_walls(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     size_t count = 0;
     gn_warning *to = NULL;
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.wall_count; k++) {
-        const gn_wall_passed passed = gn_wall_passed_now(w, k);
+    for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.wall_count; k++) {
+        const gn_wall_passed passed = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, k);
         if (!passed.behind || count++) continue;
         to = gn_warnings_add(list, "elements_pass_walls");
         snprintf(to->text, sizeof to->text,
                  "%zu nodes of elements are behind wall '%.60s', at most by %.3g m: elements and "
                  "walls have no contact with each other and pass through; what is to hold or press "
                  "elements has to be a motion or a load of theirs",
-                 passed.behind, w->scene.walls[k].name, passed.deepest);
+                 passed.behind, w->ctx.scene.walls[k].name, passed.deepest);
     }
     const size_t used = to ? strlen(to->text) : 0;
     if (count > 1)
@@ -51,9 +51,9 @@ static void warn_of_walls(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+    for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.couple.zone_count; k++) {
         gn_zone_figures f;
-        gn_zone_measure(w, k, &f);
+        gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
         if (!gn_zone_is_off(&f)) continue;
         gn_warning *to = gn_warnings_add(list, "zones_masses");
         snprintf(
@@ -68,9 +68,9 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+    for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.couple.zone_count; k++) {
         gn_zone_figures f;
-        gn_zone_measure(w, k, &f);
+        gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
         if (!f.beyond) continue;
         gn_warning *to = gn_warnings_add(list, "zones_beyond");
         snprintf(to->text, sizeof to->text,
@@ -82,10 +82,10 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
 }
 
 static void warn_of_packing(const gn_run *run, gn_warnings *list) {
-    const gn_packing_differs *d = &run->world.couple.differs;
+    const gn_packing_differs *d = &run->world.zones.state.differs;
     if (!(d->modulus[0] > 0.0)) return;
     gn_warning *to = gn_warnings_add(list, "packing_differs");
-    const bool space = run->world.scene.dimension == 3;
+    const bool space = run->world.ctx.scene.dimension == 3;
     char last[32] = "";
     if (space) snprintf(last, sizeof last, ", %.4g", d->tension[2]);
     snprintf(to->text, sizeof to->text,
@@ -123,12 +123,12 @@ static void say_what_made(const gn_conversion_parts *p, char *text, size_t size)
 }
 
 static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
-    const gn_energy *e = &run->world.reading;
+    const gn_energy *e = &run->world.ledger.reading;
     const double made = -e->conversion;
-    if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
+    if (!(run->world.ctx.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
     gn_warning *to = gn_warnings_add(list, "energy_conversion");
     char what[320];
-    say_what_made(&run->world.couple.parts, what, sizeof what);
+    say_what_made(&run->world.zones.state.parts, what, sizeof what);
     snprintf(to->text, sizeof to->text,
              "elements that turned into particles made %.3g of the %.4g J that have gone through: "
              "%s",
@@ -139,7 +139,7 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
 static const double turned_most = 0.01;
 
 static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
-    const gn_corrections *c = &run->world.couple.corrected;
+    const gn_corrections *c = &run->world.zones.state.corrected;
     if (!(c->most > turned_most * c->scale)) return;
     gn_warning *to = gn_warnings_add(list, "conversion_missed");
     snprintf(to->text, sizeof to->text,
@@ -154,7 +154,7 @@ static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
 
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
-    const gn_relaxations *r = &w->couple.relaxed;
+    const gn_relaxations *r = &w->zones.state.relaxed;
     const char *const why[] = {
         "bonds would have broken, whose ends stay where they are (lower limits convert sooner)",
         "nothing held some particles, which stay where they are",
@@ -167,7 +167,7 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     int used = snprintf(to->text, sizeof to->text,
                         "%.0f of %.0f relaxations of converted particles left more than %g of the "
                         "mean contact force out of balance, at most %.2g (t = %.4g s)",
-                        r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time);
+                        r->missed, r->count, w->ctx.scene.couple.convert.relax, r->worst, r->time);
     for (int k = 0; k < 4; k++)
         if (times[k] > 0.0 && used < (int)sizeof to->text)
             used += snprintf(to->text + used, sizeof to->text - (size_t)used, "; in %.0f %s",
@@ -179,13 +179,15 @@ static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_e
     const gn_world *w = &run->world;
     char at[GN_POINT_SIZE];
     gn_most_loaded n;
-    if (!gn_converts(w) || !run->finished || w->halt[0] || gn_conversion_begun(w)) return GNEISS_OK;
-    GN_TRY(gn_conversion_most_loaded(w, &n, error));
+    if (!gn_converts(&w->ctx) || !run->finished || w->outcome.halt[0] ||
+        gn_conversion_begun(&w->solids))
+        return GNEISS_OK;
+    GN_TRY(gn_conversion_most_loaded(&w->ctx, &w->solids, &w->most_loaded, &n, error));
     gn_warning *to = gn_warnings_add(list, "nothing_converted");
     char where[GN_POINT_SIZE + 96] = "";
     if (n.share > 0.0)
         snprintf(where, sizeof where, " in element %d at %.90s m at t = %.4g s", n.element,
-                 gn_point_text(w->scene.origin, n.place, at), n.time);
+                 gn_point_text(w->ctx.scene.origin, n.place, at), n.time);
     snprintf(to->text, sizeof to->text,
              "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
              100.0 * n.share, where,
@@ -195,7 +197,7 @@ static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_e
 }
 
 gneiss_status gn_warn_of_coupling(const gn_run *run, gn_warnings *list, gneiss_error *error) {
-    if (!run->world.scene.has_couple) return GNEISS_OK;
+    if (!run->world.ctx.scene.has_couple) return GNEISS_OK;
     warn_of_zones(run, list);
     warn_of_lost(run, list);
     warn_of_walls(run, list);

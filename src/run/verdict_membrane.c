@@ -6,14 +6,14 @@
 static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished) return;
-    const double past = w->time - w->dem.membrane->since;
-    if (w->scene.membrane.ramp - past <= w->dt) return;
+    const double past = w->ctx.time - w->dem.membrane->since;
+    if (w->ctx.scene.membrane.ramp - past <= w->ctx.dt) return;
     gn_warning *to = gn_warnings_add(list, "membrane_ramp");
     snprintf(to->text, sizeof to->text,
              "the pressure had come to %.4g Pa, %.3g of what it is to be, when the run ended after "
              "%.4g s: membrane.ramp is %.4g s",
-             w->dem.membrane->pressure, past / w->scene.membrane.ramp, past,
-             w->scene.membrane.ramp);
+             w->dem.membrane->pressure, past / w->ctx.scene.membrane.ramp, past,
+             w->ctx.scene.membrane.ramp);
 }
 
 /* What patches would have taken on without a bound of their stretch. */
@@ -65,7 +65,7 @@ static void warn_of_work(const gn_run *run, gn_warnings *list) {
     const double most = 3.0;
     const size_t row = row_of_pressure(run);
     double held = 0.0;
-    if (row == SIZE_MAX || pushed_otherwise(&run->world.scene)) return;
+    if (row == SIZE_MAX || pushed_otherwise(&run->world.ctx.scene)) return;
     for (size_t k = 0; k < sizeof takes_up / sizeof *takes_up; k++)
         held += in_row(run, takes_up[k], row);
     const double work = in_row(run, "energy_work_applied", row);
@@ -79,7 +79,7 @@ static void warn_of_work(const gn_run *run, gn_warnings *list) {
 }
 
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list) {
-    if (!(run->world.effects & GN_FX_MEMBRANE)) return;
+    if (!(run->world.ctx.effects & GN_FX_MEMBRANE)) return;
     warn_of_ramp(run, list);
     warn_of_stretch(run, list);
     warn_of_work(run, list);

@@ -70,21 +70,23 @@ static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings
              "the section varies along %c (%.3g of the mean at the narrowest place) and no shape "
              "measures it: moduli are those of a prism of %.4g m2, not of the material (pack a "
              "shape, or write a packing with `gneiss pack`)",
-             "xyz"[run->world.scene.test.axis], x -> narrowest / x -> mean, run -> world.test_area);
+             "xyz"[run->world.ctx.scene.test.axis], x -> narrowest / x -> mean,
+             run -> world.ctx.test_area);
 }
 
 /* Of stages some unload what others loaded: the whole run is looked at. */
 static bool measured(const gn_run *run, const gn_readings *r) {
     const double *stress = gn_history_column(&run->history, "stress");
     if (!gn_run_staged(run)) return !isnan(r->largest_stress);
-    if (run->world.stage + 1 < run->world.scene.stage_count) return true; /* it never got there */
+    if (run->world.stages.now + 1 < run->world.ctx.scene.stage_count)
+        return true; /* it never got there */
     for (size_t k = 0; stress && k < run->history.row_count; k++)
         if (stress[k] > 0.0) return true;
     return false;
 }
 
 static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings *list) {
-    const gn_test_kind kind = run->world.scene.test.kind;
+    const gn_test_kind kind = run->world.ctx.scene.test.kind;
     if (kind == GN_TEST_NONE || !run->finished || run->history.row_count < 2) return;
     if (measured(run, r)) return;
     gn_warning *to = gn_warnings_add(list, "nothing_measured");
@@ -99,8 +101,8 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
 
 /* What the model ended (conversion/conversion.c) did not come to the end of the test. */
 static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warnings *list) {
-    const double drop = gn_scene_peak_drop(&run->world.scene);
-    if (!run->finished || !run->world.halt[0] || isnan(r->peak_stress)) return;
+    const double drop = gn_scene_peak_drop(&run->world.ctx.scene);
+    if (!run->finished || !run->world.outcome.halt[0] || isnan(r->peak_stress)) return;
     if (!(r->peak_fall < drop)) return;
     gn_warning *to = gn_warnings_add(list, "peak_halted");
     snprintf(

@@ -29,7 +29,9 @@ static bool is_off(gn_servo_row row) {
  * share of means of so many rows that are off since the first that is not (0: there is none). */
 static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double *share) {
     const size_t rows = run->history.row_count,
-                 begun = gn_run_staged(run) ? (size_t)run->world.stages[run->world.stage].row : 0;
+                 begun = gn_run_staged(run)
+                             ? (size_t)run->world.stages.state[run->world.stages.now].row
+                             : 0;
     const size_t count = rows - begun < GN_ROWS_HELD ? rows - begun : GN_ROWS_HELD;
     size_t means = 0, off = 0;
     gn_servo_row mean = {0};
@@ -50,7 +52,7 @@ enum { SERVOS_NAMED = 2 };
 static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row mean, double share,
                             char *text, size_t size) {
     const char *name =
-        axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.scene.walls[wall].name;
+        axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.ctx.scene.walls[wall].name;
     const char *unit = axis >= 0 ? "Pa" : "N";
     size_t used =
         (size_t)snprintf(text, size,
@@ -66,7 +68,7 @@ static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row 
 }
 
 void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
-    const gn_scene *s = &run->world.scene;
+    const gn_scene *s = &run->world.ctx.scene;
     char text[400] = "";
     size_t used = 0, count = 0;
     bool pulls = false;

@@ -42,7 +42,8 @@ static double facet_size(const gn_fem_solid *b, const gn_facet_set *f) {
     return f->count ? sum / (double)f->count : 0.0;
 }
 
-static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error *error) {
+static gneiss_status make_surface(const gn_step_context *ctx, gn_boundary *boundary,
+                                  gn_element_model *q, gneiss_error *error) {
     const gn_element_contact_def *def = &q->def->contact;
     gn_surface s = {.body = -1,
                     .elements = q,
@@ -60,7 +61,7 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
         bool named = def->group_where.line > 0;
         gn_scene_place where = named ? def->group_where : q->def->where;
         const char *key = def->group[0] ? "elements.contact.group" : "elements.contact";
-        gn_fail_context(error, "%s: ", gn_scene_at(&w->scene, where, key).text);
+        gn_fail_context(error, "%s: ", gn_scene_at(&ctx->scene, where, key).text);
         return status;
     }
     GN_TRY(status);
@@ -68,14 +69,16 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     s.facet_size = facet_size(&q->solid, &s.facets);
     GN_TRY(make_rows(q, &s.facets, error));
     GN_TRY(gn_element_bodies_find(q, error));
-    GN_TRY(gn_boundary_add_surface(w, &s, error));
-    q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
+    GN_TRY(gn_boundary_add_surface(boundary, &s, error));
+    q->contact.force = boundary->surfaces[boundary->surface_count - 1].force;
     return GNEISS_OK;
 }
 
-gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
-    for (size_t k = 0; w->scene.has_specimen && k < w->element_count; k++)
-        if (w->elements[k]->def->has_contact) GN_TRY(make_surface(w, w->elements[k], error));
+gneiss_status gn_element_contact_create(const gn_step_context *ctx, gn_boundary *boundary,
+                                        gn_solids *solids, gneiss_error *error) {
+    for (size_t k = 0; ctx->scene.has_specimen && k < solids->count; k++)
+        if (solids->elements[k]->def->has_contact)
+            GN_TRY(make_surface(ctx, boundary, solids->elements[k], error));
     return GNEISS_OK;
 }
 

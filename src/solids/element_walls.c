@@ -17,8 +17,8 @@ typedef struct plane {
     double point[3], normal[3], near; /* m */
 } plane;
 
-static double near_of(const gn_world *w) {
-    return on_wall * gn_elements_longest_side(w);
+static double near_of(const gn_step_context *ctx, const gn_solids *solids) {
+    return on_wall * gn_elements_longest_side(ctx, solids);
 }
 
 static double gap_of(const gn_fem_solid *b, const plane *p, size_t n) {
@@ -61,19 +61,20 @@ static gn_wall_passed look(const gn_fem_solid *b, const uint8_t *used, const pla
     return found;
 }
 
-gn_wall_passed gn_wall_passed_now(const gn_world *w, size_t wall) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_wall *at = &w->boundary.walls[wall];
-    plane p = {.near = near_of(w)};
+gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary *boundary,
+                                  const gn_solids *solids, size_t wall) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const gn_wall *at = &boundary->walls[wall];
+    plane p = {.near = near_of(ctx, solids)};
     double least;
     uint8_t *used = find_nodes(b);
-    gn_wall_passed found = {.time = w->time};
+    gn_wall_passed found = {.time = ctx->time};
     for (int a = 0; a < 3; a++) {
         p.point[a] = at->point[a];
         p.normal[a] = at->normal[a];
     }
     if (used) found = look(b, used, &p, &least);
-    found.time = w->time;
+    found.time = ctx->time;
     gn_free(used);
     return found;
 }
@@ -102,7 +103,7 @@ static double blur_of(const gn_fem_solid *b) {
 }
 
 static plane plane_at(const foresight *q, size_t wall, size_t part, double time) {
-    const gn_wall_def *def = &q->rest->w->scene.walls[wall];
+    const gn_wall_def *def = &q->rest->w->ctx.scene.walls[wall];
     plane p = {.near = q->near + q->blur};
     for (size_t a = 0; a < 3; a++) {
         p.point[a] = def->point[a] + gn_course_wall_path(&q->rest->course, part, wall, a, time);
@@ -121,12 +122,12 @@ static void put_at(const foresight *q, size_t part, double time) {
 static void look_at_walls(foresight *q, size_t part, double time) {
     const gn_world *w = q->rest->w;
     put_at(q, part, time);
-    q->blur = blur_of(gn_coupled_solid(w));
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
+    q->blur = blur_of(gn_coupled_solid(&w->solids));
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) {
         const plane p = plane_at(q, k, part, time);
         gn_wall_passed *to = &q->passed[k];
         double least;
-        const gn_wall_passed now = look(gn_coupled_solid(w), q->used, &p, &least);
+        const gn_wall_passed now = look(gn_coupled_solid(&w->solids), q->used, &p, &least);
         if (time == 0.0) to->touching = now.touching;
         if (now.behind && !to->behind) {
             const double before = fmax(q->least[k], 0.0);
@@ -142,7 +143,7 @@ static void look_at_walls(foresight *q, size_t part, double time) {
 static gneiss_status foresee(foresight *q, gneiss_error *error) {
     enum { LOOKS = 8 };
     const gn_course *c = &q->rest->course;
-    q->least = gn_alloc_array(q->rest->w->scene.wall_count + 1, sizeof *q->least);
+    q->least = gn_alloc_array(q->rest->w->ctx.scene.wall_count + 1, sizeof *q->least);
     if (!q->least) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
     for (size_t part = 0; part < c->count; part++)
         for (int k = part > 0; k <= LOOKS; k++) {
@@ -155,7 +156,7 @@ static gneiss_status foresee(foresight *q, gneiss_error *error) {
 
 /* With the nodes put back where they were, which may be off their start. */
 static gneiss_status foresee_and_return(foresight *q, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(q->rest->w);
+    gn_fem_solid *b = gn_coupled_solid(&q->rest->w->solids);
     const size_t size = 4 * b->nodes.soa.count;
     double *place = gn_alloc_array_raw(size + 1, sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for places of nodes");
@@ -168,21 +169,23 @@ static gneiss_status foresee_and_return(foresight *q, gneiss_error *error) {
 }
 
 gneiss_status gn_wall_foresee_passed(gn_world *w, gn_wall_passed *passed, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
     gn_course course = {0};
     gn_rest rest = {0};
-    foresight q = {.rest = &rest, .near = near_of(w), .passed = passed};
-    for (size_t k = 0; k < w->scene.wall_count; k++) passed[k] = (gn_wall_passed){0};
+    foresight q = {.rest = &rest, .near = near_of(&w->ctx, &w->solids), .passed = passed};
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) passed[k] = (gn_wall_passed){0};
     if (b->form != GN_FEM_DISPLACEMENT) {
-        for (size_t k = 0; k < w->scene.wall_count; k++) passed[k] = gn_wall_passed_now(w, k);
+        for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
+            passed[k] = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, k);
         return GNEISS_OK;
     }
     uint8_t *used = find_nodes(b);
-    gneiss_status status = used ? gn_course_make(w, GN_SETTLING * gn_wave_travel(w), &course, error)
-                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
+    gneiss_status status =
+        used ? gn_course_make(w, GN_SETTLING * gn_wave_travel(&w->ctx, &w->solids), &course, error)
+             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
     q.used = used;
     if (status == GNEISS_OK) status = gn_rest_make(w, &course, &rest, error);
-    rest.unloaded = !gn_converts(w);
+    rest.unloaded = !gn_converts(&w->ctx);
     if (status == GNEISS_OK) status = foresee_and_return(&q, error);
     gn_rest_free(&rest);
     gn_course_free(&course);

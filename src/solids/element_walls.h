@@ -14,7 +14,8 @@ typedef struct gn_wall_passed {
 } gn_wall_passed;
 
 /* Of a wall now; time: that of now. */
-gn_wall_passed gn_wall_passed_now(const gn_world *world, size_t wall);
+gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary *boundary,
+                                  const gn_solids *solids, size_t wall);
 /* [walls] of a run that has not begun: at rest under motions and loads, of fixed zones under
  * motions alone, as particles bear the loads with the elements. Leaves the world as it was. */
 gneiss_status gn_wall_foresee_passed(gn_world *world, gn_wall_passed *passed, gneiss_error *error);

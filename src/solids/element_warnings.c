@@ -18,15 +18,16 @@ static double full_overlap(double radius, double h) {
 
 /* The largest particle, where a hundredth of its radius presses more facets than there is room for:
  * the run would end at that overlap. */
-static size_t doubt_facets(const gn_world *w, char *text, size_t size) {
+static size_t doubt_facets(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, char *text, size_t size) {
     const double usual = 0.01;
-    if (w->boundary.surface_count == w->scene.body_count) return 0;
-    const gn_surface *s = &w->boundary.surfaces[w->scene.body_count];
+    if (boundary->surface_count == ctx->scene.body_count) return 0;
+    const gn_surface *s = &boundary->surfaces[ctx->scene.body_count];
     size_t largest = 0;
-    const double *pos = w->dem.particles.pos;
-    for (size_t p = 1; p < w->dem.particles.soa.count; p++)
+    const double *pos = dem->particles.pos;
+    for (size_t p = 1; p < dem->particles.soa.count; p++)
         if (pos[4 * p + 3] > pos[4 * largest + 3]) largest = p;
-    if (!w->dem.particles.soa.count || s->facets.corners != 3) return 0;
+    if (!dem->particles.soa.count || s->facets.corners != 3) return 0;
     const double radius = pos[4 * largest + 3], overlap = full_overlap(radius, s->facet_size);
     if (!gn_surface_patched(s, radius) || overlap > usual * radius) return 0;
     return (size_t)snprintf(
@@ -34,31 +35,32 @@ static size_t doubt_facets(const gn_world *w, char *text, size_t size) {
         "particle %d (radius %.4g m, %.3g times the mean size of facets) presses "
         "%d facets of the elements at once from an overlap of some %.2g m on, "
         "where the run ends: larger elements at the surface, or a smaller radius",
-        (int)w->dem.particles.id[largest], radius, radius / s->facet_size, GN_PATCH_FACETS,
-        overlap);
+        (int)dem->particles.id[largest], radius, radius / s->facet_size, GN_PATCH_FACETS, overlap);
 }
 
-const char *gn_elements_doubts(const gn_world *w, char *text, size_t size) {
+const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids, char *text,
+                               size_t size) {
     char place[GN_POINT_SIZE];
     *text = '\0';
-    size_t used = doubt_facets(w, text, size);
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_mesh_joints *j = &w->elements[k]->joints;
-        const char *name = w->elements[k]->solid.name;
+    size_t used = doubt_facets(ctx, dem, boundary, text, size);
+    for (size_t k = 0; k < solids->count; k++) {
+        const gn_mesh_joints *j = &solids->elements[k]->joints;
+        const char *name = solids->elements[k]->solid.name;
         if (j->together && used < size)
             used += (size_t)snprintf(
                 text + used, size - used,
                 "%s%s: two nodes at one place in %zu place%s, the first at %s m: elements are not "
                 "joined there, as at a crack of no width",
                 used ? "; " : "", name, j->together, j->together == 1 ? "" : "s",
-                gn_point_text(w->scene.origin, j->together_at, place));
+                gn_point_text(ctx->scene.origin, j->together_at, place));
         if (j->hanging && used < size)
             used += (size_t)snprintf(
                 text + used, size - used,
                 "%s%s: %zu hanging node%s on sides of elements that do not have them, the first at "
                 "%s m: elements are not joined there",
                 used ? "; " : "", name, j->hanging, j->hanging == 1 ? "" : "s",
-                gn_point_text(w->scene.origin, j->hanging_at, place));
+                gn_point_text(ctx->scene.origin, j->hanging_at, place));
     }
     return text;
 }

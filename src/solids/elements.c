@@ -17,14 +17,15 @@
 
 /* Puts the place in the scene before a message about the mesh; `group`: where that is given that
  * the message is about, NULL: it is about all of the section. */
-static gneiss_status at(const gn_world *w, gn_scene_place where, const gn_scene_place *group,
-                        const char *list, size_t index, gneiss_status status, gneiss_error *error) {
+static gneiss_status at(const gn_step_context *ctx, gn_scene_place where,
+                        const gn_scene_place *group, const char *list, size_t index,
+                        gneiss_status status, gneiss_error *error) {
     char text[GNEISS_MESSAGE_SIZE], item[64] = "elements";
     if (status != GNEISS_ERROR_INPUT || !error) return status;
     memcpy(text, error->message, sizeof text);
     if (list) snprintf(item, sizeof item, "elements.%s[%zu]%s", list, index, group ? ".group" : "");
     if (group && group->line) where = *group;
-    return gn_fail(error, status, "%.400s:%d:%d: %s: %.1400s", w->scene.source, where.line,
+    return gn_fail(error, status, "%.400s:%d:%d: %s: %.1400s", ctx->scene.source, where.line,
                    where.column, item, text);
 }
 
@@ -34,10 +35,10 @@ static gneiss_status no_memory(gneiss_error *error) {
 
 /* --- mesh --- */
 
-static gneiss_status make_block(const gn_world *w, const gn_element_def *e, gn_mesh *mesh,
+static gneiss_status make_block(const gn_step_context *ctx, const gn_element_def *e, gn_mesh *mesh,
                                 gneiss_error *error) {
     gn_structured s = {.distortion = e->distortion,
-                       .seed = w->scene.seed,
+                       .seed = ctx->scene.seed,
                        .parallel = e->diagonals == GN_DIAGONALS_PARALLEL};
     for (int k = 0; k < 3; k++) {
         s.lower[k] = e->origin[k];
@@ -62,16 +63,16 @@ static gneiss_status make_beam(const gn_beam_def *b, gn_mesh *mesh, gneiss_error
     return gn_mesh_beam(&s, mesh, error);
 }
 
-static gneiss_status make_mesh(const gn_world *w, const gn_element_def *e, gn_mesh *mesh,
+static gneiss_status make_mesh(const gn_step_context *ctx, const gn_element_def *e, gn_mesh *mesh,
                                gneiss_error *error) {
     gneiss_status status =
-        e->has_beam ? make_beam(&e->beam, mesh, error) : make_block(w, e, mesh, error);
-    return at(w, e->where, NULL, NULL, 0, status, error);
+        e->has_beam ? make_beam(&e->beam, mesh, error) : make_block(ctx, e, mesh, error);
+    return at(ctx, e->where, NULL, NULL, 0, status, error);
 }
 
 /* Files, origins and scales can each be sensible and give together what no key may say. */
-static gneiss_status check_places(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
-                                  gneiss_error *error) {
+static gneiss_status check_places(const gn_step_context *ctx, const gn_element_def *e,
+                                  const gn_mesh *mesh, gneiss_error *error) {
     for (size_t n = 0; n < mesh->node_count; n++) {
         const double *x = mesh->node + 3 * n;
         if (fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))) <= GN_PLACE_MOST) continue;
@@ -79,7 +80,7 @@ static gneiss_status check_places(const gn_world *w, const gn_element_def *e, co
             gn_fail(error, GNEISS_ERROR_INPUT,
                     "expected coordinates up to %g m, found a node at (%g, %g, %g) m",
                     GN_PLACE_MOST, x[0], x[1], x[2]);
-        return at(w, e->where, NULL, NULL, 0, status, error);
+        return at(ctx, e->where, NULL, NULL, 0, status, error);
     }
     return GNEISS_OK;
 }
@@ -90,32 +91,33 @@ static const char *mesh_name(const gn_element_def *e) {
     return e->mesh[0] ? e->mesh : e->has_beam ? "beam" : e->has_box ? "box" : "rectangle";
 }
 
-static gneiss_status check_joints(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
-                                  gn_mesh_joints *joints, gneiss_error *error) {
+static gneiss_status check_joints(const gn_step_context *ctx, const gn_element_def *e,
+                                  const gn_mesh *mesh, gn_mesh_joints *joints,
+                                  gneiss_error *error) {
     const gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
     *joints = (gn_mesh_joints){0};
     if (!e->mesh[0]) return GNEISS_OK;
-    gneiss_status status = gn_mesh_check_joints(mesh, (int)w->scene.dimension, w->scene.origin,
+    gneiss_status status = gn_mesh_check_joints(mesh, (int)ctx->scene.dimension, ctx->scene.origin,
                                                 mesh_name(e), joints, error);
-    return at(w, where, NULL, NULL, 0, status, error);
+    return at(ctx, where, NULL, NULL, 0, status, error);
 }
 
 /* --- solid --- */
 
-static gneiss_status check_groups(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
-                                  gneiss_error *error) {
+static gneiss_status check_groups(const gn_step_context *ctx, const gn_element_def *e,
+                                  const gn_mesh *mesh, gneiss_error *error) {
     for (size_t k = 0; k < e->material_count; k++) {
         const gn_element_material *m = &e->materials[k];
         if (!m->group[0]) continue;
         gneiss_status status =
-            gn_fem_check_group(mesh_name(e), mesh, m->group, (int)w->scene.dimension, error);
-        GN_TRY(at(w, m->where, &m->group_where, "materials", k, status, error));
+            gn_fem_check_group(mesh_name(e), mesh, m->group, (int)ctx->scene.dimension, error);
+        GN_TRY(at(ctx, m->where, &m->group_where, "materials", k, status, error));
     }
     return GNEISS_OK;
 }
 
 /* Takes over the mesh. */
-static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *mesh,
+static gneiss_status make_body(const gn_step_context *ctx, gn_element_model *q, gn_mesh *mesh,
                                gneiss_error *error) {
     const gn_element_def *e = q->def;
     gn_fem_material *materials = gn_alloc_array(e->material_count + 1, sizeof *materials);
@@ -130,26 +132,26 @@ static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *
     }
     gn_fem_spec spec = {
         .name = mesh_name(e),
-        .dimension = (int)w->scene.dimension,
+        .dimension = (int)ctx->scene.dimension,
         .form = e->formulation == GN_FORMULATION_PRESSURE ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT,
-        .single = w->effects & GN_FX_MIXED && e->formulation != GN_FORMULATION_PRESSURE,
+        .single = ctx->effects & GN_FX_MIXED && e->formulation != GN_FORMULATION_PRESSURE,
         .materials = materials,
         .material_count = e->material_count,
         .damping =
-            w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT),
-        .damping_coefficient = w->scene.background_coefficient,
-        .threads = w->threads,
-        .isa = w->kernels->name};
-    if (w->scene.has_couple) {
+            ctx->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT),
+        .damping_coefficient = ctx->scene.background_coefficient,
+        .threads = ctx->threads,
+        .isa = ctx->kernels->name};
+    if (ctx->scene.has_couple) {
         spec.share = gn_zones_share;
-        spec.share_of = &w->scene;
-        spec.shrinks = w->scene.couple.has_convert;
+        spec.share_of = &ctx->scene;
+        spec.shrinks = ctx->scene.couple.has_convert;
     }
-    memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
-    memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
+    memcpy(spec.gravity, ctx->scene.gravity, sizeof spec.gravity);
+    memcpy(spec.origin, ctx->scene.origin, sizeof spec.origin);
     gneiss_status status = gn_fem_solid_create(&spec, mesh, &q->solid, error);
     gn_free(materials);
-    return at(w, e->where, NULL, NULL, 0, status, error);
+    return at(ctx, e->where, NULL, NULL, 0, status, error);
 }
 
 /* --- what drives it --- */
@@ -164,13 +166,13 @@ static const gn_scene_place *group_of(const gn_region *r) {
     return r->has_box ? NULL : &r->group_where;
 }
 
-static void velocity_at(const gn_world *w, const gn_element_motion *m, double time,
+static void velocity_at(const gn_step_context *ctx, const gn_element_motion *m, double time,
                         double velocity[3]) {
     for (int a = 0; a < 3; a++)
-        velocity[a] = gn_control_of(w, m->name, a) * gn_table_at(&m->motion.velocity[a], time);
+        velocity[a] = gn_control_of(ctx, m->name, a) * gn_table_at(&m->motion.velocity[a], time);
 }
 
-static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t k,
+static gneiss_status make_motion(const gn_step_context *ctx, gn_element_model *q, size_t k,
                                  gneiss_error *error) {
     const gn_element_motion *m = &q->def->motions[k];
     unsigned mask = 0;
@@ -178,9 +180,9 @@ static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t 
     for (int a = 0; a < 3; a++) mask |= m->motion.velocity[a].count ? 1u << a : 0;
     q->motion[k] = -1;
     gneiss_status status = nodes_of(&q->solid, &m->region, &q->motion_set[k], error);
-    GN_TRY(at(w, m->where, group_of(&m->region), "motions", k, status, error));
+    GN_TRY(at(ctx, m->where, group_of(&m->region), "motions", k, status, error));
     if (!mask) return GNEISS_OK;
-    velocity_at(w, m, 0.0, velocity);
+    velocity_at(ctx, m, 0.0, velocity);
     return gn_fem_prescribe(&q->solid, &q->motion_set[k], mask, velocity, &q->motion[k], error);
 }
 
@@ -218,14 +220,14 @@ static bool varies(const gn_table tables[3]) {
 }
 
 /* Of constant ones with `all`, once, unless the test is controlled. */
-static void set_velocities(const gn_world *w, gn_element_model *q, double time, bool all) {
+static void set_velocities(const gn_step_context *ctx, gn_element_model *q, double time, bool all) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->motion_count; k++) {
         double velocity[3];
         if (q->motion[k] < 0 ||
-            !(all || w->scene.test.has_control || varies(e->motions[k].motion.velocity)))
+            !(all || ctx->scene.test.has_control || varies(e->motions[k].motion.velocity)))
             continue;
-        velocity_at(w, &e->motions[k], time, velocity);
+        velocity_at(ctx, &e->motions[k], time, velocity);
         gn_fem_set_velocity(&q->solid, q->motion[k], velocity);
     }
 }
@@ -238,18 +240,19 @@ static void look_at_loads(gn_element_model *q) {
     }
 }
 
-static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_error *error) {
+static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q,
+                                 gneiss_error *error) {
     const gn_element_def *e = q->def;
     q->motion_set = gn_alloc_array(e->motion_count + 1, sizeof *q->motion_set);
     q->motion = gn_alloc_array(e->motion_count + 1, sizeof *q->motion);
     q->load = gn_alloc_array(e->load_count + 1, sizeof *q->load);
     q->load_value = gn_alloc_array(e->load_count + 1, sizeof *q->load_value);
     if (!q->motion_set || !q->motion || !q->load || !q->load_value) return no_memory(error);
-    for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(w, q, k, error));
+    for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(ctx, q, k, error));
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_element_load *l = &e->loads[k];
         gneiss_status status = make_load(q, k, error);
-        GN_TRY(at(w, l->where, group_of(&l->region), "loads", k, status, error));
+        GN_TRY(at(ctx, l->where, group_of(&l->region), "loads", k, status, error));
     }
     look_at_loads(q);
     gn_elements_set_loads(q, 0.0);
@@ -259,22 +262,22 @@ static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_
 /* --- create, free --- */
 
 /* A further solid, empty as yet, among those of the world. */
-static gn_element_model *append(gn_world *w) {
-    gn_element_model **all = gn_alloc_array(w->element_count + 1, sizeof *all);
+static gn_element_model *append(gn_solids *solids) {
+    gn_element_model **all = gn_alloc_array(solids->count + 1, sizeof *all);
     gn_element_model *q = gn_alloc_array(1, sizeof *q);
     if (!all || !q) {
         gn_free(all);
         gn_free(q);
         return NULL;
     }
-    for (size_t k = 0; k < w->element_count; k++) all[k] = w->elements[k];
-    gn_free(w->elements);
-    w->elements = all;
-    return w->elements[w->element_count++] = q;
+    for (size_t k = 0; k < solids->count; k++) all[k] = solids->elements[k];
+    gn_free(solids->elements);
+    solids->elements = all;
+    return solids->elements[solids->count++] = q;
 }
 
-gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *mesh,
-                              gneiss_error *error) {
+gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
+                              const gn_element_def *def, gn_mesh *mesh, gneiss_error *error) {
     gn_mesh own = {0};
     gn_mesh_joints joints = {0};
     gn_element_model *q = NULL;
@@ -282,11 +285,11 @@ gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *m
         own = *mesh;
         *mesh = (gn_mesh){0};
     }
-    gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, def, &own, error);
-    if (status == GNEISS_OK) status = check_places(w, def, &own, error);
-    if (status == GNEISS_OK) status = check_groups(w, def, &own, error);
-    if (status == GNEISS_OK) status = check_joints(w, def, &own, &joints, error);
-    if (status == GNEISS_OK && !(q = append(w))) status = no_memory(error);
+    gneiss_status status = mesh ? GNEISS_OK : make_mesh(ctx, def, &own, error);
+    if (status == GNEISS_OK) status = check_places(ctx, def, &own, error);
+    if (status == GNEISS_OK) status = check_groups(ctx, def, &own, error);
+    if (status == GNEISS_OK) status = check_joints(ctx, def, &own, &joints, error);
+    if (status == GNEISS_OK && !(q = append(solids))) status = no_memory(error);
     if (status != GNEISS_OK) {
         gn_mesh_free(&own);
         return status;
@@ -294,27 +297,30 @@ gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *m
     q->def = def;
     q->stiffening = 1.0;
     q->joints = joints;
-    GN_TRY(make_body(w, q, &own, error));
+    GN_TRY(make_body(ctx, q, &own, error));
     q->weight = gn_alloc_array(q->solid.nodes.soa.count + 1, sizeof *q->weight);
     if (!q->weight) return no_memory(error);
     gn_fem_strain_weights(&q->solid, q->weight);
-    return make_drives(w, q, error);
+    return make_drives(ctx, q, error);
 }
 
-gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    return w->scene.has_elements ? gn_elements_add(w, &w->scene.elements, mesh, error) : GNEISS_OK;
+gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, gn_mesh *mesh,
+                                 gneiss_error *error) {
+    return ctx->scene.has_elements ? gn_elements_add(ctx, solids, &ctx->scene.elements, mesh, error)
+                                   : GNEISS_OK;
 }
 
-gneiss_status gn_elements_enter(gn_world *w, gneiss_error *error) {
+gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids,
+                                gneiss_error *error) {
     const gn_effects damping =
-        w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    for (size_t k = 0; k < w->element_count; k++) {
-        gn_element_model *q = w->elements[k];
-        GN_TRY(gn_fem_surround(&q->solid, w->scene.gravity, damping,
-                               w->scene.background_coefficient, error));
+        ctx->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    for (size_t k = 0; k < solids->count; k++) {
+        gn_element_model *q = solids->elements[k];
+        GN_TRY(gn_fem_surround(&q->solid, ctx->scene.gravity, damping,
+                               ctx->scene.background_coefficient, error));
         look_at_loads(q);
-        gn_elements_set_loads(q, w->time);
-        set_velocities(w, q, w->time, true);
+        gn_elements_set_loads(q, ctx->time);
+        set_velocities(ctx, q, ctx->time, true);
     }
     return GNEISS_OK;
 }
@@ -330,31 +336,31 @@ static void free_model(gn_element_model *q) {
     gn_free(q);
 }
 
-void gn_elements_free(gn_world *w) {
-    for (size_t k = 0; k < w->element_count; k++) free_model(w->elements[k]);
-    gn_free(w->elements);
-    w->elements = NULL;
-    w->element_count = 0;
+void gn_elements_free(gn_solids *solids) {
+    for (size_t k = 0; k < solids->count; k++) free_model(solids->elements[k]);
+    gn_free(solids->elements);
+    solids->elements = NULL;
+    solids->count = 0;
 }
 
-uint64_t gn_elements_hash(const gn_world *w, uint64_t h) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        uint64_t solid = gn_fem_hash(&w->elements[k]->solid);
+uint64_t gn_elements_hash(const gn_solids *solids, uint64_t h) {
+    for (size_t k = 0; k < solids->count; k++) {
+        uint64_t solid = gn_fem_hash(&solids->elements[k]->solid);
         h = gn_hash_bytes(&solid, sizeof solid, h);
     }
     return h;
 }
 
-size_t gn_elements_bytes(const gn_world *w) {
+size_t gn_elements_bytes(const gn_solids *solids) {
     size_t bytes = 0;
-    for (size_t k = 0; k < w->element_count; k++) bytes += gn_fem_bytes(&w->elements[k]->solid);
+    for (size_t k = 0; k < solids->count; k++) bytes += gn_fem_bytes(&solids->elements[k]->solid);
     return bytes;
 }
 
-gn_element_totals gn_elements_totals(const gn_world *w) {
+gn_element_totals gn_elements_totals(const gn_solids *solids) {
     gn_element_totals t = {0};
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_solid *b = &w->elements[k]->solid;
+    for (size_t k = 0; k < solids->count; k++) {
+        const gn_fem_solid *b = &solids->elements[k]->solid;
         t.nodes += b->nodes.soa.count;
         t.elements += b->elements.soa.count;
         t.mass += b->mass;
@@ -381,17 +387,18 @@ static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-void gn_elements_forces(gn_world *w, bool measure) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        gn_element_model *q = w->elements[k];
+void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *seconds,
+                        bool measure) {
+    for (size_t k = 0; k < solids->count; k++) {
+        gn_element_model *q = solids->elements[k];
         double start = gn_now();
-        set_velocities(w, q, w->time + 0.5 * w->dt, false);
-        if (q->loads_vary) gn_elements_set_loads(q, w->time);
+        set_velocities(ctx, q, ctx->time + 0.5 * ctx->dt, false);
+        if (q->loads_vary) gn_elements_set_loads(q, ctx->time);
         gn_element_contact_load(q);
-        if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
+        if (ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past && ctx->effects & GN_FX_ENERGY)
             q->vel_past = gn_dem_kept(&q->solid.nodes, q->solid.nodes.vel);
-        gn_fem_forces(&q->solid, w->dt, measure);
-        w->seconds[GN_PHASE_elements] += gn_now() - start;
+        gn_fem_forces(&q->solid, ctx->dt, measure);
+        seconds[GN_PHASE_elements] += gn_now() - start;
     }
 }
 
@@ -406,30 +413,32 @@ static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gne
 }
 
 /* As of particles (dem_step.c); the reading of these has been taken, in a step that is measured. */
-static void book_change(gn_world *w, gn_element_model *q, bool measure) {
+static void book_change(const gn_step_context *ctx, gn_ledger *ledger, gn_element_model *q,
+                        bool measure) {
     double halves[2] = {0.0, 0.0};
     if (!q->vel_past) return;
-    gn_dem_add_change(w, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
-    if (measure) w->reading.step_change += halves[GN_HALF_BEFORE];
-    w->energy.step_change += halves[GN_HALF_BEFORE] + halves[GN_HALF_AFTER];
+    gn_dem_add_change(ctx, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
+    if (measure) ledger->reading.step_change += halves[GN_HALF_BEFORE];
+    ledger->energy.step_change += halves[GN_HALF_BEFORE] + halves[GN_HALF_AFTER];
     gn_free(q->vel_past);
     q->vel_past = NULL;
 }
 
-gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
+gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn_ledger *ledger,
+                               double *seconds, bool measure, gneiss_error *error) {
     gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < w->element_count; k++) {
+    for (size_t k = 0; status == GNEISS_OK && k < solids->count; k++) {
         double start = gn_now();
-        status = move_body(w->elements[k], w->dt, measure, error);
-        book_change(w, w->elements[k], measure);
-        w->seconds[GN_PHASE_elements] += gn_now() - start;
+        status = move_body(solids->elements[k], ctx->dt, measure, error);
+        book_change(ctx, ledger, solids->elements[k], measure);
+        seconds[GN_PHASE_elements] += gn_now() - start;
     }
     return status;
 }
 
-void gn_elements_book(const gn_world *w, gn_energy *ledger) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_energy *e = &w->elements[k]->solid.reading;
+void gn_elements_book(const gn_solids *solids, gn_energy *ledger) {
+    for (size_t k = 0; k < solids->count; k++) {
+        const gn_fem_energy *e = &solids->elements[k]->solid.reading;
         ledger->kinetic += e->kinetic;
         ledger->elastic_elements += e->elastic;
         ledger->work_prescribed += e->work_prescribed;
@@ -443,38 +452,39 @@ void gn_elements_book(const gn_world *w, gn_energy *ledger) {
 /* --- readings --- */
 
 /* Means over the solids, by volume; where all elements were converted nothing. */
-static double share_of(const gn_world *w, size_t k) {
-    const double all = gn_elements_totals(w).volume;
-    return all > 0.0 ? w->elements[k]->solid.volume / all : 0.0;
+static double share_of(const gn_solids *solids, size_t k) {
+    const double all = gn_elements_totals(solids).volume;
+    return all > 0.0 ? solids->elements[k]->solid.volume / all : 0.0;
 }
 
-void gn_elements_stress(const gn_world *w, double stress[9]) {
+void gn_elements_stress(const gn_solids *solids, double stress[9]) {
     memset(stress, 0, 9 * sizeof *stress);
-    for (size_t k = 0; k < w->element_count; k++)
-        for (int c = 0; c < 9; c++) stress[c] += share_of(w, k) * w->elements[k]->stress[c];
+    for (size_t k = 0; k < solids->count; k++)
+        for (int c = 0; c < 9; c++)
+            stress[c] += share_of(solids, k) * solids->elements[k]->stress[c];
 }
 
-void gn_elements_strain(const gn_world *w, double gradient[9]) {
+void gn_elements_strain(const gn_solids *solids, double gradient[9]) {
     memset(gradient, 0, 9 * sizeof *gradient);
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_element_model *q = w->elements[k];
+    for (size_t k = 0; k < solids->count; k++) {
+        const gn_element_model *q = solids->elements[k];
         double own[9];
         gn_fem_mean_gradient(&q->solid, (const double(*)[3])q->weight, own);
-        for (int c = 0; c < 9; c++) gradient[c] += share_of(w, k) * own[c];
+        for (int c = 0; c < 9; c++) gradient[c] += share_of(solids, k) * own[c];
     }
 }
 
-void gn_elements_balance(const gn_world *w, gn_balance *balance) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        balance->ratio = fmax(balance->ratio, w->elements[k]->unbalanced);
-        balance->carries |= w->elements[k]->carries;
-        balance->falls |= w->elements[k]->falls;
+void gn_elements_balance(const gn_solids *solids, gn_balance *balance) {
+    for (size_t k = 0; k < solids->count; k++) {
+        balance->ratio = fmax(balance->ratio, solids->elements[k]->unbalanced);
+        balance->carries |= solids->elements[k]->carries;
+        balance->falls |= solids->elements[k]->falls;
     }
 }
 
-void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_particles *nodes = &w->elements[k]->solid.nodes;
+void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]) {
+    for (size_t k = 0; k < solids->count; k++) {
+        const gn_particles *nodes = &solids->elements[k]->solid.nodes;
         for (size_t n = 0; n < 4 * nodes->soa.count; n += 4)
             for (size_t a = 0; a < 3; a++) {
                 lower[a] = fmin(lower[a], nodes->start[n + a]);
@@ -483,16 +493,16 @@ void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {
     }
 }
 
-void gn_elements_sides(const gn_world *w, double side[3]) {
+void gn_elements_sides(const gn_solids *solids, double side[3]) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    gn_elements_extent(w, lower, upper);
+    gn_elements_extent(solids, lower, upper);
     for (int a = 0; a < 3; a++) side[a] = upper[a] - lower[a];
 }
 
-double gn_elements_longest_side(const gn_world *w) {
+double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids) {
     double side[3], most = 0.0;
-    gn_elements_sides(w, side);
-    for (int a = 0; a < (int)w->scene.dimension; a++) most = fmax(most, side[a]);
+    gn_elements_sides(solids, side);
+    for (int a = 0; a < (int)ctx->scene.dimension; a++) most = fmax(most, side[a]);
     return most;
 }
 
@@ -500,37 +510,37 @@ double gn_elements_longest_side(const gn_world *w) {
 
 size_t gn_elements_motions(const gn_world *w) {
     size_t count = 0;
-    for (size_t k = 0; k < w->element_count; k++) count += w->elements[k]->def->motion_count;
+    for (size_t k = 0; k < w->solids.count; k++) count += w->solids.elements[k]->def->motion_count;
     return count;
 }
 
 /* Whose motion it is; *motion is then its place among those of the solid. */
-static const gn_element_model *owner_of(const gn_world *w, size_t *motion) {
+static const gn_element_model *owner_of(const gn_solids *solids, size_t *motion) {
     size_t k = 0;
-    for (; *motion >= w->elements[k]->def->motion_count; k++)
-        *motion -= w->elements[k]->def->motion_count;
-    return w->elements[k];
+    for (; *motion >= solids->elements[k]->def->motion_count; k++)
+        *motion -= solids->elements[k]->def->motion_count;
+    return solids->elements[k];
 }
 
 const char *gn_elements_motion_name(const gn_world *w, size_t motion) {
-    const gn_element_model *q = owner_of(w, &motion);
+    const gn_element_model *q = owner_of(&w->solids, &motion);
     return q->def->motions[motion].name;
 }
 
-bool gn_elements_motion_drives(const gn_world *w, size_t motion) {
-    const gn_element_model *q = owner_of(w, &motion);
+bool gn_elements_motion_drives(const gn_solids *solids, size_t motion) {
+    const gn_element_model *q = owner_of(solids, &motion);
     return q->motion[motion] >= 0;
 }
 
-const gn_fem_set *gn_elements_motion_set(const gn_world *w, size_t motion,
+const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes) {
-    const gn_element_model *owner = owner_of(w, &motion);
+    const gn_element_model *owner = owner_of(solids, &motion);
     *nodes = &owner->solid.nodes;
     return &owner->motion_set[motion];
 }
 
 void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
-    const gn_element_model *owner = owner_of(w, &motion);
+    const gn_element_model *owner = owner_of(&w->solids, &motion);
     const gn_fem_set *set = &owner->motion_set[motion];
     const gn_particles *q = &owner->solid.nodes;
     memset(travel, 0, 3 * sizeof *travel);
@@ -542,17 +552,18 @@ void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
 }
 
 void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
-    const gn_element_model *q = owner_of(w, &motion);
+    const gn_element_model *q = owner_of(&w->solids, &motion);
     memset(force, 0, 3 * sizeof *force);
     if (q->motion[motion] >= 0) gn_fem_reaction(&q->solid, q->motion[motion], force);
 }
 
 /* --- stability --- */
 
-static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_error *error) {
+static gneiss_status full_limit(const gn_step_context *ctx, gn_element_model *q,
+                                gneiss_error *error) {
     GN_TRY(gn_fem_bound(&q->solid, &q->limit, error));
-    bool settled = w->scene.estimate == GN_STEP_BOUND ||
-                   (w->scene.step > 0.0 && w->scene.step <= 0.5 * q->limit.bound);
+    bool settled = ctx->scene.estimate == GN_STEP_BOUND ||
+                   (ctx->scene.step > 0.0 && ctx->scene.step <= 0.5 * q->limit.bound);
     if (!settled) return gn_fem_limits(&q->solid, 1e-3, &q->limit, error);
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
@@ -565,26 +576,27 @@ static gneiss_status know_bound(gn_element_model *q, gneiss_error *error) {
     return gn_fem_bound_again(&q->solid, &same, error);
 }
 
-static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool full, bool *due,
-                                gneiss_error *error) {
-    const double factor = w->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
+static gneiss_status body_limit(const gn_step_context *ctx, const gn_solids *solids,
+                                gn_element_model *q, bool full, bool *due, gneiss_error *error) {
+    const double factor = ctx->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
     /* What is left of converted ones is held against its bound, in later stages too. */
-    const bool begun = full && gn_converts(w) && gn_conversion_begun(w);
+    const bool begun = full && gn_converts(ctx) && gn_conversion_begun(solids);
     if (begun) GN_TRY(gn_elements_converted(q, error));
-    if (full && !begun) GN_TRY(full_limit(w, q, error));
-    if (full && gn_converts(w)) GN_TRY(know_bound(q, error));
+    if (full && !begun) GN_TRY(full_limit(ctx, q, error));
+    if (full && gn_converts(ctx)) GN_TRY(know_bound(q, error));
     if (!changed) return GNEISS_OK;
     *due = true;
     q->stiffening = factor;
-    q->stable = (w->scene.estimate == GN_STEP_BOUND ? q->limit.bound : q->limit.sharp) / factor;
+    q->stable = (ctx->scene.estimate == GN_STEP_BOUND ? q->limit.bound : q->limit.sharp) / factor;
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
+gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
+                                gneiss_error *error) {
     *due = false;
-    for (size_t k = 0; k < w->element_count; k++)
-        GN_TRY(body_limit(w, w->elements[k], full, due, error));
+    for (size_t k = 0; k < solids->count; k++)
+        GN_TRY(body_limit(ctx, solids, solids->elements[k], full, due, error));
     return GNEISS_OK;
 }
 
@@ -609,28 +621,29 @@ void gn_elements_driven(const gn_element_model *q, uint8_t *driven) {
         mark(q->load[k].node, q->load[k].count, GN_NODE_DRIVEN, driven);
 }
 
-double gn_elements_stable(const gn_world *w) {
+double gn_elements_stable(const gn_solids *solids) {
     double limit = INFINITY;
-    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->stable);
+    for (size_t k = 0; k < solids->count; k++) limit = fmin(limit, solids->elements[k]->stable);
     return limit;
 }
 
-const gn_element_model *gn_elements_lead(const gn_world *w) {
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_solids *solids, const gn_zones *zones) {
     const gn_element_model *lead = NULL;
-    for (size_t k = 0; k < w->element_count; k++)
-        if (!lead || w->elements[k]->stable < lead->stable) lead = w->elements[k];
-    const gn_whole_limit *whole = gn_coupled_whole(w);
+    for (size_t k = 0; k < solids->count; k++)
+        if (!lead || solids->elements[k]->stable < lead->stable) lead = solids->elements[k];
+    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
-    bool after = lead && w->scene.has_specimen && w->dem.stable < lead->stable;
+    bool after = lead && ctx->scene.has_specimen && dem->stable < lead->stable;
     return after ? NULL : lead;
 }
 
 /* By its id: the place at the start tells more than a number. */
-const char *gn_elements_culprit(const gn_world *w, const gn_element_model *q, char *text,
+const char *gn_elements_culprit(const gn_step_context *ctx, const gn_element_model *q, char *text,
                                 size_t size) {
     const gn_fem_solid *b = &q->solid;
     int32_t id =
-        w->scene.estimate == GN_STEP_BOUND ? q->limit.bound_element : q->limit.sharp_element;
+        ctx->scene.estimate == GN_STEP_BOUND ? q->limit.bound_element : q->limit.sharp_element;
     double centre[3] = {0.0};
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         if (b->elements.id[e] != id) continue;

@@ -3,13 +3,13 @@
 #ifndef GN_SOLIDS_ELEMENTS_H
 #define GN_SOLIDS_ELEMENTS_H
 
+#include "frame/parts.h"
+
 #include "fem/solid.h"
 #include "frame/balance.h"
 #include "measure/energy.h"
 #include "mesh/joints.h"
 #include "scene/scene.h"
-
-typedef struct gn_world gn_world;
 
 /* What particles do to the surface (element_contact.c). */
 typedef struct gn_element_contact {
@@ -45,29 +45,40 @@ typedef struct gn_element_model {
     bool carries, falls; /* as of gn_balance */
 } gn_element_model;
 
+/* The bodies of finite elements of a world. */
+struct gn_solids {
+    gn_element_model **elements; /* [count] */
+    size_t count;
+};
+
 /* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
  * taken over (also on failure), relative to the origin. Errors say where in the scene. */
-gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
+gneiss_status gn_elements_create(const gn_step_context *ctx, gn_solids *solids, gn_mesh *mesh,
+                                 gneiss_error *error);
 /* A further solid; `def` has to stay as long as the world. */
-gneiss_status gn_elements_add(gn_world *world, const gn_element_def *def, gn_mesh *mesh,
-                              gneiss_error *error);
+gneiss_status gn_elements_add(const gn_step_context *ctx, gn_solids *solids,
+                              const gn_element_def *def, gn_mesh *mesh, gneiss_error *error);
 /* Takes motions, loads, gravity and damping from the scene of another stage. */
-gneiss_status gn_elements_enter(gn_world *world, gneiss_error *error);
-void gn_elements_free(gn_world *world);
+gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids, gneiss_error *error);
+void gn_elements_free(gn_solids *solids);
 
 /* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
  * wait for an exchange; */
-void gn_elements_forces(gn_world *world, bool measure);
+void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *seconds,
+                        bool measure);
 /* then that of the others; with `measure` also stress and unbalanced. */
-gneiss_status gn_elements_move(gn_world *world, bool measure, gneiss_error *error);
+gneiss_status gn_elements_move(const gn_step_context *ctx, gn_solids *solids, gn_ledger *ledger,
+                               double *seconds, bool measure, gneiss_error *error);
 /* That no node that particles touch moved too far in the step (paths.c). */
-gneiss_status gn_elements_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_elements_check(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_solids *solids, gneiss_error *error);
 /* Adds their ledgers of the last measured step. */
-void gn_elements_book(const gn_world *world, gn_energy *ledger);
+void gn_elements_book(const gn_solids *solids, gn_energy *ledger);
 
 /* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
  * strain has done since. *due: one has changed. */
-gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, bool full, bool *due,
+                                gneiss_error *error);
 /* Elements were taken out: the bound holds for those that are left, whatever their parts. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* The loads of a time become those on the nodes. */
@@ -75,44 +86,47 @@ void gn_elements_set_loads(gn_element_model *q, double time);
 /* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
-double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
+double gn_elements_stable(const gn_solids *solids); /* s, the least; INFINITY: no solids */
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
  * z) m". */
-const gn_element_model *gn_elements_lead(const gn_world *world);
+const gn_element_model *gn_elements_lead(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_solids *solids, const gn_zones *zones);
 /* Where elements of one part are not joined though they touch (a sentence for each of places with
  * two nodes, and hanging nodes, of meshes from files), and whether a particle may press more facets
  * than there is room for; "": nothing. Returns `text`. */
-const char *gn_elements_doubts(const gn_world *world, char *text, size_t size);
-const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
+const char *gn_elements_doubts(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids, char *text,
+                               size_t size);
+const char *gn_elements_culprit(const gn_step_context *ctx, const gn_element_model *q, char *text,
                                 size_t size);
 
-uint64_t gn_elements_hash(const gn_world *world, uint64_t h);
-size_t gn_elements_bytes(const gn_world *world);
+uint64_t gn_elements_hash(const gn_solids *solids, uint64_t h);
+size_t gn_elements_bytes(const gn_solids *solids);
 
 typedef struct gn_element_totals {
     size_t nodes, elements;
     double mass, volume; /* kg, m3 at the start */
 } gn_element_totals;
-gn_element_totals gn_elements_totals(const gn_world *world);
+gn_element_totals gn_elements_totals(const gn_solids *solids);
 
 /* Means over all solids by volume: of the displacement gradient, of the stress at the last measured
  * step; the largest of the solids' `unbalanced`. */
-void gn_elements_strain(const gn_world *world, double gradient[9]);
-void gn_elements_stress(const gn_world *world, double stress[9]);
-void gn_elements_balance(const gn_world *world, gn_balance *balance);
+void gn_elements_strain(const gn_solids *solids, double gradient[9]);
+void gn_elements_stress(const gn_solids *solids, double stress[9]);
+void gn_elements_balance(const gn_solids *solids, gn_balance *balance);
 /* Widens a box to all nodes at the start, m. */
-void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
+void gn_elements_extent(const gn_solids *solids, double lower[3], double upper[3]);
 /* m: the sides of the smallest box around all of them. */
-void gn_elements_sides(const gn_world *world, double side[3]);
-double gn_elements_longest_side(const gn_world *world);
+void gn_elements_sides(const gn_solids *solids, double side[3]);
+double gn_elements_longest_side(const gn_step_context *ctx, const gn_solids *solids);
 
 /* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
  * supplies, N, unless it is only watched. */
 size_t gn_elements_motions(const gn_world *world);
 const char *gn_elements_motion_name(const gn_world *world, size_t motion);
-bool gn_elements_motion_drives(const gn_world *world, size_t motion);
+bool gn_elements_motion_drives(const gn_solids *solids, size_t motion);
 /* The nodes of a motion, and where they stand. */
-const gn_fem_set *gn_elements_motion_set(const gn_world *world, size_t motion,
+const gn_fem_set *gn_elements_motion_set(const gn_solids *solids, size_t motion,
                                          const gn_particles **nodes);
 void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
 void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
@@ -120,7 +134,8 @@ void gn_elements_reaction(const gn_world *world, size_t motion, double force[3])
 /* --- contact with particles (element_contact.c) --- */
 
 /* Makes the surfaces that particles touch, where the scene wants them: after solids. */
-gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
+gneiss_status gn_element_contact_create(const gn_step_context *ctx, gn_boundary *boundary,
+                                        gn_solids *solids, gneiss_error *error);
 /* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
 void gn_element_contact_load(gn_element_model *q);
 void gn_element_contact_moved(gn_element_model *q, double dt);

@@ -77,7 +77,7 @@ refuse(const gn_world *w, gneiss_error *error, const char *format, ...) {
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s",
-                   gn_scene_at(&w->scene, w->scene.start_where, "time.start").text, text);
+                   gn_scene_at(&w->ctx.scene, w->ctx.scene.start_where, "time.start").text, text);
 }
 
 /* --- bonds --- */
@@ -123,16 +123,16 @@ static double time_of_break(search *s) {
     const gn_contacts *list = &s->w->dem.bonds;
     size_t c = 0;
     if (!(s->span > 0.0)) return INFINITY;
-    double left = increments_left(s, (s->w->scene.end - s->w->time) / s->span, &c);
+    double left = increments_left(s, (s->w->ctx.scene.end - s->w->ctx.time) / s->span, &c);
     if (left == INFINITY) return INFINITY;
     const double *x = s->w->dem.particles.pos + 4 * (int64_t)list->i[c];
     double d[3], middle[3];
-    gn_branch(s->w, x, s->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
+    gn_branch(&s->w->ctx, x, s->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
     for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * d[a];
-    gn_world_point_out(s->w, middle, s->found->place);
+    gn_world_point_out(&s->w->ctx, middle, s->found->place);
     s->found->i = s->w->dem.particles.id[list->i[c]];
     s->found->j = s->w->dem.particles.id[list->j[c]];
-    return s->w->time + left * s->span;
+    return s->w->ctx.time + left * s->span;
 }
 
 /* --- one increment --- */
@@ -181,11 +181,11 @@ static gneiss_status no_equilibrium(const search *s, const gn_equilibrium *linea
             s->w, error,
             "expected an equilibrium %s, found that particle %d is driven off and nothing "
             "holds it, alone or with what it hangs on (t = %g s)",
-            when, linear->loose, s->w->time);
+            when, linear->loose, s->w->ctx.time);
     return refuse(s->w, error,
                   "expected an equilibrium %s, found none in %d solutions: at t = %g s particle %d "
                   "has the largest of loads that are %.2g of the contact forces",
-                  when, SOLUTIONS_MOST, s->w->time, s->trial.worst,
+                  when, SOLUTIONS_MOST, s->w->ctx.time, s->trial.worst,
                   s->trial.mean_load / s->trial.mean_force);
 }
 
@@ -206,7 +206,7 @@ static gneiss_status check_rates(const search *s, double span, gneiss_error *err
             return refuse(s->w, error,
                           "first_break: expected a specimen that is held in every direction, found "
                           "particle %d at %.2g times the prescribed speeds (t = %g s)",
-                          p->id[k], rate / s->speed, s->w->time);
+                          p->id[k], rate / s->speed, s->w->ctx.time);
         }
     return GNEISS_OK;
 }
@@ -216,7 +216,7 @@ static gneiss_status take(search *s, double span, bool loads, gneiss_error *erro
     GN_TRY(gn_trial_take(&s->trial, s->path, span, loads, error));
     for (size_t k = 0; !loads && k < N * s->trial.count; k++) s->rate[k] = s->path[k] / span;
     s->span = loads ? 0.0 : span;
-    s->found->start = s->w->time;
+    s->found->start = s->w->ctx.time;
     s->found->increments += !loads;
     read_bonds(s);
     return GNEISS_OK;
@@ -251,7 +251,7 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
 /* Whether something may have come into touch on the path that the lists do not know of. */
 static bool beyond_lists(const search *s, double span) {
     const gn_verlet *v = &s->w->dem.verlet;
-    const double other = gn_boundary_travel(s->w, true) + s->speed * span;
+    const double other = gn_boundary_travel(&s->w->ctx, &s->w->boundary, true) + s->speed * span;
     double most = 0.0;
     for (size_t p = 0; p < s->trial.count; p++)
         most = fmax(most, gn_dot3(s->path + N * p, s->path + N * p));
@@ -283,15 +283,15 @@ static double largest(const gn_table *table) {
 }
 
 /* m/s: no component of what is prescribed is faster. */
-static double fastest(const gn_world *w) {
+static double fastest(const gn_step_context *ctx, const gn_dem *dem) {
     double most = 0.0;
     for (int a = 0; a < 3; a++) {
-        for (size_t k = 0; k < w->scene.wall_count; k++)
-            most = fmax(most, largest(&w->scene.walls[k].motion.velocity[a]));
-        for (size_t k = 0; k < w->scene.set_count; k++) {
-            const gn_motion *motion = &w->scene.sets[k].motion;
+        for (size_t k = 0; k < ctx->scene.wall_count; k++)
+            most = fmax(most, largest(&ctx->scene.walls[k].motion.velocity[a]));
+        for (size_t k = 0; k < ctx->scene.set_count; k++) {
+            const gn_motion *motion = &ctx->scene.sets[k].motion;
             most = fmax(most, largest(&motion->velocity[a]));
-            most = fmax(most, w->dem.radius_min * largest(&motion->spin[a]));
+            most = fmax(most, dem->radius_min * largest(&motion->spin[a]));
         }
     }
     return most;
@@ -301,29 +301,30 @@ static double fastest(const gn_world *w) {
  * twice the last one, to find out where that begins. */
 static double next_span(const search *s, double breaks, double first) {
     const gn_world *w = s->w;
-    if (breaks == INFINITY) return fmin(fmax(2.0 * s->span, first), w->scene.end - w->time);
-    double target = w->scene.start_fraction * breaks, left = target - w->time;
+    if (breaks == INFINITY) return fmin(fmax(2.0 * s->span, first), w->ctx.scene.end - w->ctx.time);
+    double target = w->ctx.scene.start_fraction * breaks, left = target - w->ctx.time;
     return fmin(left, fmax(target / INCREMENTS, s->span));
 }
 
 static gneiss_status follow(search *s, gneiss_error *error) {
     gn_world *w = s->w;
-    double speed = s->speed = fastest(w), breaks = INFINITY;
+    double speed = s->speed = fastest(&w->ctx, &w->dem), breaks = INFINITY;
     if (!(speed > 0.0))
         return refuse(w, error, "first_break: expected walls or sets that move, found none");
-    const double first = fmin(first_path * w->dem.radius_min / speed, 1e-3 * w->scene.end);
+    const double first = fmin(first_path * w->dem.radius_min / speed, 1e-3 * w->ctx.scene.end);
     for (int k = 0; k < INCREMENTS_MOST; k++) {
         double span = next_span(s, breaks, first);
-        if (breaks < INFINITY && span <= near_enough * w->scene.start_fraction * breaks)
+        if (breaks < INFINITY && span <= near_enough * w->ctx.scene.start_fraction * breaks)
             return GNEISS_OK;
         if (!(span > 0.0)) break;
         if (k > 0) GN_TRY(tell(s, error)); /* not of the last one, which the first step reads */
-        bool last = breaks < INFINITY && w->time + span >= 0.99 * w->scene.start_fraction * breaks;
+        bool last =
+            breaks < INFINITY && w->ctx.time + span >= 0.99 * w->ctx.scene.start_fraction * breaks;
         double wanted = breaks < INFINITY ? balanced_on_the_way : balanced_first;
         GN_TRY(increment(s, span, last ? balanced_start : wanted, error));
         breaks = s->found->time = time_of_break(s);
         s->found->unbalanced = s->trial.mean_load / s->trial.mean_force;
-        if (w->time >= w->scene.end * (1.0 - 1e-12)) break;
+        if (w->ctx.time >= w->ctx.scene.end * (1.0 - 1e-12)) break;
     }
     return refuse(w, error, "first_break: expected a bond that breaks before time.end, found none");
 }
@@ -332,18 +333,19 @@ static gneiss_status follow(search *s, gneiss_error *error) {
 static gneiss_status leave(search *s, gneiss_error *error) {
     gn_trial *t = &s->trial;
     gn_equilibrium linear;
-    const double span = 1e-3 * s->w->time;
-    if (!(s->w->time >= steps_least * s->w->dt))
+    const double span = 1e-3 * s->w->ctx.time;
+    if (!(s->w->ctx.time >= steps_least * s->w->ctx.dt))
         return refuse(s->w, error,
                       "first_break: expected a start that is at least %g steps after time 0, found "
                       "the first break at %g s and a step of %g s",
-                      steps_least, s->found->time, s->w->dt);
+                      steps_least, s->found->time, s->w->ctx.dt);
     for (size_t at = 0; at < N * t->count; at++) s->path[at] = span * s->rate[at];
     gn_trial_prescribe(t, span, s->path);
     gn_trial_go(t, s->path, span, false);
     if (!in_balance(s, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
     GN_TRY(gn_trial_leave(t, s->path, span, error));
-    s->w->step = s->w->first_step = s->found->steps = llround(s->w->time / s->w->dt);
+    s->w->ctx.step = s->w->ctx.first_step = s->found->steps =
+        llround(s->w->ctx.time / s->w->ctx.dt);
     s->found->shortfall = t->shortfall;
     return GNEISS_OK;
 }
@@ -360,8 +362,8 @@ static gneiss_status allocate(search *s, gneiss_error *error) {
 }
 
 /* N. */
-static double weakest(const gn_world *w) {
-    const gn_contacts *list = &w->dem.bonds;
+static double weakest(const gn_dem *dem) {
+    const gn_contacts *list = &dem->bonds;
     double least = INFINITY;
     for (size_t c = 0; c < list->soa.count; c++) {
         if (!gn_contact_bonded(list, c)) continue;
@@ -375,7 +377,7 @@ static gneiss_status find(search *s, gneiss_error *error) {
     GN_TRY(allocate(s, error));
     GN_TRY(gn_trial_begin(s->w, &s->trial, error));
     s->found->time = INFINITY;
-    s->scale = strength_part * weakest(s->w);
+    s->scale = strength_part * weakest(&s->w->dem);
     read_bonds(s);
     GN_TRY(tell(s, error));
     GN_TRY(take_up_loads(s, error));

@@ -13,27 +13,27 @@
 #include <math.h>
 #include <string.h>
 
-double gn_world_contact_steps(const gn_world *w) {
-    if (w->scene.contact_steps > 0.0) return w->scene.contact_steps;
-    return w->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
+double gn_world_contact_steps(const gn_step_context *ctx) {
+    if (ctx->scene.contact_steps > 0.0) return ctx->scene.contact_steps;
+    return ctx->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
 }
 
 /* --- what is loose --- */
 
-static double radius(const gn_world *w, size_t p) {
-    return w->dem.particles.pos[4 * p + 3];
+static double radius(const gn_dem *dem, size_t p) {
+    return dem->particles.pos[4 * p + 3];
 }
 
 /* Whether a particle sits in a pore: at least so many bonded ones as can hold it are nearer to it
  * than its radius. */
-static bool in_pore(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
     const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
-    int near = 0, needed = (int)w->scene.dimension + 1;
+    int near = 0, needed = (int)ctx->scene.dimension + 1;
     for (size_t j = 0; j < q->soa.count && near < needed; j++) {
-        double reach = 2.0 * radius(w, p) + radius(w, j), d[3];
+        double reach = 2.0 * radius(dem, p) + radius(dem, j), d[3];
         if (!q->bonds0 || q->bonds0[j] == 0) continue;
-        near += gn_branch(w, x, q->start + 4 * j, d) < reach * reach;
+        near += gn_branch(ctx, x, q->start + 4 * j, d) < reach * reach;
     }
     return near >= needed;
 }
@@ -41,16 +41,16 @@ static bool in_pore(const gn_world *w, size_t p) {
 /* Without a bond at the start, unless its cohesive group is bonded for the greater part and it sits
  * in a pore: what fell short of a bond in a specimen is part of the specimen. (Pores are looked for
  * one by one: of more than MANY pairs all count as such.) */
-gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
+gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const double MANY = 1e9;
-    const gn_particles *q = &w->dem.particles;
+    const gn_particles *q = &dem->particles;
     size_t n = q->soa.count, without = 0;
     int32_t groups = 1;
-    if (w->dem.loose) return GNEISS_OK;
+    if (dem->loose) return GNEISS_OK;
     for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
     int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
-    w->dem.loose = gn_alloc((size_t)w->dem.ids + 1);
-    if (!lead || !w->dem.loose) {
+    dem->loose = gn_alloc((size_t)dem->ids + 1);
+    if (!lead || !dem->loose) {
         gn_free(lead);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     }
@@ -63,22 +63,22 @@ gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < n; p++) {
         bool bonded = q->bonds0 && q->bonds0[p] > 0;
         bool part = q->group[p] != 0 && lead[q->group[p]] > 0;
-        w->dem.loose[q->id[p]] = !bonded && !(part && (!look || in_pore(w, p)));
+        dem->loose[q->id[p]] = !bonded && !(part && (!look || in_pore(ctx, dem, p)));
     }
     gn_free(lead);
     return GNEISS_OK;
 }
 
-static bool loose(const gn_world *w, size_t p) {
-    return w->dem.loose[w->dem.particles.id[p]];
+static bool loose(const gn_dem *dem, size_t p) {
+    return dem->loose[dem->particles.id[p]];
 }
 
 /* 1/kg; 0 of what cannot give way. One that is held along some axes only counts as free. */
-static double inverse_mass(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->dem.particles;
-    unsigned all = w->effects & GN_FX_SPACE ? 7 : 3;
-    bool held = w->dem.prescribed.count && q->slot[p] >= 0 &&
-                (w->dem.prescribed.mask[q->slot[p]] & all) == all;
+static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
+    unsigned all = ctx->effects & GN_FX_SPACE ? 7 : 3;
+    bool held =
+        dem->prescribed.count && q->slot[p] >= 0 && (dem->prescribed.mask[q->slot[p]] & all) == all;
     return held ? 0.0 : q->vel[4 * p + 3];
 }
 
@@ -96,15 +96,15 @@ typedef struct ties {
  * 1/2, which half of the steps keep to (0.4); at the 0.9 of the limit that lattices take (1.4) the
  * energy of a body that swings on undamped was wrong by 2 to 15 %. Close packings have that many
  * steps by themselves. */
-static double share_of_bonds(const gn_world *w) {
-    return w->effects & GN_FX_SOFTENING && gn_world_rings(w) ? 0.5 : 0.0;
+static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
+    return ctx->effects & GN_FX_SOFTENING && gn_world_rings(ctx, dem) ? 0.5 : 0.0;
 }
 
 /* `adrift`: who has lost all bonds that it had, or all but one, on which it hangs. */
-static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *adrift) {
+static bool come_apart(const gn_dem *dem, const double *stiffest, uint8_t *adrift) {
     size_t had = 0, lost = 0;
-    gn_bonds_left(w, adrift);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+    gn_bonds_left(dem, adrift);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
         had += stiffest[p] > 0.0;
         lost += stiffest[p] > 0.0 && adrift[p] == 0;
         adrift[p] = stiffest[p] > 0.0 && adrift[p] < 2;
@@ -121,32 +121,35 @@ static void free_ties(ties *t) {
 /* What is part of a zone gives way to others as its nodes do: by its own mass, of which it has
  * little at the zone's edge, contacts there would take steps that nothing moves in. Walls press it
  * with their whole stiffness, and where it meets them is found by its own mass. */
-static void find_inverse(const gn_world *w, double *inverse) {
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) inverse[p] = inverse_mass(w, p);
-    gn_coupled_give(w, inverse);
+static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                         const gn_zones *zones, double *inverse) {
+    for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
+    gn_coupled_give(ctx, dem, solids, zones, inverse);
 }
 
-static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
-    size_t n = w->dem.particles.soa.count;
-    *t = (ties){.share = share_of_bonds(w)};
+static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_solids *solids, const gn_zones *zones, ties *t,
+                               gneiss_error *error) {
+    const gn_contacts *b = &dem->bonds;
+    size_t n = dem->particles.soa.count;
+    *t = (ties){.share = share_of_bonds(ctx, dem)};
     t->inverse = gn_alloc_array(n + 1, sizeof *t->inverse);
     if (!t->inverse) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    find_inverse(w, t->inverse);
+    find_inverse(ctx, dem, solids, zones, t->inverse);
     if (!b->soa.count) return GNEISS_OK;
     t->wedged = gn_alloc(n + 1);
     t->stiffest = gn_alloc_array(n, sizeof *t->stiffest);
     bool held = t->wedged && t->stiffest, any = false;
     for (size_t c = 0; held && c < b->soa.count; c++) {
-        double kn = gn_contact_spring(w, b, c).kn;
+        double kn = gn_contact_spring(dem, b, c).kn;
         t->stiffest[b->i[c]] = fmax(t->stiffest[b->i[c]], kn);
         t->stiffest[b->j[c]] = fmax(t->stiffest[b->j[c]], kn);
     }
     gneiss_status status = GNEISS_OK;
     if (!held)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds of %zu particles", n);
-    if (held) t->apart = come_apart(w, t->stiffest, t->wedged);
-    if (held && !t->apart) status = gn_wedged_find(w, t->wedged, &any, error);
+    if (held) t->apart = come_apart(dem, t->stiffest, t->wedged);
+    if (held && !t->apart) status = gn_wedged_find(ctx, dem, t->wedged, &any, error);
     if (!any) {
         gn_free(t->wedged);
         t->wedged = NULL;
@@ -158,8 +161,8 @@ static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) 
 /* What has come apart is loose. Before that debris leave the step alone: a lower one changes the
  * energy of bonded vibrations that it hardly resolved (of a ledger that closed to 5 % it left one
  * that missed 25 %), while the collisions of few debris add little. */
-static bool at_large(const gn_world *w, const ties *t, size_t p) {
-    return t->apart || loose(w, p) || (t->wedged && t->wedged[p]);
+static bool at_large(const gn_dem *dem, const ties *t, size_t p) {
+    return t->apart || loose(dem, p) || (t->wedged && t->wedged[p]);
 }
 
 /* --- the shortest contact --- */
@@ -174,63 +177,64 @@ typedef struct fastest {
 } fastest;
 
 /* With both masses multiplied by x, w^2 is divided by x. */
-static void ask_mass(const fastest *f, const gn_world *w, size_t p, double square) {
-    const gn_particles *q = &w->dem.particles;
+static void ask_mass(const fastest *f, const gn_dem *dem, size_t p, double square) {
+    const gn_particles *q = &dem->particles;
     f->factor[p] = fmax(f->factor[p], square / (f->most * q->own_share[p]));
 }
 
-static void meet(fastest *f, double square, double share, const gn_world *w, size_t p,
+static void meet(fastest *f, double square, double share, const gn_dem *dem, size_t p,
                  int64_t second) {
     if (f->factor) {
-        ask_mass(f, w, p, square * share * share);
-        if (second >= 0) ask_mass(f, w, (size_t)w->dem.index_of_id[second], square * share * share);
+        ask_mass(f, dem, p, square * share * share);
+        if (second >= 0) ask_mass(f, dem, (size_t)dem->index_of_id[second], square * share * share);
     }
     if (square * share * share <= f->square * f->share * f->share) return;
     f->square = square;
     f->share = share;
-    f->first = w->dem.particles.id[p];
+    f->first = dem->particles.id[p];
     f->second = second;
 }
 
 /* Steps are counted over the undamped half wave. */
-static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
+static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f) {
     double contact = M_PI / sqrt(f->square);
-    double steps = f->share * gn_world_contact_steps(w);
+    double steps = f->share * gn_world_contact_steps(ctx);
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
 /* Whether damping takes so little in a collision, at a restitution c of 0.95 or more, that the
  * errors of thousands add up. Non-viscous damping of coefficient a makes the force 1 + a times as
  * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
-bool gn_world_rings(const gn_world *w) {
-    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    return w->dem.damping_least < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
+bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem) {
+    bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
 
 /* Whether a contact may open or close while others of its particles press: its gap or overlap is no
  * more than what they move in a collision. */
-static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
-    const double *a = w->dem.particles.pos + 4 * i, *b = w->dem.particles.pos + 4 * j;
-    const double *v = w->dem.particles.vel + 4 * i, *u = w->dem.particles.vel + 4 * j;
-    double d[3], gap = sqrt(gn_branch(w, a, b, d)) - a[3] - b[3];
+static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                    double square) {
+    const double *a = dem->particles.pos + 4 * i, *b = dem->particles.pos + 4 * j;
+    const double *v = dem->particles.vel + 4 * i, *u = dem->particles.vel + 4 * j;
+    double d[3], gap = sqrt(gn_branch(ctx, a, b, d)) - a[3] - b[3];
     return fabs(gap) <= (sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(u, u))) * M_PI / sqrt(square);
 }
 
 /* Of each particle the sum of k/m over the contacts that rattle: d times the mean square of the
  * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
  */
-static gneiss_status find_crowds(const gn_world *w, const ties *t, double **sum,
-                                 gneiss_error *error) {
-    const gn_contacts *k = &w->dem.pairs;
+static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
+                                 double **sum, gneiss_error *error) {
+    const gn_contacts *k = &dem->pairs;
     *sum = NULL;
-    if (!gn_world_rings(w) || !k->soa.count) return GNEISS_OK;
-    *sum = gn_alloc_array(w->dem.particles.soa.count, sizeof **sum);
+    if (!gn_world_rings(ctx, dem) || !k->soa.count) return GNEISS_OK;
+    *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        double kn = gn_contact_spring(w, k, c).kn;
+        double kn = gn_contact_spring(dem, k, c).kn;
         double mine = kn * t->inverse[i], other = kn * t->inverse[j];
-        if (!rattles(w, i, j, mine + other)) continue;
+        if (!rattles(ctx, dem, i, j, mine + other)) continue;
         (*sum)[i] += mine;
         (*sum)[j] += other;
     }
@@ -241,21 +245,22 @@ static gneiss_status find_crowds(const gn_world *w, const ties *t, double **sum,
  * third order in y = w dt, and in a crowd w is that of the crowd. Dense lattices without dashpots
  * missed 30 % of their energy after some thousand steps; so they miss 4 %, and three times as many
  * steps would be needed for 1 %. */
-static double share_in(const gn_world *w, const double *crowd, size_t i, size_t j, double square) {
+static double share_in(const gn_step_context *ctx, const double *crowd, size_t i, size_t j,
+                       double square) {
     if (!crowd) return 1.0;
-    double together = (crowd[i] + crowd[j]) / (double)w->scene.dimension;
+    double together = (crowd[i] + crowd[j]) / (double)ctx->scene.dimension;
     return square > 0.0 && together > square ? sqrt(together / square) : 1.0;
 }
 
-static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, const double *crowd,
-                       fastest *f) {
+static void meet_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
+                       const gn_contacts *k, const double *crowd, fastest *f) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        bool free = !gn_contact_bonded(k, c) && (at_large(w, t, i) || at_large(w, t, j));
+        bool free = !gn_contact_bonded(k, c) && (at_large(dem, t, i) || at_large(dem, t, j));
         if (!free && t->share == 0.0) continue;
-        double square = gn_contact_spring(w, k, c).kn * (t->inverse[i] + t->inverse[j]);
-        double share = free ? share_in(w, crowd, i, j, square) : t->share;
-        meet(f, square, share, w, i, w->dem.particles.id[j]);
+        double square = gn_contact_spring(dem, k, c).kn * (t->inverse[i] + t->inverse[j]);
+        double share = free ? share_in(ctx, crowd, i, j, square) : t->share;
+        meet(f, square, share, dem, i, dem->particles.id[j]);
     }
 }
 
@@ -266,15 +271,15 @@ static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, c
  * it within 0.2 %. Platens (passive walls) are laid on and mostly stay: three steps are enough for
  * what comes off them once or touches them late; in two and a half a specimen that was pressed
  * gently blew up. */
-static double share_with(const gn_world *w, const ties *t, size_t p, double stiffness,
+static double share_with(const gn_dem *dem, const ties *t, size_t p, double stiffness,
                          bool platen) {
-    if (at_large(w, t, p)) return 1.0;
+    if (at_large(dem, t, p)) return 1.0;
     double bond = t->stiffest ? t->stiffest[p] : 0.0;
     return bond > 0.0 && stiffness > bond ? (platen ? 0.32 : 0.5) : platen ? 0.0 : t->share;
 }
 
 /* 1/kg that a surface adds where a particle touches it. */
-static double give(const gn_world *w, const gn_surface_contact *c) {
+static double give(const gn_dem *dem, const gn_boundary *boundary, const gn_surface_contact *c) {
     const gn_surface *s = c->surface;
     double sum = 0.0, at[3], lever[3];
     if (s->body < 0) {
@@ -283,8 +288,8 @@ static double give(const gn_world *w, const gn_surface_contact *c) {
                 c->weight[v] * c->weight[v] * gn_vertex_inverse_mass(s, c->vertex[v], c->contact.n);
         return sum;
     }
-    const gn_rigid *b = &w->boundary.bodies[s->body];
-    const double *x = w->dem.particles.pos + 4 * c->particle, *n = c->contact.n;
+    const gn_rigid *b = &boundary->bodies[s->body];
+    const double *x = dem->particles.pos + 4 * c->particle, *n = c->contact.n;
     for (int a = 0; a < 3; a++) {
         at[a] = x[a] + c->contact.arm[a] - b->position[a];
         sum += n[a] * n[a] * b->inverse_mass[a];
@@ -293,53 +298,62 @@ static double give(const gn_world *w, const gn_surface_contact *c) {
     return sum + gn_rigid_compliance(b, lever);
 }
 
-static int64_t surface_number(const gn_world *w, const gn_surface *s) {
-    return -1 - (int64_t)w->scene.wall_count - (s - w->boundary.surfaces);
+static int64_t surface_number(const gn_step_context *ctx, const gn_boundary *boundary,
+                              const gn_surface *s) {
+    return -1 - (int64_t)ctx->scene.wall_count - (s - boundary->surfaces);
 }
 
 /* Stiffness of a contact with a wall or a surface before the lists are made again. */
-static gn_law_spring wall_spring(const gn_world *w, size_t p, size_t wall) {
-    gn_touch_side side = gn_wall_side(w, wall, p);
-    return gn_touch_spring(w, &side, inverse_mass(w, p), gn_touch_reach(w, p, 0.0));
+static gn_law_spring wall_spring(const gn_step_context *ctx, const gn_dem *dem, size_t p,
+                                 size_t wall) {
+    gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
+    return gn_touch_spring(ctx, dem, &side, inverse_mass(ctx, dem, p),
+                           gn_touch_reach(ctx, dem, p, 0.0));
 }
-static gn_law_spring surface_spring(const gn_world *w, size_t p, const gn_surface *s) {
-    gn_touch_side side = gn_surface_side(w, s, p, 1.0);
-    return gn_touch_spring(w, &side, inverse_mass(w, p), gn_touch_reach(w, p, 0.0));
+static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *dem, size_t p,
+                                    const gn_surface *s) {
+    gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
+    return gn_touch_spring(ctx, dem, &side, inverse_mass(ctx, dem, p),
+                           gn_touch_reach(ctx, dem, p, 0.0));
 }
 
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
-static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *f) {
-    size_t p = (size_t)w->boundary.contacts.i[c], many = 0;
-    const gn_surface *s = gn_surface_of_row(w, c);
-    double inverse = inverse_mass(w, p), kn = surface_spring(w, p, s).kn;
-    double share = share_with(w, t, p, kn, false);
+static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const gn_solids *solids,
+                           const gn_zones *zones, const ties *t, size_t c, fastest *f) {
+    size_t p = (size_t)boundary->contacts.i[c], many = 0;
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
+    double inverse = inverse_mass(ctx, dem, p), kn = surface_spring(ctx, dem, p, s).kn;
+    double share = share_with(dem, t, p, kn, false);
     if (share == 0.0) return c + 1;
-    if (!gn_surface_yields(w, s)) {
-        meet(f, kn * inverse, share, w, p, surface_number(w, s));
+    if (!gn_surface_yields(boundary, s)) {
+        meet(f, kn * inverse, share, dem, p, surface_number(ctx, boundary, s));
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
+    c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
+                               &many);
     for (size_t m = 0; m < many; m++) {
-        double square = kn * (inverse + give(w, &found[m]));
-        meet(f, square, share, w, p, surface_number(w, s));
+        double square = kn * (inverse + give(dem, boundary, &found[m]));
+        meet(f, square, share, dem, p, surface_number(ctx, boundary, s));
     }
     return c;
 }
 
-static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
-    const gn_wall_contacts *k = &w->boundary.contacts;
-    for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
-        if ((size_t)k->wall[c] >= w->scene.wall_count) {
-            c = meet_surface(w, t, c, f);
+static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, const gn_zones *zones, const ties *t, fastest *f) {
+    const gn_wall_contacts *k = &boundary->contacts;
+    for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
+        if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
+            c = meet_surface(ctx, dem, boundary, solids, zones, t, c, f);
             continue;
         }
-        const gn_wall_def *def = &w->scene.walls[k->wall[c]];
+        const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
-               share = share_with(w, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(w, p); /* both hold it at once */
-        meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
+        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+               share = share_with(dem, t, p, kn, def->passive);
+        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both hold it at once */
+        meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
@@ -350,64 +364,71 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
  * of 18 in 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. Two bodies have
  * a bound that is twice to four times as high as what they show, but friction of two that slide and
  * turn lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
-static double share_of_turning(const gn_world *w, size_t body) {
-    const gn_rigid *b = &w->boundary.bodies[body];
+static double share_of_turning(const gn_boundary *boundary, size_t body) {
+    const gn_rigid *b = &boundary->bodies[body];
     double give = b->inverse_inertia[0] + b->inverse_inertia[1] + b->inverse_inertia[2];
     return give > 0.0 ? 4.0 : 1.0;
 }
 
 /* Bodies on walls and on each other; their masses are not raised. */
-static void meet_bodies(const gn_world *w, fastest *f) {
-    for (size_t c = 0; !f->factor && c < w->boundary.body_contacts.soa.count;) {
-        gn_body_wall k = gn_body_wall_at(w, c);
-        double square = gn_body_walls_square(w, &c), share = share_of_turning(w, k.body);
+static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
+    for (size_t c = 0; !f->factor && c < boundary->body_contacts.soa.count;) {
+        gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
+        double square = gn_body_walls_square(ctx, boundary, &c),
+               share = share_of_turning(boundary, k.body);
         if (square * share * share <= f->square * f->share * f->share) continue;
         f->square = square;
         f->share = share;
         f->first = -1 - (int64_t)k.body;
         f->second = -1 - (int64_t)k.wall;
     }
-    const gn_body_pairs *p = &w->boundary.pairs;
+    const gn_body_pairs *p = &boundary->pairs;
     for (size_t c = 0; !f->factor && c < p->count; c++) {
         size_t a = (size_t)p->pair[c].first, b = (size_t)p->pair[c].second;
-        double square = gn_body_pair_square(w, a, b), share = 2.5;
+        double square = gn_body_pair_square(ctx, boundary, a, b), share = 2.5;
         if (square * share * share <= f->square * f->share * f->share) continue;
         f->square = square;
         f->share = share;
         f->first = -1 - (int64_t)a;
-        f->second = -1 - (int64_t)(w->scene.wall_count + b);
+        f->second = -1 - (int64_t)(ctx->scene.wall_count + b);
     }
 }
 
-static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *error) {
+static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 const gn_zones *zones, fastest *f, gneiss_error *error) {
     double *crowd = NULL;
     ties t;
-    GN_TRY(find_ties(w, &t, error));
-    gneiss_status status = find_crowds(w, &t, &crowd, error);
+    GN_TRY(find_ties(ctx, dem, solids, zones, &t, error));
+    gneiss_status status = find_crowds(ctx, dem, &t, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(w, &t, &w->dem.pairs, crowd, f);
-        if (t.apart || t.share > 0.0 || t.wedged) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
-        meet_walls(w, &t, f);
-        meet_bodies(w, f);
+        meet_pairs(ctx, dem, &t, &dem->pairs, crowd, f);
+        if (t.apart || t.share > 0.0 || t.wedged) meet_pairs(ctx, dem, &t, &dem->bonds, crowd, f);
+        meet_walls(ctx, dem, boundary, solids, zones, &t, f);
+        meet_bodies(ctx, boundary, f);
     }
     gn_free(crowd);
     free_ties(&t);
     return status;
 }
 
-gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
+gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, const gn_solids *solids,
+                                   const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error) {
     fastest f = {0.0, 1.0, -1, -1, NULL, 0.0};
-    GN_TRY(meet_listed(w, &f, error));
-    *resolution = resolution_of(w, &f);
+    GN_TRY(meet_listed(ctx, dem, boundary, solids, zones, &f, error));
+    *resolution = resolution_of(ctx, &f);
     return GNEISS_OK;
 }
 
-gneiss_status gn_resolution_masses(const gn_world *w, double step, double *factor,
+gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, const gn_solids *solids,
+                                   const gn_zones *zones, double step, double *factor,
                                    gneiss_error *error) {
-    double wave = M_PI / (gn_world_contact_steps(w) * step);
+    double wave = M_PI / (gn_world_contact_steps(ctx) * step);
     fastest f = {0.0, 1.0, -1, -1, factor, wave * wave};
-    return meet_listed(w, &f, error);
+    return meet_listed(ctx, dem, boundary, solids, zones, &f, error);
 }
 
 /* --- what the scene holds --- */
@@ -420,20 +441,20 @@ typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
 
-static void keep_extremes(const gn_world *w, extremes *e, size_t p) {
-    double r = radius(w, p);
+static void keep_extremes(const gn_dem *dem, extremes *e, size_t p) {
+    double r = radius(dem, p);
     if (e->count < 4) {
         size_t at = e->count++;
-        for (; at > 0 && radius(w, e->place[at - 1]) > r; at--) e->place[at] = e->place[at - 1];
+        for (; at > 0 && radius(dem, e->place[at - 1]) > r; at--) e->place[at] = e->place[at - 1];
         e->place[at] = p;
         return;
     }
-    if (r < radius(w, e->place[1])) {
-        bool first = r < radius(w, e->place[0]);
+    if (r < radius(dem, e->place[1])) {
+        bool first = r < radius(dem, e->place[0]);
         e->place[1] = first ? e->place[0] : p;
         if (first) e->place[0] = p;
-    } else if (r > radius(w, e->place[2])) {
-        bool last = r > radius(w, e->place[3]);
+    } else if (r > radius(dem, e->place[2])) {
+        bool last = r > radius(dem, e->place[3]);
         e->place[2] = last ? e->place[3] : p;
         if (last) e->place[3] = p;
     }
@@ -446,101 +467,111 @@ typedef struct flight {
 } flight;
 
 /* (v + w x arm) per unit of force across the normal: 1/m + r^2/I. */
-static double inverse_across(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->dem.particles;
-    double r = radius(w, p);
-    unsigned spins = w->effects & GN_FX_SPACE ? 0x38 : 0x20;
-    bool held = w->dem.prescribed.count && q->slot[p] >= 0 &&
-                (w->dem.prescribed.mask[q->slot[p]] & spins) == spins;
-    return inverse_mass(w, p) + (q->spin && !held ? r * r * q->spin[4 * p + 3] : 0.0);
+static double inverse_across(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
+    double r = radius(dem, p);
+    unsigned spins = ctx->effects & GN_FX_SPACE ? 0x38 : 0x20;
+    bool held = dem->prescribed.count && q->slot[p] >= 0 &&
+                (dem->prescribed.mask[q->slot[p]] & spins) == spins;
+    return inverse_mass(ctx, dem, p) + (q->spin && !held ? r * r * q->spin[4 * p + 3] : 0.0);
 }
 
-static void fly_pair(const gn_world *w, size_t i, size_t j, flight *f) {
-    gn_law_spring c = gn_pair_spring(w, (int32_t)i, (int32_t)j);
-    double square = c.kn * (inverse_mass(w, i) + inverse_mass(w, j));
+static void fly_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j, flight *f) {
+    gn_law_spring c = gn_pair_spring(ctx, dem, (int32_t)i, (int32_t)j);
+    double square = c.kn * (inverse_mass(ctx, dem, i) + inverse_mass(ctx, dem, j));
     f->normal = fmax(f->normal, square);
-    if (w->effects & GN_FX_SHEAR)
-        f->shear = fmax(f->shear, c.kt * (inverse_across(w, i) + inverse_across(w, j)));
-    if (loose(w, i) || loose(w, j)) meet(&f->resolved, square, 1.0, w, i, w->dem.particles.id[j]);
+    if (ctx->effects & GN_FX_SHEAR)
+        f->shear =
+            fmax(f->shear, c.kt * (inverse_across(ctx, dem, i) + inverse_across(ctx, dem, j)));
+    if (loose(dem, i) || loose(dem, j))
+        meet(&f->resolved, square, 1.0, dem, i, dem->particles.id[j]);
 }
 
-static void fly_pairs(const gn_world *w, const extremes *classes, size_t count, flight *f) {
+static void fly_pairs(const gn_step_context *ctx, const gn_dem *dem, const extremes *classes,
+                      size_t count, flight *f) {
     for (size_t a = 0; a < count; a++)
         for (size_t b = a; b < count; b++)
             for (size_t i = 0; i < classes[a].count; i++)
                 for (size_t j = a == b ? i + 1 : 0; j < classes[b].count; j++)
-                    fly_pair(w, classes[a].place[i], classes[b].place[j], f);
+                    fly_pair(ctx, dem, classes[a].place[i], classes[b].place[j], f);
 }
 
-static void fly_walls(const gn_world *w, size_t p, flight *f) {
-    double inverse = inverse_mass(w, p);
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_law_spring c = wall_spring(w, p, k);
+static void fly_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      size_t p, flight *f) {
+    double inverse = inverse_mass(ctx, dem, p);
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        gn_law_spring c = wall_spring(ctx, dem, p, k);
         f->normal = fmax(f->normal, c.kn * inverse);
-        f->shear = fmax(f->shear, c.kt * inverse_across(w, p));
-        if (loose(w, p)) meet(&f->resolved, c.kn * inverse, 1.0, w, p, -1 - (int64_t)k);
+        f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
+        if (loose(dem, p)) meet(&f->resolved, c.kn * inverse, 1.0, dem, p, -1 - (int64_t)k);
     }
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        const gn_surface *s = &w->boundary.surfaces[k];
-        gn_law_spring c = surface_spring(w, p, s);
-        double square = c.kn * (inverse + gn_surface_give(w, s));
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        const gn_surface *s = &boundary->surfaces[k];
+        gn_law_spring c = surface_spring(ctx, dem, p, s);
+        double square = c.kn * (inverse + gn_surface_give(boundary, s));
         f->normal = fmax(f->normal, square);
-        f->shear = fmax(f->shear, c.kt * inverse_across(w, p));
-        if (loose(w, p)) meet(&f->resolved, square, 1.0, w, p, surface_number(w, s));
+        f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
+        if (loose(dem, p))
+            meet(&f->resolved, square, 1.0, dem, p, surface_number(ctx, boundary, s));
     }
 }
 
-static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
-    size_t count = 4 * w->scene.material_count;
+static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         flight *f, gneiss_error *error) {
+    size_t count = 4 * ctx->scene.material_count;
     extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
     if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        if (w->dem.particles.vel[4 * p + 3] == 0.0) continue;
-        size_t held = inverse_mass(w, p) == 0.0, kind = 2 * held + loose(w, p);
-        keep_extremes(w, &classes[4 * (size_t)w->dem.particles.material[p] + kind], p);
-        if (!held) fly_walls(w, p, f);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) {
+        if (dem->particles.vel[4 * p + 3] == 0.0) continue;
+        size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);
+        keep_extremes(dem, &classes[4 * (size_t)dem->particles.material[p] + kind], p);
+        if (!held) fly_walls(ctx, dem, boundary, p, f);
     }
-    fly_pairs(w, classes, count, f);
+    fly_pairs(ctx, dem, classes, count, f);
     /* All by itself: as if it met its like, so that there is a step. */
-    for (size_t p = 0; f->normal == 0.0 && p < w->dem.particles.soa.count; p++)
-        f->normal = 2.0 * gn_pair_spring(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
-    if (f->normal == 0.0) f->normal = fmax(gn_body_walls_bound(w), gn_body_pairs_bound(w));
+    for (size_t p = 0; f->normal == 0.0 && p < dem->particles.soa.count; p++)
+        f->normal =
+            2.0 * gn_pair_spring(ctx, dem, (int32_t)p, (int32_t)p).kn * inverse_mass(ctx, dem, p);
+    if (f->normal == 0.0)
+        f->normal = fmax(gn_body_walls_bound(ctx, boundary), gn_body_pairs_bound(ctx, boundary));
     gn_free(classes);
     return GNEISS_OK;
 }
 
-gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution *resolution,
-                               gneiss_error *error) {
+gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, double *stable,
+                               gn_resolution *resolution, gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
-    GN_TRY(fly(w, &f, error));
-    double alpha = w->dem.damping_fraction / gn_world_nonviscous_share(w);
+    GN_TRY(fly(ctx, dem, boundary, &f, error));
+    double alpha = dem->damping_fraction / gn_world_nonviscous_share(ctx);
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
-    *resolution = resolution_of(w, &f.resolved);
+    *resolution = resolution_of(ctx, &f.resolved);
     return GNEISS_OK;
 }
 
 /* --- words --- */
 
-const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
-    const gn_resolution *r = &w->dem.resolution;
-    int64_t walls = (int64_t)w->scene.wall_count, bodies = (int64_t)w->scene.body_count,
+const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
+                               size_t size) {
+    const gn_resolution *r = &dem->resolution;
+    int64_t walls = (int64_t)ctx->scene.wall_count, bodies = (int64_t)ctx->scene.body_count,
             k = -1 - r->second;
     if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))
         snprintf(text, size, "nothing that has a name"); /* none, or from a file */
     else if (r->first < 0 && k >= walls)
-        snprintf(text, size, "bodies '%.60s' and '%.60s'", w->scene.bodies[-1 - r->first].name,
-                 w->scene.bodies[k - walls].name);
+        snprintf(text, size, "bodies '%.60s' and '%.60s'", ctx->scene.bodies[-1 - r->first].name,
+                 ctx->scene.bodies[k - walls].name);
     else if (r->first < 0)
-        snprintf(text, size, "body '%.60s' and wall '%.60s'", w->scene.bodies[-1 - r->first].name,
-                 w->scene.walls[k].name);
+        snprintf(text, size, "body '%.60s' and wall '%.60s'", ctx->scene.bodies[-1 - r->first].name,
+                 ctx->scene.walls[k].name);
     else if (r->second >= 0)
         snprintf(text, size, "particles %lld and %lld", (long long)r->first, (long long)r->second);
     else if (k < walls)
         snprintf(text, size, "particle %lld and wall '%.60s'", (long long)r->first,
-                 w->scene.walls[k].name);
+                 ctx->scene.walls[k].name);
     else if (k - walls < bodies)
         snprintf(text, size, "particle %lld and body '%.60s'", (long long)r->first,
-                 w->scene.bodies[k - walls].name);
+                 ctx->scene.bodies[k - walls].name);
     else
         snprintf(text, size, "particle %lld and the finite elements", (long long)r->first);
     return text;

@@ -14,7 +14,11 @@
 
 typedef struct whole {
     gn_coupled *q;
-    const gn_world *w;
+    const gn_step_context *ctx;
+    const gn_dem *dem;
+    const gn_boundary *boundary;
+    const gn_solids *solids;
+    const gn_zones *zones;
     gn_springs springs;
     gn_spring_operator pull;
     gn_fem_linear linear;
@@ -174,8 +178,8 @@ static void metric(const void *context, const double *x, double *out) {
 /* Masses of nodes; nothing is fixed but what cannot move. */
 static void set_masses(const whole *y) {
     gn_consistent *c = &y->q->consistent;
-    const gn_fem_solid *b = gn_coupled_solid(y->w);
-    c->threads = y->w->threads;
+    const gn_fem_solid *b = gn_coupled_solid(y->solids);
+    c->threads = y->ctx->threads;
     for (size_t n = 0; n < y->q->ties.nodes; n++) {
         const size_t node = (size_t)y->q->ties.node[n];
         c->whole[n] = 1.0 / b->nodes.vel[4 * node + 3];
@@ -201,7 +205,7 @@ static void set_unknowns(const whole *y) {
 }
 
 static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(y->w);
+    gn_fem_solid *b = gn_coupled_solid(y->solids);
     GN_TRY(gn_springs_build(spectrum, NULL, &y->springs, error));
     GN_TRY(gn_spring_operator_make(&y->springs, &y->pull, error));
     GN_TRY(gn_fem_linear_make(b, true, &y->linear, error));
@@ -246,7 +250,7 @@ static double size2(const double *x, size_t count) {
 
 /* Where the fastest mode moves most. */
 static void find_side(const whole *y, const double *mode, gn_whole_limit *limit) {
-    const gn_particles *q = &y->w->dem.particles, *nodes = &gn_coupled_solid(y->w)->nodes;
+    const gn_particles *q = &y->dem->particles, *nodes = &gn_coupled_solid(y->solids)->nodes;
     double most[2] = {-1.0, -1.0};
     for (size_t p = 0; p < y->springs.particles; p++) {
         const bool zone = gn_coupled_has(y->q, q->id[p]);
@@ -287,8 +291,8 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
                               .moves = y->moves,
                               .damped =
                                   y->springs.damped ||
-                                  (y->q->stiffness && y->w->scene.couple.penalty_damping > 0.0),
-                              .threads = y->w->threads};
+                                  (y->q->stiffness && y->ctx->scene.couple.penalty_damping > 0.0),
+                              .threads = y->ctx->threads};
     GN_TRY(gn_damped_largest(&system, 1e-3, y->mode, &top, error));
     *limit = (gn_whole_limit){.sharp = 1.0 / top.rate,
                               .low = 1.0 / top.rate_most,
@@ -299,22 +303,31 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
     return GNEISS_OK;
 }
 
-bool gn_coupled_has_limit(const gn_world *w) {
+bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids) {
     /* Where elements convert it would have to be found anew with each of them. */
-    return w->scene.has_couple && !gn_converts(w) && w->scene.estimate == GN_STEP_SHARP &&
-           gn_coupled_solid(w)->form == GN_FEM_DISPLACEMENT;
+    return ctx->scene.has_couple && !gn_converts(ctx) && ctx->scene.estimate == GN_STEP_SHARP &&
+           gn_coupled_solid(solids)->form == GN_FEM_DISPLACEMENT;
 }
 
-gneiss_status gn_coupled_limit(const gn_world *w, bool listed, gn_whole_limit *limit,
+gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error) {
-    whole y = {.q = w->coupled, .w = w, .limit = limit};
-    gneiss_status status = gn_dem_with_spectrum(w, listed, find, &y, error);
+    whole y = {.q = zones->coupled,
+               .ctx = ctx,
+               .dem = dem,
+               .boundary = boundary,
+               .solids = solids,
+               .zones = zones,
+               .limit = limit};
+    gneiss_status status =
+        gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, find, &y, error);
     whole_free(&y);
     return status;
 }
 
-const gn_whole_limit *gn_coupled_whole(const gn_world *w) {
-    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones) {
+    const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     return q && q->whole.iterations ? &q->whole : NULL;
 }
 

@@ -26,11 +26,11 @@ static const double TOLD = 3e-5;
 static const double MATTERS = 1e-6;
 
 /* J: of normal springs at their strength, broken ones as well, so that the measure stays. */
-static double held_at_most(const gn_world *w) {
-    const gn_contacts *b = &w->dem.bonds;
+static double held_at_most(const gn_dem *dem) {
+    const gn_contacts *b = &dem->bonds;
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
-        const double kn = gn_contact_spring(w, b, c).kn;
+        const double kn = gn_contact_spring(dem, b, c).kn;
         if (kn > 0.0) sum += 0.5 * b->rn[c] * b->rn[c] / kn;
     }
     return sum;
@@ -42,14 +42,14 @@ typedef struct meeting {
     double energy; /* J: kinetic, of one towards the other */
 } meeting;
 
-static meeting meet(const gn_world *w, const gn_contacts *k, size_t c) {
+static meeting meet(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *k, size_t c) {
     const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-    const double *a = w->dem.particles.pos + 4 * i, *b = w->dem.particles.pos + 4 * j;
-    const double *v = w->dem.particles.vel + 4 * i, *u = w->dem.particles.vel + 4 * j;
-    const double kn = gn_contact_spring(w, k, c).kn, give = v[3] + u[3];
+    const double *a = dem->particles.pos + 4 * i, *b = dem->particles.pos + 4 * j;
+    const double *v = dem->particles.vel + 4 * i, *u = dem->particles.vel + 4 * j;
+    const double kn = gn_contact_spring(dem, k, c).kn, give = v[3] + u[3];
     double d[3], apart[3] = {v[0] - u[0], v[1] - u[1], v[2] - u[2]};
     if (!(kn * give > 0.0)) return (meeting){0};
-    const double gap = sqrt(gn_branch(w, a, b, d)) - a[3] - b[3], speed2 = gn_dot3(apart, apart);
+    const double gap = sqrt(gn_branch(ctx, a, b, d)) - a[3] - b[3], speed2 = gn_dot3(apart, apart);
     return (meeting){gap <= M_PI * sqrt(speed2 / (kn * give)), 0.5 * speed2 / give};
 }
 
@@ -59,11 +59,12 @@ typedef struct slot {
     double energy; /* J, the largest */
 } slot;
 
-static void look(const gn_world *w, const gn_contacts *k, const uint8_t *adrift, slot *of) {
+static void look(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *k,
+                 const uint8_t *adrift, slot *of) {
     for (size_t c = 0; c < k->soa.count; c++) {
         const size_t ends[2] = {(size_t)k->i[c], (size_t)k->j[c]};
         if (!adrift[ends[0]] && !adrift[ends[1]]) continue;
-        const meeting m = meet(w, k, c);
+        const meeting m = meet(ctx, dem, k, c);
         for (int e = 0; m.near && e < 2; e++) {
             of[ends[e]].sides++;
             of[ends[e]].energy = fmax(of[ends[e]].energy, m.energy);
@@ -71,8 +72,8 @@ static void look(const gn_world *w, const gn_contacts *k, const uint8_t *adrift,
     }
 }
 
-void gn_bonds_left(const gn_world *w, uint8_t *left) {
-    const gn_contacts *b = &w->dem.bonds;
+void gn_bonds_left(const gn_dem *dem, uint8_t *left) {
+    const gn_contacts *b = &dem->bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gn_contact_bonded(b, c)) continue;
         left[b->i[c]] = (uint8_t)(left[b->i[c]] > 0 ? 2 : 1);
@@ -80,41 +81,44 @@ void gn_bonds_left(const gn_world *w, uint8_t *left) {
     }
 }
 
-static int64_t broken(const gn_world *w) {
-    return w->dem.broken_tension + w->dem.broken_shear;
+static int64_t broken(const gn_dem *dem) {
+    return dem->broken_tension + dem->broken_shear;
 }
 
-gneiss_status gn_debris_find(gn_world *w, bool *some, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
+gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
+                             gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
     *some = false;
-    if (broken(w) == w->dem.broken_without_debris || w->scene.step > 0.0 || !gn_world_rings(w))
+    if (broken(dem) == dem->broken_without_debris || ctx->scene.step > 0.0 ||
+        !gn_world_rings(ctx, dem))
         return GNEISS_OK;
     uint8_t *left = gn_alloc(n + 1);
     if (!left) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    gn_bonds_left(w, left);
-    for (size_t p = 0; p < n && !*some; p++) *some = left[p] < 2 && w->dem.particles.bonds0[p] > 0;
+    gn_bonds_left(dem, left);
+    for (size_t p = 0; p < n && !*some; p++) *some = left[p] < 2 && dem->particles.bonds0[p] > 0;
     gn_free(left);
-    if (!*some) w->dem.broken_without_debris = broken(w);
+    if (!*some) dem->broken_without_debris = broken(dem);
     return GNEISS_OK;
 }
 
-bool gn_debris_told(const gn_world *w) {
-    const gn_energy *e = &w->reading;
+bool gn_debris_told(const gn_ledger *ledger) {
+    const gn_energy *e = &ledger->reading;
     return fabs(gn_energy_residual(e)) * gn_energy_scale(e) > TOLD * gn_energy_passed(e);
 }
 
-gneiss_status gn_wedged_find(const gn_world *w, uint8_t *adrift, bool *any, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count;
+gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,
+                             bool *any, gneiss_error *error) {
+    const size_t n = dem->particles.soa.count;
     bool some = false;
     *any = false;
     for (size_t p = 0; p < n && !some; p++) some = adrift[p];
-    if (!some || !w->dem.debris_told) return GNEISS_OK;
-    const double least = MATTERS * held_at_most(w);
+    if (!some || !dem->debris_told) return GNEISS_OK;
+    const double least = MATTERS * held_at_most(dem);
     if (!(least > 0.0 && least < INFINITY)) return GNEISS_OK;
     slot *of = gn_alloc_array(n + 1, sizeof *of);
     if (!of) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    look(w, &w->dem.pairs, adrift, of);
-    look(w, &w->dem.bonds, adrift, of);
+    look(ctx, dem, &dem->pairs, adrift, of);
+    look(ctx, dem, &dem->bonds, adrift, of);
     for (size_t p = 0; p < n; p++) {
         adrift[p] = adrift[p] && of[p].sides > 1 && of[p].energy >= least;
         *any |= adrift[p];

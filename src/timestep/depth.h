@@ -2,11 +2,11 @@
 #ifndef GN_TIMESTEP_DEPTH_H
 #define GN_TIMESTEP_DEPTH_H
 
+#include "frame/parts.h"
+
 #include "base/error.h"
 
 #include <stddef.h>
-
-typedef struct gn_world gn_world;
 
 /* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
 typedef struct gn_depth {
@@ -27,10 +27,13 @@ typedef struct gn_depth {
 
 /* Looks at what is listed, as it is now, into world->dem.depth: whenever lists are made, and in
  * measured steps if that was some steps ago. What cannot move is left out. */
-gneiss_status gn_depth_look(gn_world *world, gneiss_error *error);
-gneiss_status gn_depth_look_again(gn_world *world, gneiss_error *error);
+gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            const gn_solids *solids, const gn_zones *zones, gneiss_error *error);
+gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  const gn_solids *solids, const gn_zones *zones,
+                                  gneiss_error *error);
 
 /* Whose contact it was. */
-const char *gn_depth_text(const gn_world *world, char *text, size_t size);
+const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif

@@ -15,10 +15,10 @@ static const double least = 1e-6;
 static const double growth = 1.2, reserve = 1.25;
 
 /* m/s2, of the applied forces. */
-static double applied(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double applied(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double most2 = 0.0;
-    for (size_t p = 0; w->effects & GN_FX_APPLIED && p < q->soa.count; p++) {
+    for (size_t p = 0; ctx->effects & GN_FX_APPLIED && p < q->soa.count; p++) {
         const double *f = q->applied + 4 * p, inverse = q->vel[4 * p + 3];
         most2 = fmax(most2, gn_dot3(f, f) * inverse * inverse);
     }
@@ -26,19 +26,19 @@ static double applied(const gn_world *w) {
 }
 
 /* J/kg that gravity and applied forces add while the lists last. */
-static double fall(const gn_world *w) {
-    const double *g = w->scene.gravity;
-    double pull = w->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
-    return (pull + w->dem.push) * w->dem.verlet.skin;
+static double fall(const gn_step_context *ctx, const gn_dem *dem) {
+    const double *g = ctx->scene.gravity;
+    double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
+    return (pull + dem->push) * dem->verlet.skin;
 }
 
 /* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
  * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
-static double collision(const gn_world *w, double kn, double inverse_mass, double speed2,
-                        double radius, double known) {
+static double collision(const gn_step_context *ctx, const gn_dem *dem, double kn,
+                        double inverse_mass, double speed2, double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;
-    if (w->dem.gain > 0.0) speed2 = (sqrt(speed2) + w->dem.gain) * (sqrt(speed2) + w->dem.gain);
-    double energy = (0.5 * speed2 + fall(w)) / inverse_mass, u = known * radius;
+    if (dem->gain > 0.0) speed2 = (sqrt(speed2) + dem->gain) * (sqrt(speed2) + dem->gain);
+    double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
     if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
     return pow(3.75 * energy / kn, 0.4) / radius;
 }
@@ -53,44 +53,45 @@ static double relative2(const double *a, const double *b) {
     return gn_dot3(v, v);
 }
 
-double gn_pressed_meeting(const gn_world *w, size_t i, size_t j, double kn) {
-    const gn_particles *q = &w->dem.particles;
+double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                          double kn) {
+    const gn_particles *q = &dem->particles;
     const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
     double radius = pair_radius(q, i, j), known = fmax(fmax(q->pressed[i], q->pressed[j]), least);
-    return radius * collision(w, kn, vi[3] + vj[3], relative2(vi, vj), radius, known);
+    return radius * collision(ctx, dem, kn, vi[3] + vj[3], relative2(vi, vj), radius, known);
 }
 
-double gn_pressed_touch(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+double gn_pressed_touch(const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
     return q->pos[4 * p + 3] * fmax(q->pressed[p], least);
 }
 
 /* --- looking --- */
 
-static void raise(gn_world *w, size_t p, double to) {
-    double *known = &w->dem.particles.pressed[p];
+static void raise(gn_dem *dem, size_t p, double to) {
+    double *known = &dem->particles.pressed[p];
     if (to > *known) *known = reserve * to;
 }
 
-static void look_at_pairs(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_contacts *k = &w->dem.pairs;
+static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *k = &dem->pairs;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
         double d[3], radius = pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
-        double gap = sqrt(gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
+        double gap = sqrt(gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
                      q->pos[4 * j + 3];
         known = fmax(known, growth * -gap / radius);
-        known = collision(w, k->kn[c], vi[3] + vj[3], relative2(vi, vj), radius, known);
-        raise(w, i, known);
-        raise(w, j, known);
+        known = collision(ctx, dem, k->kn[c], vi[3] + vj[3], relative2(vi, vj), radius, known);
+        raise(dem, i, known);
+        raise(dem, j, known);
     }
 }
 
-static void keep_pairs(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    gn_contacts *k = &w->dem.pairs;
+static void keep_pairs(gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    gn_contacts *k = &dem->pairs;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         k->most[c] = pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
@@ -99,18 +100,19 @@ static void keep_pairs(gn_world *w) {
 }
 
 /* Of a particle and what it touches, which moves at `v` and counts as heavy. */
-static void meet(gn_world *w, size_t p, const gn_touch_side *side, const double v[3],
-                 double overlap) {
-    const double *own = w->dem.particles.vel + 4 * p;
-    double kn = gn_law_of(w->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
-    double known = fmax(w->dem.particles.pressed[p], growth * overlap / side->radius);
-    raise(w, p, collision(w, kn, own[3], relative2(own, v), side->radius, known));
+static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
+                 const double v[3], double overlap) {
+    const double *own = dem->particles.vel + 4 * p;
+    double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
+    double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
+    raise(dem, p, collision(ctx, dem, kn, own[3], relative2(own, v), side->radius, known));
 }
 
 /* Where the contact is. */
-static void surface_velocity(const gn_world *w, const gn_surface_contact *c, double v[3]) {
+static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
+                             const gn_surface_contact *c, double v[3]) {
     const gn_surface *s = c->surface;
-    const double *x = w->dem.particles.pos + 4 * c->particle;
+    const double *x = dem->particles.pos + 4 * c->particle;
     v[0] = v[1] = v[2] = 0.0;
     if (s->body < 0) {
         for (int k = 0; k < c->parts; k++)
@@ -118,51 +120,55 @@ static void surface_velocity(const gn_world *w, const gn_surface_contact *c, dou
                 v[a] += c->weight[k] * s->velocity[4 * (int64_t)c->vertex[k] + a];
         return;
     }
-    const gn_rigid *b = &w->boundary.bodies[s->body];
+    const gn_rigid *b = &boundary->bodies[s->body];
     double lever[3];
     for (int a = 0; a < 3; a++) lever[a] = x[a] + c->contact.arm[a] - b->position[a];
     gn_cross3(b->spin, lever, v);
     for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
 }
 
-static size_t look_at_surface(gn_world *w, size_t row) {
-    size_t count = 0, p = (size_t)w->boundary.contacts.i[row];
-    const gn_surface *s = gn_surface_of_row(w, row);
-    gn_touch_side side = gn_surface_side(w, s, p, 1.0);
+static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                              const gn_solids *solids, const gn_zones *zones, size_t row) {
+    size_t count = 0, p = (size_t)boundary->contacts.i[row];
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
+    gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
     double v[3];
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    row = gn_surface_contacts_at(w, row, w->dem.verlet.skin, found, &count);
+    row = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, row, dem->verlet.skin, found,
+                                 &count);
     for (size_t k = 0; k < count; k++) {
-        surface_velocity(w, &found[k], v);
-        meet(w, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
+        surface_velocity(dem, boundary, &found[k], v);
+        meet(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
     }
     return row;
 }
 
-static void look_at_walls(gn_world *w) {
-    const gn_wall_contacts *k = &w->boundary.contacts;
-    for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
+static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                          const gn_solids *solids, const gn_zones *zones) {
+    const gn_wall_contacts *k = &boundary->contacts;
+    for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
-        if (wall >= w->scene.wall_count) {
-            c = look_at_surface(w, c);
+        if (wall >= ctx->scene.wall_count) {
+            c = look_at_surface(ctx, dem, boundary, solids, zones, c);
             continue;
         }
-        gn_touch_side side = gn_wall_side(w, wall, p);
-        const double *x = w->dem.particles.pos + 4 * p;
-        double gap = gn_wall_distance(&w->boundary.walls[wall], x) - x[3] - k->gap0[c];
-        meet(w, p, &side, w->boundary.walls[wall].velocity, fmax(-gap, 0.0));
+        gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
+        const double *x = dem->particles.pos + 4 * p;
+        double gap = gn_wall_distance(&boundary->walls[wall], x) - x[3] - k->gap0[c];
+        meet(ctx, dem, p, &side, boundary->walls[wall].velocity, fmax(-gap, 0.0));
         c++;
     }
 }
 
-void gn_pressed_look(gn_world *w) {
-    if (!(w->effects & GN_FX_HERTZ)) return;
-    w->dem.push = applied(w);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) raise(w, p, least);
-    look_at_pairs(w);
-    look_at_walls(w);
-    keep_pairs(w);
-    gn_near_repack(w);
+void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                     const gn_solids *solids, const gn_zones *zones) {
+    if (!(ctx->effects & GN_FX_HERTZ)) return;
+    dem->push = applied(ctx, dem);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, least);
+    look_at_pairs(ctx, dem);
+    look_at_walls(ctx, dem, boundary, solids, zones);
+    keep_pairs(dem);
+    gn_near_repack(ctx, dem);
 }
 
 /* --- what is driven --- */
@@ -176,12 +182,12 @@ typedef struct drive {
     double reach;      /* m, that a spin moves */
 } drive;
 
-static double speed_of(const gn_world *w, const drive *d, double *change) {
-    const double next = w->time + 0.5 * w->dt, last = w->time - 0.5 * w->dt_past;
+static double speed_of(const gn_step_context *ctx, const drive *d, double *change) {
+    const double next = ctx->time + 0.5 * ctx->dt, last = ctx->time - 0.5 * ctx->dt_past;
     double v[3], turn[3], by[3];
     for (int a = 0; a < 3; a++) {
         const gn_table *t = &d->motion->velocity[a], *s = &d->motion->spin[a];
-        const double factor = gn_control_of(w, d->name, a);
+        const double factor = gn_control_of(ctx, d->name, a);
         v[a] = t->count ? factor * gn_table_at(t, next) : d->now ? d->now[a] : 0.0;
         by[a] = t->count ? v[a] - (d->now ? d->now[a] : factor * gn_table_at(t, last)) : 0.0;
         turn[a] = s->count ? gn_table_at(s, next) : 0.0;
@@ -192,34 +198,37 @@ static double speed_of(const gn_world *w, const drive *d, double *change) {
 }
 
 /* A servo may be as fast as it may be at once. */
-static double speed_of_wall(const gn_world *w, size_t k, double *change) {
-    const gn_wall_def *def = &w->scene.walls[k];
-    const drive d = {&def->motion, def->name, w->boundary.walls[k].velocity, 0.0};
-    if (!def->servo.active) return speed_of(w, &d, change);
+static double speed_of_wall(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
+                            double *change) {
+    const gn_wall_def *def = &ctx->scene.walls[k];
+    const drive d = {&def->motion, def->name, boundary->walls[k].velocity, 0.0};
+    if (!def->servo.active) return speed_of(ctx, &d, change);
     return *change = def->servo.max_velocity;
 }
 
-static double speed_of_body(const gn_world *w, size_t k, double *change) {
-    const gn_rigid *b = &w->boundary.bodies[k];
-    const drive d = {&w->scene.bodies[k].motion, w->scene.bodies[k].name, b->velocity, b->reach};
-    return speed_of(w, &d, change);
+static double speed_of_body(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
+                            double *change) {
+    const gn_rigid *b = &boundary->bodies[k];
+    const drive d = {&ctx->scene.bodies[k].motion, ctx->scene.bodies[k].name, b->velocity,
+                     b->reach};
+    return speed_of(ctx, &d, change);
 }
 
-static double speed_of_set(const gn_world *w, size_t k, double *change) {
-    const drive d = {&w->scene.sets[k].motion, w->scene.sets[k].name, NULL, 0.0};
-    return speed_of(w, &d, change);
+static double speed_of_set(const gn_step_context *ctx, size_t k, double *change) {
+    const drive d = {&ctx->scene.sets[k].motion, ctx->scene.sets[k].name, NULL, 0.0};
+    return speed_of(ctx, &d, change);
 }
 
 /* By how much what becomes faster than it was looked at changes in the coming step, at most. What
  * slows down and comes back meets nothing at more than it was looked at. */
-static double driven_gain(gn_world *w) {
-    const size_t count[] = {w->scene.wall_count, w->scene.body_count, w->scene.set_count};
-    double gain = 0.0, *known = w->dem.driven;
+static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
+    const size_t count[] = {ctx->scene.wall_count, ctx->scene.body_count, ctx->scene.set_count};
+    double gain = 0.0, *known = dem->driven;
     for (int kind = 0; kind < 3; kind++)
         for (size_t k = 0; k < count[kind]; k++, known++) {
-            double change, now = kind == 0   ? speed_of_wall(w, k, &change)
-                                 : kind == 1 ? speed_of_body(w, k, &change)
-                                             : speed_of_set(w, k, &change);
+            double change, now = kind == 0   ? speed_of_wall(ctx, boundary, k, &change)
+                                 : kind == 1 ? speed_of_body(ctx, boundary, k, &change)
+                                             : speed_of_set(ctx, k, &change);
             if (!(now > 1.1 * *known)) continue;
             *known = now;
             gain = fmax(gain, change);
@@ -230,7 +239,7 @@ static double driven_gain(gn_world *w) {
 /* A step that is long because nothing moves must not be the one in which something begins to. */
 static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
     if (!w->dem.driven) return GNEISS_OK;
-    w->dem.gain = driven_gain(w);
+    w->dem.gain = driven_gain(&w->ctx, &w->dem, &w->boundary);
     gneiss_status status = w->dem.gain > 0.0 ? gn_world_check_lists(w, error) : GNEISS_OK;
     w->dem.gain = 0.0;
     return status;

@@ -8,23 +8,23 @@
 
 #include <math.h>
 
-void gn_dem_sum_masses(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    gn_mass_scaling *s = &w->dem.scaling;
-    w->dem.mass = s->added = s->largest = 0.0;
+void gn_dem_sum_masses(gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    gn_mass_scaling *s = &dem->scaling;
+    dem->mass = s->added = s->largest = 0.0;
     s->raised = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue; /* removed */
         double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
-        w->dem.mass += own < 1.0 ? own * mass : mass;
+        dem->mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;
         s->largest = fmax(s->largest, 1.0 / own);
         s->raised += own < 1.0;
     }
 }
 
-double gn_dem_added_kinetic(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+double gn_dem_added_kinetic(const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double all = 0.0, added = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *v = q->vel + 4 * p, *o = q->spin ? q->spin + 4 * p : NULL;
@@ -51,18 +51,22 @@ typedef struct wanted {
     double *own;           /* [particles][2] inverse mass and moment of inertia without */
 } wanted;
 
-static gneiss_status find_factors(const gn_world *w, const wanted *q, double part,
+static gneiss_status find_factors(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  const gn_zones *zones, const wanted *q, double part,
                                   gneiss_error *error) {
-    GN_TRY(gn_dem_masses(w, false, part * q->limit, NULL, q->factor, error));
-    GN_TRY(gn_dem_masses(w, true, part * q->listed, NULL, q->also, error));
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+    GN_TRY(gn_dem_masses(ctx, dem, boundary, solids, zones, false, part * q->limit, NULL, q->factor,
+                         error));
+    GN_TRY(gn_dem_masses(ctx, dem, boundary, solids, zones, true, part * q->listed, NULL, q->also,
+                         error));
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
         q->factor[p] = fmax(q->factor[p], q->also[p]);
-    return gn_resolution_masses(w, q->step, q->factor, error);
+    return gn_resolution_masses(ctx, dem, boundary, solids, zones, q->step, q->factor, error);
 }
 
 /* Returns the largest change of a mass. */
-static double set_masses(gn_world *w, const wanted *q) {
-    const gn_particles *a = &w->dem.particles;
+static double set_masses(const gn_step_context *ctx, gn_dem *dem, const wanted *q) {
+    const gn_particles *a = &dem->particles;
     double most = 0.0;
     for (size_t p = 0; p < a->soa.count; p++) {
         double share = 1.0 / q->factor[p];
@@ -71,19 +75,21 @@ static double set_masses(gn_world *w, const wanted *q) {
         a->vel[4 * p + 3] = share * q->own[2 * p];
         if (a->spin) a->spin[4 * p + 3] = share * q->own[2 * p + 1];
     }
-    gn_dem_masses_changed(w);
+    gn_dem_masses_changed(ctx, dem);
     return most;
 }
 
 /* Dashpots grow with the masses, by their root: what they ask for settles. */
-static gneiss_status raise(gn_world *w, const wanted *q, double part, gneiss_error *error) {
+static gneiss_status raise(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                           const gn_solids *solids, const gn_zones *zones, const wanted *q,
+                           double part, gneiss_error *error) {
     enum { ROUNDS = 20 };
     double change = 1.0;
-    w->dt = q->step;
+    ctx->dt = q->step;
     for (int round = 0; round < ROUNDS && change > 1e-4; round++) {
-        GN_TRY(find_factors(w, q, part, error));
-        change = set_masses(w, q);
-        if (w->dem.damping_fraction == 0.0) break;
+        GN_TRY(find_factors(ctx, dem, boundary, solids, zones, q, part, error));
+        change = set_masses(ctx, dem, q);
+        if (dem->damping_fraction == 0.0) break;
     }
     return GNEISS_OK;
 }
@@ -103,15 +109,16 @@ static double make_heavier(const gn_particles *a, size_t p, double share) {
     return 0.5 * (1.0 / ratio - 1.0) * twice;
 }
 
-static bool follow_once(gn_world *w, const double *factor) {
-    const gn_particles *a = &w->dem.particles;
+static bool follow_once(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledger,
+                        const double *factor) {
+    const gn_particles *a = &dem->particles;
     bool any = false;
     for (size_t p = 0; p < a->soa.count; p++) {
         if (!(factor[p] * a->own_share[p] > 1.0)) continue;
-        w->energy.step_change += make_heavier(a, p, 1.0 / factor[p]);
+        ledger->energy.step_change += make_heavier(a, p, 1.0 / factor[p]);
         any = true;
     }
-    if (any) gn_dem_masses_changed(w);
+    if (any) gn_dem_masses_changed(ctx, dem);
     return any;
 }
 
@@ -120,8 +127,10 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
     enum { ROUNDS = 8 }; /* of dashpots */
     const gn_mass_scaling *s = &w->dem.scaling;
     *held = 0.0;
-    if (!(w->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->step > 0)) return GNEISS_OK;
-    double step = gn_limit_needed(w, s->reached / (listed ? listed_share : w->scene.safety));
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->ctx.step > 0))
+        return GNEISS_OK;
+    double step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                  s->reached / (listed ? listed_share : w->ctx.scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* others leave no room */
     double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
     if (!factor)
@@ -129,8 +138,9 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
                        w->dem.particles.soa.count);
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
-        status = gn_dem_masses(w, listed, step, changed, factor, error);
-        if (status != GNEISS_OK || !follow_once(w, factor)) break;
+        status = gn_dem_masses(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, step,
+                               changed, factor, error);
+        if (status != GNEISS_OK || !follow_once(&w->ctx, &w->dem, &w->ledger, factor)) break;
         if (w->dem.damping_fraction == 0.0) break;
     }
     gn_free(factor);
@@ -147,10 +157,10 @@ static gneiss_status search(gn_world *w, const wanted *q, gneiss_error *error) {
     enum { TRIES = 10 };
     double low = 0.5, high = 1.0, part = q->sharp ? 0.85 : 1.0, added = -1.0;
     for (int k = 1;; k++) {
-        GN_TRY(raise(w, q, part, error));
+        GN_TRY(raise(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, q, part, error));
         GN_TRY(gn_world_check_step(w, true, error));
-        double beyond = w->scene.safety * w->stable / q->step;
-        bool reached = w->dt >= (1.0 - 1e-9) * q->step;
+        double beyond = w->ctx.scene.safety * w->ctx.stable / q->step;
+        bool reached = w->ctx.dt >= (1.0 - 1e-9) * q->step;
         if (part == 1.0 || (reached && beyond < 1.005)) return GNEISS_OK;
         if (reached && w->dem.scaling.added == added) return GNEISS_OK; /* for collisions */
         added = reached ? w->dem.scaling.added : added;
@@ -165,23 +175,25 @@ static gneiss_status search(gn_world *w, const wanted *q, gneiss_error *error) {
     }
 }
 
-static gneiss_status refuse(const gn_world *w, double step, gneiss_error *error) {
-    double elements = w->scene.safety * gn_world_nonviscous_share(w) * gn_elements_stable(w);
-    gn_scene_place at = w->scene.scaling_where;
+static gneiss_status refuse(const gn_step_context *ctx, const gn_solids *solids, double step,
+                            gneiss_error *error) {
+    double elements =
+        ctx->scene.safety * gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    gn_scene_place at = ctx->scene.scaling_where;
     if (elements < step)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a step of at most %.6g s, which the "
                        "finite elements allow (their masses are not raised), found %.6g s",
-                       gn_scene_at(&w->scene, at, "time.mass_scaling").text, elements, step);
+                       gn_scene_at(&ctx->scene, at, "time.mass_scaling").text, elements, step);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a step that the bodies and elements "
                    "which particles touch leave room for (their masses are not raised), found "
                    "%.6g s",
-                   gn_scene_at(&w->scene, at, "time.mass_scaling").text, step);
+                   gn_scene_at(&ctx->scene, at, "time.mass_scaling").text, step);
 }
 
-static gneiss_status make_room(const gn_world *w, wanted *q, gneiss_error *error) {
-    const gn_particles *a = &w->dem.particles;
+static gneiss_status make_room(const gn_dem *dem, wanted *q, gneiss_error *error) {
+    const gn_particles *a = &dem->particles;
     size_t n = a->soa.count;
     q->factor = gn_alloc_array(n + 1, sizeof *q->factor);
     q->also = gn_alloc_array(n + 1, sizeof *q->also);
@@ -196,42 +208,49 @@ static gneiss_status make_room(const gn_world *w, wanted *q, gneiss_error *error
 }
 
 /* The largest factor is the square of the step over that of the bound. */
-gneiss_status gn_dem_foretell_masses(const gn_world *w, double step, double *of_bound,
+gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     const gn_zones *zones, double step, double *of_bound,
                                      double *added, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    const double limit = gn_limit_needed(w, step / w->scene.safety);
+    const gn_particles *q = &dem->particles;
+    const double limit =
+        gn_limit_needed(ctx, dem, boundary, solids, zones, step / ctx->scene.safety);
     *of_bound = *added = INFINITY;
     if (!isfinite(limit)) return GNEISS_OK;
     double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
     if (!factor)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
-    gneiss_status status = gn_dem_masses(w, false, limit, NULL, factor, error);
+    gneiss_status status =
+        gn_dem_masses(ctx, dem, boundary, solids, zones, false, limit, NULL, factor, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue;
         most = fmax(most, factor[p]);
         sum += (factor[p] - 1.0) * gn_own_share(q, p) / q->vel[4 * p + 3];
     }
     *of_bound = sqrt(most);
-    *added = sum / w->dem.mass;
+    *added = sum / dem->mass;
     gn_free(factor);
     return status;
 }
 
 gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
-    if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
-    wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * w->dt,
+    const gn_scene *s = &w->ctx.scene;
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    wanted q = {.step = s->scaled_step > 0.0 ? s->scaled_step : s->scaled_factor * w->ctx.dt,
                 .sharp = s->estimate == GN_STEP_SHARP};
-    w->dem.scaling.unscaled = w->dt;
-    if (q.step <= w->dt) return GNEISS_OK;
-    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
-    q.limit = gn_limit_needed(w, q.step / s->safety);
-    q.listed = gn_limit_needed(w, q.step / listed_share);
-    if (s->safety * elements < q.step || !isfinite(q.limit)) return refuse(w, q.step, error);
+    w->dem.scaling.unscaled = w->ctx.dt;
+    if (q.step <= w->ctx.dt) return GNEISS_OK;
+    double elements = gn_world_nonviscous_share(&w->ctx) * gn_elements_stable(&w->solids);
+    q.limit =
+        gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, q.step / s->safety);
+    q.listed = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                               q.step / listed_share);
+    if (s->safety * elements < q.step || !isfinite(q.limit))
+        return refuse(&w->ctx, &w->solids, q.step, error);
     w->dem.scaling.step = q.step;
-    gneiss_status status = make_room(w, &q, error);
+    gneiss_status status = make_room(&w->dem, &q, error);
     if (status == GNEISS_OK) status = search(w, &q, error);
-    w->dem.scaling.reached = w->dt;
+    w->dem.scaling.reached = w->ctx.dt;
     gn_free(q.factor);
     gn_free(q.also);
     gn_free(q.own);

@@ -24,53 +24,56 @@ static void free_data(spectrum_data *d) {
     gn_free(d->surface);
 }
 
-static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d,
+static gneiss_status make_data(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, double reach, spectrum_data *d,
                                gneiss_error *error) {
-    size_t walls = w->scene.wall_count, n = w->dem.particles.soa.count;
-    size_t materials = w->scene.material_count;
+    size_t walls = ctx->scene.wall_count, n = dem->particles.soa.count;
+    size_t materials = ctx->scene.material_count;
     d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
     d->side = gn_alloc_array(materials * walls + 1, sizeof *d->side);
     d->damping = gn_alloc_array(walls + 1, sizeof(double));
-    d->fixed = w->dem.prescribed.count ? gn_alloc(n + 1) : NULL;
-    if (!d->point || !d->side || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
+    d->fixed = dem->prescribed.count ? gn_alloc(n + 1) : NULL;
+    if (!d->point || !d->side || !d->damping || (dem->prescribed.count && !d->fixed)) {
         free_data(d);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
     }
     for (size_t k = 0; k < walls; k++) {
-        memcpy(d->point + 4 * k, w->boundary.walls[k].point, 3 * sizeof(double));
+        memcpy(d->point + 4 * k, boundary->walls[k].point, 3 * sizeof(double));
         for (size_t m = 0; m < materials; m++)
-            d->side[m * walls + k] = gn_wall_side_of(w, k, (int32_t)m);
-        d->damping[k] = w->dem.damping_fraction;
+            d->side[m * walls + k] = gn_wall_side_of(ctx, dem, k, (int32_t)m);
+        d->damping[k] = dem->damping_fraction;
     }
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] =
-            w->dem.particles.slot[p] >= 0 ? w->dem.prescribed.mask[w->dem.particles.slot[p]] : 0;
-    gneiss_status status = gn_surface_springs(w, reach, &d->surface, &d->surface_count, error);
+            dem->particles.slot[p] >= 0 ? dem->prescribed.mask[dem->particles.slot[p]] : 0;
+    gneiss_status status = gn_surface_springs(ctx, dem, boundary, solids, zones, reach, &d->surface,
+                                              &d->surface_count, error);
     if (status != GNEISS_OK) free_data(d);
     return status;
 }
 
-static gn_spectrum spectrum_of(const gn_world *w, double reach, const gn_assembly *assembly,
-                               const spectrum_data *d) {
+static gn_spectrum spectrum_of(const gn_step_context *ctx, double reach,
+                               const gn_assembly *assembly, const spectrum_data *d) {
     gn_spectrum s = {.reach = reach};
     s.assembly = assembly;
-    s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    s.arm_factor = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     s.wall_point = d->point;
     s.wall_side = d->side;
     s.wall_damping = d->damping;
     s.extra = d->surface;
     s.extra_count = d->surface_count;
     s.fixed = d->fixed;
-    s.dashpots = 1.0 / gn_world_nonviscous_share(w);
-    s.threads = w->threads;
+    s.dashpots = 1.0 / gn_world_nonviscous_share(ctx);
+    s.threads = ctx->threads;
     return s;
 }
 
 /* --- what is asked --- */
 
 /* Relative residual of Lanczos. */
-static double tolerance_of(const gn_world *w) {
-    return w->scene.estimate == GN_STEP_BOUND ? 0.0 : 1e-3;
+static double tolerance_of(const gn_step_context *ctx) {
+    return ctx->scene.estimate == GN_STEP_BOUND ? 0.0 : 1e-3;
 }
 
 /* What is asked of the springs that act now, or that may before the lists are made again. */
@@ -136,39 +139,47 @@ static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_e
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
 
-gneiss_status gn_dem_with_spectrum(const gn_world *w, bool listed, gn_spectrum_user *use,
+gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, const gn_solids *solids,
+                                   const gn_zones *zones, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error) {
-    gn_assembly assembly = gn_world_assembly(w);
+    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
     spectrum_data data = {0};
-    double reach = listed ? w->dem.verlet.skin : 0.0;
-    GN_TRY(make_data(w, reach, &data, error));
-    gn_spectrum spectrum = spectrum_of(w, reach, &assembly, &data);
+    double reach = listed ? dem->verlet.skin : 0.0;
+    GN_TRY(make_data(ctx, dem, boundary, solids, zones, reach, &data, error));
+    gn_spectrum spectrum = spectrum_of(ctx, reach, &assembly, &data);
     gneiss_status status = use(&spectrum, context, error);
     free_data(&data);
     return status;
 }
 
-static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
+static gneiss_status ask(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                         const gn_solids *solids, const gn_zones *zones, bool listed,
+                         const question *q, gneiss_error *error) {
     question copy = *q;
-    return gn_dem_with_spectrum(w, listed, answer, &copy, error);
+    return gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, answer, &copy, error);
 }
 
-gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, const uint8_t *changed,
+gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones, bool listed, double step, const uint8_t *changed,
                             double *factor, gneiss_error *error) {
     question q = {.step = step, .turned = changed, .masses = factor};
-    return ask(w, listed, &q, error);
+    return ask(ctx, dem, boundary, solids, zones, listed, &q, error);
 }
 
-gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate, const double *load,
-                           double tolerance, gn_preconditioner *made, double *u,
+gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const gn_solids *solids,
+                           const gn_zones *zones, const uint8_t *slips, double rate,
+                           const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error) {
-    gn_assembly assembly = gn_world_assembly(w);
+    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
     spectrum_data data = {0};
-    GN_TRY(make_data(w, 0.0, &data, error));
-    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &data);
+    GN_TRY(make_data(ctx, dem, boundary, solids, zones, 0.0, &data, error));
+    gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &data);
     spectrum.slips = slips;
     spectrum.dashpots = 0.0;
-    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    double drag = ctx->effects & GN_FX_VISCOUS ? ctx->scene.background_coefficient : 0.0;
     gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
                                                 tolerance, made, u, found, error);
     free_data(&data);
@@ -177,44 +188,53 @@ gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate,
 
 /* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is
  * below. */
-static bool bound_suffices(const gn_world *w, double bound) {
-    if (w->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
+static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, double bound) {
+    if (ctx->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
     /* Springs of zones are chosen by it, however the step is. */
-    if (w->scene.has_couple && w->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
-    return w->scene.step > 0.0 && w->scene.step <= gn_limit_beside_surfaces(w, bound);
+    if (ctx->scene.has_couple && ctx->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
+    return ctx->scene.step > 0.0 &&
+           ctx->scene.step <= gn_limit_beside_surfaces(ctx, dem, boundary, bound);
 }
 
-static gneiss_status find_limit(gn_world *w, gneiss_error *error) {
+static gneiss_status find_limit(const gn_step_context *ctx, gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, gneiss_error *error) {
     gn_step_limit quick = {0};
-    const question sharp = {.tolerance = 1e-3, .limit = &w->dem.limit};
-    if (w->scene.estimate != GN_STEP_BOUND && !(w->scene.step > 0.0))
-        return ask(w, false, &sharp, error); /* no bound suffices: not twice the springs for it */
-    GN_TRY(ask(w, false, &(question){.limit = &quick}, error));
-    if (!bound_suffices(w, quick.bound)) return ask(w, false, &sharp, error);
-    w->dem.limit = quick;
-    w->dem.limit.sharp = quick.bound;
-    w->dem.limit.sharp_id = quick.bound_id;
-    w->dem.limit.iterations = 0;
+    const question sharp = {.tolerance = 1e-3, .limit = &dem->limit};
+    if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
+        return ask(ctx, dem, boundary, solids, zones, false, &sharp,
+                   error); /* no bound suffices: not twice the springs for it */
+    GN_TRY(ask(ctx, dem, boundary, solids, zones, false, &(question){.limit = &quick}, error));
+    if (!bound_suffices(ctx, dem, boundary, quick.bound))
+        return ask(ctx, dem, boundary, solids, zones, false, &sharp, error);
+    dem->limit = quick;
+    dem->limit.sharp = quick.bound;
+    dem->limit.sharp_id = quick.bound_id;
+    dem->limit.iterations = 0;
     return GNEISS_OK;
 }
 
-static double trusted(const gn_world *w, const gn_step_limit *limit) {
-    return w->scene.estimate == GN_STEP_BOUND ? limit->bound : limit->sharp;
+static double trusted(const gn_step_context *ctx, const gn_step_limit *limit) {
+    return ctx->scene.estimate == GN_STEP_BOUND ? limit->bound : limit->sharp;
 }
 
 /* The limit that the scene trusts, of the springs that act. Without any, of all that the lists
  * hold; without any of those, of one contact of the pair of particles, or particle and wall, that
  * is worst of all. The last only has to give a step to start with: whatever comes near is listed,
  * and looked at as it is, before it touches (gn_world_check_lists). */
-static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error *error) {
+static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  const gn_zones *zones, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};
     gn_resolution unused;
-    *limit = trusted(w, &w->dem.limit);
+    *limit = trusted(ctx, &dem->limit);
     if (*limit < INFINITY) return GNEISS_OK;
-    GN_TRY(ask(w, true, &(question){.tolerance = tolerance_of(w), .limit = &listed}, error));
-    *limit = trusted(w, &listed);
+    GN_TRY(ask(ctx, dem, boundary, solids, zones, true,
+               &(question){.tolerance = tolerance_of(ctx), .limit = &listed}, error));
+    *limit = trusted(ctx, &listed);
     if (*limit < INFINITY) return GNEISS_OK;
-    return gn_flight_limits(w, limit, &unused, error);
+    return gn_flight_limits(ctx, dem, boundary, limit, &unused, error);
 }
 
 /* By the bound raised masses follow the springs that ask for a smaller step before it is asked
@@ -225,21 +245,23 @@ static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of,
     question about = *q;
     about.turned = of;
     double held = 0.0;
-    if (w->scene.estimate == GN_STEP_BOUND)
+    if (w->ctx.scene.estimate == GN_STEP_BOUND)
         GN_TRY(gn_dem_follow_masses(w, listed, of, &held, error));
     *q->verdict = (gn_step_verdict){.holds = true};
     /* They were raised to hold more than that, within what a block is left alone for. */
     if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
-    return ask(w, listed, &about, error);
+    return ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, &about, error);
 }
 
 /* About what has other springs than at the last look. */
 static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
                                    gneiss_error *error) {
     uint8_t *others = NULL;
-    if (!(w->effects & GN_FX_MASS_SCALING)) return ask(w, listed, q, error);
+    if (!(w->ctx.effects & GN_FX_MASS_SCALING))
+        return ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, q, error);
     question who = {.step = q->step, .verdict = q->verdict, .others = &others};
-    gneiss_status status = ask(w, listed, &who, error);
+    gneiss_status status =
+        ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, &who, error);
     if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
     gn_free(others);
     return status;
@@ -249,7 +271,7 @@ static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
  * that look, any will do. */
 static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
     /* With elements they may hold more than by themselves. */
-    double known = fmax(trusted(w, &w->dem.limit), w->couple.whole);
+    double known = fmax(trusted(&w->ctx, &w->dem.limit), w->zones.state.whole);
     gn_step_verdict verdict = {0};
     question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
     GN_TRY(ask_of_others(w, false, &q, error));
@@ -259,12 +281,14 @@ static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
 
 gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
     bool fell = full;
-    GN_TRY(gn_loose_find(w, error));
+    GN_TRY(gn_loose_find(&w->ctx, &w->dem, error));
     if (!full) GN_TRY(limit_fell(w, &fell, error));
-    GN_TRY(gn_boundary_limit(w, fell, due, error));
+    GN_TRY(
+        gn_boundary_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fell, due, error));
     if (!*due) return GNEISS_OK;
-    if (fell) GN_TRY(find_limit(w, error));
-    return usable_limit(w, &w->dem.stable, error);
+    if (fell) GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->dem.stable,
+                        error);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -273,13 +297,14 @@ gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *erro
 gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed = gn_limit_needed(w, w->dt / 0.99);
+    double needed =
+        gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.dt / 0.99);
     *fine = false; /* of a given step it is known for good */
-    if (!full && w->scene.step > 0.0 && w->dt > w->dem.listed) return GNEISS_OK;
+    if (!full && w->ctx.scene.step > 0.0 && w->ctx.dt > w->dem.listed) return GNEISS_OK;
     /* More is asked of the particles than they have been found to hold, since bodies give way more.
      */
     bool all = full || needed > w->dem.listed_holds, finite = needed < INFINITY;
-    question q = {.tolerance = all || !finite ? tolerance_of(w) : 0.0};
+    question q = {.tolerance = all || !finite ? tolerance_of(&w->ctx) : 0.0};
     if (finite) {
         q.step = needed;
         q.verdict = &verdict;
@@ -290,12 +315,13 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
     if (q.changed)
         GN_TRY(ask_of_others(w, true, &q, error));
     else
-        GN_TRY(ask(w, true, &q, error));
+        GN_TRY(ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, true, &q, error));
     *fine = finite && verdict.holds;
     if (*fine && all) w->dem.listed_holds = needed;
     if (*fine) return GNEISS_OK;
-    w->dem.listed_holds = finite ? verdict.limit : trusted(w, &limit);
-    w->dem.listed = gn_limit_of_all(w, w->dem.listed_holds);
+    w->dem.listed_holds = finite ? verdict.limit : trusted(&w->ctx, &limit);
+    w->dem.listed =
+        gn_limit_of_all(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->dem.listed_holds);
     return GNEISS_OK;
 }
 
@@ -305,49 +331,57 @@ static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_
 }
 
 /* Grains that resolve their collisions take steps far below the limit. */
-gneiss_status gn_dem_limit_far(const gn_world *w, bool *far, gneiss_error *error) {
+gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool *far, gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(w, w->dt / 0.99), .verdict = &verdict};
+    question q = {.step = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99),
+                  .verdict = &verdict};
     *far = false;
-    if (w->dt > 0.5 * w->dem.stable || !(q.step < INFINITY)) return GNEISS_OK;
-    GN_TRY(gn_dem_with_spectrum(w, true, by_sums, &q, error));
+    if (ctx->dt > 0.5 * dem->stable || !(q.step < INFINITY)) return GNEISS_OK;
+    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, true, by_sums, &q, error));
     *far = verdict.holds;
     return GNEISS_OK;
 }
 
-static bool resolve(gn_world *w, gn_resolution r) {
-    bool shorter = r.step < w->dem.resolution.step;
-    if (shorter) w->dem.resolution = r;
+static bool resolve(gn_dem *dem, gn_resolution r) {
+    bool shorter = r.step < dem->resolution.step;
+    if (shorter) dem->resolution = r;
     return shorter;
 }
 
-gneiss_status gn_dem_resolve_listed(gn_world *w, bool *shorter, gneiss_error *error) {
+gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, bool *shorter, gneiss_error *error) {
     gn_resolution resolution;
-    GN_TRY(gn_loose_find(w, error));
-    GN_TRY(gn_resolution_listed(w, &resolution, error));
-    *shorter = resolve(w, resolution);
+    GN_TRY(gn_loose_find(ctx, dem, error));
+    GN_TRY(gn_resolution_listed(ctx, dem, boundary, solids, zones, &resolution, error));
+    *shorter = resolve(dem, resolution);
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_resolve_flight(gn_world *w, bool *shorter, gneiss_error *error) {
+gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
+                                    const gn_boundary *boundary, bool *shorter,
+                                    gneiss_error *error) {
     gn_resolution flight;
     double unused;
     *shorter = false;
-    if (w->dem.resolution.step < INFINITY) return GNEISS_OK;
-    GN_TRY(gn_flight_limits(w, &unused, &flight, error));
-    *shorter = resolve(w, flight);
+    if (dem->resolution.step < INFINITY) return GNEISS_OK;
+    GN_TRY(gn_flight_limits(ctx, dem, boundary, &unused, &flight, error));
+    *shorter = resolve(dem, flight);
     return GNEISS_OK;
 }
 
-void gn_dem_limit_anew(gn_world *w) {
-    w->dem.listed = INFINITY;
-    w->dem.resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
+void gn_dem_limit_anew(gn_dem *dem) {
+    dem->listed = INFINITY;
+    dem->resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
 }
 
 /* Marks the particles whose contacts with others have turned since the step was last looked at. */
-static size_t find_turned(const gn_world *w, uint8_t *turned) {
-    gn_assembly assembly = gn_world_assembly(w);
-    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &(spectrum_data){0});
+static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, uint8_t *turned) {
+    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
+    gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &(spectrum_data){0});
     return gn_step_turned(&spectrum, turned_by, turned);
 }
 
@@ -356,8 +390,9 @@ static size_t find_turned(const gn_world *w, uint8_t *turned) {
 static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
                                  gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    question q = {.step = gn_limit_needed(w, w->dt / GN_TURNED_SHARE),
-                  .tolerance = tolerance_of(w),
+    question q = {.step = gn_limit_needed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
+                                          w->ctx.dt / GN_TURNED_SHARE),
+                  .tolerance = tolerance_of(&w->ctx),
                   .verdict = &verdict,
                   .whether = true,
                   .turned = turned};
@@ -374,10 +409,12 @@ gneiss_status gn_dem_limit_turned(gn_world *w, bool *due, gneiss_error *error) {
     uint8_t *turned = gn_alloc(w->dem.particles.soa.count + 1);
     if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
     gneiss_status status = GNEISS_OK;
-    if (find_turned(w, turned)) status = turned_hold(w, turned, &hold, error);
+    if (find_turned(&w->ctx, &w->dem, &w->boundary, turned))
+        status = turned_hold(w, turned, &hold, error);
     gn_free(turned);
     *due = status == GNEISS_OK && !hold;
     if (!*due) return status;
-    GN_TRY(find_limit(w, error));
-    return usable_limit(w, &w->dem.stable, error);
+    GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->dem.stable,
+                        error);
 }

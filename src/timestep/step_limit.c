@@ -22,8 +22,8 @@ double gn_scene_nonviscous_share(const gn_scene *s, gn_effects effects) {
     return active ? 1.0 / sqrt(1.0 + fmax(s->background_coefficient, spin)) : 1.0;
 }
 
-double gn_world_nonviscous_share(const gn_world *w) {
-    return gn_scene_nonviscous_share(&w->scene, w->effects);
+double gn_world_nonviscous_share(const gn_step_context *ctx) {
+    return gn_scene_nonviscous_share(&ctx->scene, ctx->effects);
 }
 
 /* Of two parts with limits p and s (s), of which each is found with the other held fast, and
@@ -32,10 +32,10 @@ double gn_world_nonviscous_share(const gn_world *w) {
  * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
  * up.
  */
-static double together(const gn_world *w, double p, double s) {
+static double together(const gn_dem *dem, double p, double s) {
     if (!isfinite(s)) return p;
-    return w->dem.damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
-                                         : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+    return dem->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                       : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
 }
 
 static double limit_of(double rate) {
@@ -45,85 +45,101 @@ static double limit_of(double rate) {
 /* What slaved spins add to the square of the largest frequency of either side is a share of the
  * particles' (zone_spins.c). Dashpots turn as well: where K + C r is at most r^2 for the rate r
  * = 1/dt, (1 + share) r is enough for 1 + share times both, and r_F + share r beside r_F. */
-static double turned_limit(const gn_world *w, double particles) {
-    const double share = w->couple.turned;
+static double turned_limit(const gn_dem *dem, const gn_zones *zones, double particles) {
+    const double share = zones->state.turned;
     if (!(share > 0.0)) return INFINITY;
-    return particles / (w->dem.damping_fraction > 0.0 ? share : sqrt(share));
+    return particles / (dem->damping_fraction > 0.0 ? share : sqrt(share));
 }
 
 /* What particles are coupled to: free bodies, finite elements that they touch, springs of zones. */
-static double partner_limit(const gn_world *w) {
-    double bodies = together(w, limit_of(w->boundary.surface_rate), limit_of(w->couple.rate[0]));
-    if (!(w->boundary.vertex_rate > 0.0)) return bodies;
-    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
-    return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
+static double partner_limit(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones) {
+    double bodies = together(dem, limit_of(boundary->surface_rate), limit_of(zones->state.rate[0]));
+    if (!(boundary->vertex_rate > 0.0)) return bodies;
+    double elements = gn_world_nonviscous_share(ctx) * gn_elements_stable(solids);
+    return fmin(bodies, together(dem, elements, limit_of(boundary->vertex_rate)));
 }
 
 /* Bodies and elements do not meet each other. */
-double gn_limit_of_all(const gn_world *w, double particles) {
-    double share = gn_world_nonviscous_share(w), turned = turned_limit(w, share * particles);
-    double elements = together(w, share * gn_elements_stable(w), limit_of(w->couple.rate[1]));
-    return fmin(together(w, together(w, share * particles, partner_limit(w)), turned),
-                together(w, elements, turned));
+double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, const gn_zones *zones, double particles) {
+    double share = gn_world_nonviscous_share(ctx),
+           turned = turned_limit(dem, zones, share * particles);
+    double elements =
+        together(dem, share * gn_elements_stable(solids), limit_of(zones->state.rate[1]));
+    return fmin(
+        together(dem,
+                 together(dem, share * particles, partner_limit(ctx, dem, boundary, solids, zones)),
+                 turned),
+        together(dem, elements, turned));
 }
 
-double gn_limit_beside_surfaces(const gn_world *w, double particles) {
-    double rate = fmax(w->boundary.surface_rate, w->boundary.vertex_rate);
-    return together(w, gn_world_nonviscous_share(w) * particles, limit_of(rate));
+double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, double particles) {
+    double rate = fmax(boundary->surface_rate, boundary->vertex_rate);
+    return together(dem, gn_world_nonviscous_share(ctx) * particles, limit_of(rate));
 }
 
 /* 1/s: what `other` leaves of a rate. */
-static double without(const gn_world *w, double rate, double other) {
-    if (w->dem.damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
+static double without(const gn_dem *dem, double rate, double other) {
+    if (dem->damping_fraction > 0.0) return fmax(0.0, rate - 1.0 / other);
     return sqrt(fmax(0.0, rate * rate - 1.0 / (other * other)));
 }
 
 /* With slaved spins also of what elements leave; where both are known as one nothing is asked of
  * these. */
-double gn_limit_needed(const gn_world *w, double step) {
-    const double share = gn_world_nonviscous_share(w), own = turned_limit(w, 1.0);
-    double left = without(w, 1.0 / step, partner_limit(w));
-    if (isfinite(own)) left /= 1.0 / together(w, 1.0, own);
-    if (isfinite(own) && !(w->couple.whole > 0.0))
-        left = fmin(left, own * without(w, 1.0 / step, share * gn_elements_stable(w)));
+double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                       const gn_solids *solids, const gn_zones *zones, double step) {
+    const double share = gn_world_nonviscous_share(ctx), own = turned_limit(dem, zones, 1.0);
+    double left = without(dem, 1.0 / step, partner_limit(ctx, dem, boundary, solids, zones));
+    if (isfinite(own)) left /= 1.0 / together(dem, 1.0, own);
+    if (isfinite(own) && !(zones->state.whole > 0.0))
+        left = fmin(left, own * without(dem, 1.0 / step, share * gn_elements_stable(solids)));
     return left > 0.0 ? 1.0 / (left * share) : (double)INFINITY;
 }
 
 /* Of particles and elements as one (coupled_limit.c): free bodies give way to them, and strain has
  * stiffened elements, of which all others are a part, by a factor at most. */
-static double limit_of_whole(const gn_world *w, double whole) {
+static double limit_of_whole(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids, double whole) {
     double stiffer = 1.0;
-    for (size_t k = 0; k < w->element_count; k++)
-        stiffer = fmax(stiffer, w->elements[k]->stiffening);
-    return together(w, gn_world_nonviscous_share(w) * whole / stiffer,
-                    limit_of(w->boundary.surface_rate));
+    for (size_t k = 0; k < solids->count; k++)
+        stiffer = fmax(stiffer, solids->elements[k]->stiffening);
+    return together(dem, gn_world_nonviscous_share(ctx) * whole / stiffer,
+                    limit_of(boundary->surface_rate));
 }
 
 /* The limit of the springs that act: what both sides by themselves allow, which is never above that
  * of both as one, and that itself where the step may be longer. Without a spring that acts the
  * particles' is that of contacts to come, of which the whole knows nothing. */
-static gneiss_status limit_now(gn_world *w, double *limit, gneiss_error *error) {
-    *limit = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
-    if (!gn_coupled_has_limit(w) || !(w->dem.limit.bound < INFINITY)) return GNEISS_OK;
-    if (w->scene.step > 0.0 && w->scene.step <= *limit) return GNEISS_OK;
-    gn_whole_limit *whole = &w->coupled->whole;
-    GN_TRY(gn_coupled_limit(w, false, whole, error));
-    w->couple.whole = whole->sharp;
-    *limit = fmax(*limit, limit_of_whole(w, whole->sharp));
+static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                               const gn_solids *solids, gn_zones *zones, double *limit,
+                               gneiss_error *error) {
+    *limit = gn_limit_of_all(ctx, dem, boundary, solids, zones,
+                             ctx->scene.has_specimen ? dem->stable : INFINITY);
+    if (!gn_coupled_has_limit(ctx, solids) || !(dem->limit.bound < INFINITY)) return GNEISS_OK;
+    if (ctx->scene.step > 0.0 && ctx->scene.step <= *limit) return GNEISS_OK;
+    gn_whole_limit *whole = &zones->coupled->whole;
+    GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, false, whole, error));
+    zones->state.whole = whole->sharp;
+    *limit = fmax(*limit, limit_of_whole(ctx, dem, boundary, solids, whole->sharp));
     /* However small elements are beside the particles that they turn. */
-    if (w->couple.turned > 0.0) *limit = fmin(*limit, gn_world_nonviscous_share(w) * whole->sharp);
+    if (zones->state.turned > 0.0)
+        *limit = fmin(*limit, gn_world_nonviscous_share(ctx) * whole->sharp);
     return GNEISS_OK;
 }
 
 /* --- what is done about it --- */
 
 /* What sets the limit. */
-static const char *culprit(const gn_world *w, char *text, size_t size) {
-    const gn_element_model *lead = gn_elements_lead(w);
-    const gn_whole_limit *whole = gn_coupled_whole(w);
+static const char *culprit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                           const gn_zones *zones, char *text, size_t size) {
+    const gn_element_model *lead = gn_elements_lead(ctx, dem, solids, zones);
+    const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return gn_whole_culprit(whole, text, size);
-    if (lead) return gn_elements_culprit(w, lead, text, size);
-    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
+    if (lead) return gn_elements_culprit(ctx, lead, text, size);
+    int32_t id = ctx->scene.estimate == GN_STEP_BOUND ? dem->limit.bound_id : dem->limit.sharp_id;
     if (id >= 0)
         snprintf(text, size, "particle %d", id);
     else
@@ -131,21 +147,22 @@ static const char *culprit(const gn_world *w, char *text, size_t size) {
     return text;
 }
 
-static void set_step(gn_world *w, double dt) {
-    if (w->dt == dt) return;
-    w->dt = dt;
-    gn_dem_step_changed(w);
+static void set_step(gn_step_context *ctx, gn_dem *dem, double dt) {
+    if (ctx->dt == dt) return;
+    ctx->dt = dt;
+    gn_dem_step_changed(ctx, dem);
 }
 
 /* There is no automatic step. */
-static gneiss_status refuse_endless(const gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
-    const gn_flow *f = &w->dem.flow;
+static gneiss_status refuse_endless(const gn_step_context *ctx, const gn_dem *dem,
+                                    gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
+    const gn_flow *f = &dem->flow;
     size_t source = 0, sink = 0;
     char key[48];
     while (source < s->source_count && !(f->sources[source].number > 0.0)) source++;
     while (sink < s->sink_count && !(f->sinks[sink].number > 0.0)) sink++;
-    if (source == s->source_count || sink == s->sink_count || gn_world_present(w) > 0)
+    if (source == s->source_count || sink == s->sink_count || gn_world_present(dem) > 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: required, because nothing can move that would limit it",
                        gn_scene_at(s, s->time_where, "time.step").text);
@@ -159,84 +176,93 @@ static gneiss_status refuse_endless(const gn_world *w, gneiss_error *error) {
 
 /* Where no spring limits the step, bodies do that move; INFINITY: there are none. It never rises
  * while a run goes on. */
-static double step_of_bodies(const gn_world *w) {
-    double step = w->scene.has_specimen ? gn_bodies_step(w) : (double)INFINITY;
-    return w->step > 0 && isfinite(step) ? fmin(step, w->dt) : step;
+static double step_of_bodies(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary) {
+    double step = ctx->scene.has_specimen ? gn_bodies_step(ctx, dem, boundary) : (double)INFINITY;
+    return ctx->step > 0 && isfinite(step) ? fmin(step, ctx->dt) : step;
 }
 
 /* A step that is lost in the digits of the time would never come to an end. At the start,
  * gn_world_check_duration asks for more. */
-static gneiss_status check_advance(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_solids *solids, const gn_zones *zones,
+                                   gneiss_error *error) {
     char text[160];
-    if (w->step == 0 || w->time + w->dt > w->time) return GNEISS_OK;
+    if (ctx->step == 0 || ctx->time + ctx->dt > ctx->time) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
         "(set by %s): stiffnesses and masses do not go together",
-        (long long)w->step, w->time, w->dt, culprit(w, text, sizeof text));
+        (long long)ctx->step, ctx->time, ctx->dt,
+        culprit(ctx, dem, solids, zones, text, sizeof text));
 }
 
-static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                           const gn_solids *solids, const gn_zones *zones, double limit,
+                           gneiss_error *error) {
     char text[160], bound[96] = "";
-    if (w->scene.step == 0.0) {
-        double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
-        if (!isfinite(limit)) wanted = step_of_bodies(w);
-        if (!isfinite(wanted)) return refuse_endless(w, error);
+    if (ctx->scene.step == 0.0) {
+        double wanted = ctx->scene.safety * limit, raised_for = dem->scaling.step;
+        if (!isfinite(limit)) wanted = step_of_bodies(ctx, dem, boundary);
+        if (!isfinite(wanted)) return refuse_endless(ctx, dem, error);
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
         /* Small changes of the stiffest mode are what the safety factor is for. */
-        if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
-        if (w->step > 0) w->dt_lowered++;
-        set_step(w, wanted);
-        return check_advance(w, error);
+        if (ctx->step > 0 && wanted > 0.97 * ctx->dt) return GNEISS_OK;
+        if (ctx->step > 0) ctx->dt_lowered++;
+        set_step(ctx, dem, wanted);
+        return check_advance(ctx, dem, solids, zones, error);
     }
-    set_step(w, w->scene.step);
-    if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    if (isfinite(gn_world_bound(w)))
+    set_step(ctx, dem, ctx->scene.step);
+    if (ctx->dt <= limit || ctx->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
+    if (isfinite(gn_world_bound(ctx, dem, solids, zones)))
         snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
-                 gn_world_bound(w));
-    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                 gn_world_bound(ctx, dem, solids, zones));
+    return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s%s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
-                   gn_scene_at(&w->scene, w->scene.time_where, "time.step").text, limit,
-                   (long long)w->step, culprit(w, text, sizeof text), bound, w->dt, w->dt / limit);
+                   gn_scene_at(&ctx->scene, ctx->scene.time_where, "time.step").text, limit,
+                   (long long)ctx->step, culprit(ctx, dem, solids, zones, text, sizeof text), bound,
+                   ctx->dt, ctx->dt / limit);
 }
 
 /* --- what may happen before the lists are made again --- */
 
-static void lower(gn_world *w, double dt) {
-    if (w->scene.step > 0.0 || w->dt <= dt) return;
-    if (w->step > 0) w->dt_lowered++;
-    set_step(w, dt);
+static void lower(gn_step_context *ctx, gn_dem *dem, double dt) {
+    if (ctx->scene.step > 0.0 || ctx->dt <= dt) return;
+    if (ctx->step > 0) ctx->dt_lowered++;
+    set_step(ctx, dem, dt);
 }
 
-void gn_world_follow_bodies(gn_world *w) {
-    double dt = w->dt;
-    if (w->scene.step > 0.0 || !w->scene.has_specimen) return;
-    gn_bodies_follow(w, &dt);
-    gn_walls_follow(w, &dt);
-    lower(w, dt);
+void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
+    double dt = ctx->dt;
+    if (ctx->scene.step > 0.0 || !ctx->scene.has_specimen) return;
+    gn_bodies_follow(ctx, dem, boundary, &dt);
+    gn_walls_follow(ctx, dem, boundary, &dt);
+    lower(ctx, dem, dt);
 }
 
-static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
+static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                    const gn_solids *solids, const gn_zones *zones,
+                                    gneiss_error *error) {
     bool shorter;
-    GN_TRY(gn_dem_resolve_listed(w, &shorter, error));
-    if (shorter) lower(w, w->dem.resolution.step);
-    return check_advance(w, error);
+    GN_TRY(gn_dem_resolve_listed(ctx, dem, boundary, solids, zones, &shorter, error));
+    if (shorter) lower(ctx, dem, dem->resolution.step);
+    return check_advance(ctx, dem, solids, zones, error);
 }
 
 static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
     bool due;
     GN_TRY(gn_dem_limit_turned(w, &due, error));
     if (!due) return GNEISS_OK;
-    GN_TRY(limit_now(w, &w->stable, error));
-    if (w->dt <= GN_TURNED_SHARE * w->stable) return GNEISS_OK;
-    return react(w, w->stable, error);
+    GN_TRY(limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error));
+    if (w->ctx.dt <= GN_TURNED_SHARE * w->ctx.stable) return GNEISS_OK;
+    return react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
 }
 
 /* Before the first step, which finds it by itself. */
-static double fastest2(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double fastest2(const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
     double most = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
         most = fmax(most, gn_dot3(q->vel + 4 * p, q->vel + 4 * p));
@@ -244,15 +270,15 @@ static double fastest2(const gn_world *w) {
 }
 
 /* m/s, of the farthest vertices; of what is prescribed also before the first step. */
-static double fastest_body(const gn_world *w) {
+static double fastest_body(const gn_step_context *ctx, const gn_boundary *boundary) {
     double most = 0.0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->boundary.bodies[k];
-        const gn_motion *m = &w->scene.bodies[k].motion;
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_rigid *b = &boundary->bodies[k];
+        const gn_motion *m = &ctx->scene.bodies[k].motion;
         double v[3], spin[3];
         for (int a = 0; a < 3; a++) {
-            v[a] = m->velocity[a].count ? gn_table_at(&m->velocity[a], w->time) : b->velocity[a];
-            spin[a] = m->spin[a].count ? gn_table_at(&m->spin[a], w->time) : b->spin[a];
+            v[a] = m->velocity[a].count ? gn_table_at(&m->velocity[a], ctx->time) : b->velocity[a];
+            spin[a] = m->spin[a].count ? gn_table_at(&m->spin[a], ctx->time) : b->spin[a];
         }
         most = fmax(most, sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(spin, spin)) * b->reach);
     }
@@ -262,53 +288,60 @@ static double fastest_body(const gn_world *w) {
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
  * since: a particle goes a tenth of the smallest radius in a step at most, also one that begins to
  * fall. */
-static void follow_flight(gn_world *w) {
-    const double most = 0.1 * w->dem.radius_min;
-    double speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
-    if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w)) + w->dem.gain;
-    if (!(w->effects & GN_FX_HERTZ)) return;
-    double fall = sqrt(gn_dot3(w->scene.gravity, w->scene.gravity));
-    if (w->dt * w->dt * fall > most) lower(w, sqrt(0.5 * most / fall));
-    if (w->dt * speed > most) lower(w, 0.5 * most / speed);
+static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
+    const double most = 0.1 * dem->radius_min;
+    double speed = sqrt(ctx->step > 0 ? dem->done.motion.speed2 : fastest2(dem));
+    if (ctx->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(ctx, boundary)) + dem->gain;
+    if (!(ctx->effects & GN_FX_HERTZ)) return;
+    double fall = sqrt(gn_dot3(ctx->scene.gravity, ctx->scene.gravity));
+    if (ctx->dt * ctx->dt * fall > most) lower(ctx, dem, sqrt(0.5 * most / fall));
+    if (ctx->dt * speed > most) lower(ctx, dem, 0.5 * most / speed);
 }
 
 /* Particles by themselves do not hold the step with all that may touch; with elements they may. */
-static gneiss_status look_at_whole(gn_world *w, bool *fine, gneiss_error *error) {
+static gneiss_status look_at_whole(const gn_step_context *ctx, gn_dem *dem,
+                                   const gn_boundary *boundary, const gn_solids *solids,
+                                   gn_zones *zones, bool *fine, gneiss_error *error) {
     gn_whole_limit whole;
-    if (!gn_coupled_has_limit(w) || !(w->couple.whole > 0.0)) return GNEISS_OK;
-    GN_TRY(gn_coupled_limit(w, true, &whole, error));
-    w->dem.listed = fmax(w->dem.listed, limit_of_whole(w, whole.sharp));
-    double needed = gn_limit_needed(w, w->dt / 0.99);
-    *fine = w->dt <= 0.99 * w->dem.listed;
-    if (*fine && isfinite(needed)) w->dem.listed_holds = needed; /* look at what changes from now */
+    if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
+    GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
+    dem->listed = fmax(dem->listed, limit_of_whole(ctx, dem, boundary, solids, whole.sharp));
+    double needed = gn_limit_needed(ctx, dem, boundary, solids, zones, ctx->dt / 0.99);
+    *fine = ctx->dt <= 0.99 * dem->listed;
+    if (*fine && isfinite(needed)) dem->listed_holds = needed; /* look at what changes from now */
     return GNEISS_OK;
 }
 
 /* Nodes have lost mass with particles that left. */
-static gneiss_status look_at_lighter(gn_world *w, gneiss_error *error) {
-    if (!(w->couple.whole < 0.0)) return GNEISS_OK;
-    w->couple.whole = 0.0;
-    GN_TRY(limit_now(w, &w->stable, error));
-    return react(w, w->stable, error);
+static gneiss_status look_at_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                     const gn_solids *solids, gn_zones *zones,
+                                     gneiss_error *error) {
+    if (!(zones->state.whole < 0.0)) return GNEISS_OK;
+    zones->state.whole = 0.0;
+    GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
+    return react(ctx, dem, boundary, solids, zones, ctx->stable, error);
 }
 
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
-    if (!w->scene.has_specimen) return GNEISS_OK;
-    GN_TRY(look_at_lighter(w, error));
-    gn_pressed_look(w);
-    follow_flight(w);
-    gn_world_follow_bodies(w);
-    GN_TRY(resolve_listed(w, error));
-    if (!full) GN_TRY(gn_dem_limit_far(w, fine, error));
+    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
+    GN_TRY(look_at_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    gn_pressed_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones);
+    follow_flight(&w->ctx, &w->dem, &w->boundary);
+    gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
+    GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    if (!full)
+        GN_TRY(
+            gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
     if (!full && *fine)
         return GNEISS_OK; /* the springs at the last look stay those to compare with */
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
-    if (!*fine) GN_TRY(look_at_whole(w, fine, error));
+    if (!*fine)
+        GN_TRY(look_at_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
     /* To two hundredths less, so that the next lists need not lower it again. */
-    if (!*fine) lower(w, 0.98 * w->dem.listed);
-    return check_advance(w, error);
+    if (!*fine) lower(&w->ctx, &w->dem, 0.98 * w->dem.listed);
+    return check_advance(&w->ctx, &w->dem, &w->solids, &w->zones, error);
 }
 
 gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
@@ -317,18 +350,18 @@ gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
     gneiss_status status = check_lists(w, false, &fine, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not held against what may form, but then against what has. */
-    if (status != GNEISS_OK || fine || w->scene.step == 0.0) return status;
+    if (status != GNEISS_OK || fine || w->ctx.scene.step == 0.0) return status;
     return gn_world_check_step(w, false, error);
 }
 
 /* As at the start: from what is near, or from what the scene holds when there is nothing near. */
 static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
     bool fine, shorter;
-    gn_dem_limit_anew(w);
+    gn_dem_limit_anew(&w->dem);
     GN_TRY(check_lists(w, true, &fine, error));
-    if (!w->scene.has_specimen) return GNEISS_OK;
-    GN_TRY(gn_dem_resolve_flight(w, &shorter, error));
-    if (shorter) lower(w, w->dem.resolution.step);
+    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
+    GN_TRY(gn_dem_resolve_flight(&w->ctx, &w->dem, &w->boundary, &shorter, error));
+    if (shorter) lower(&w->ctx, &w->dem, w->dem.resolution.step);
     return GNEISS_OK;
 }
 
@@ -336,20 +369,29 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
-    if (w->scene.has_specimen) gn_pressed_look(w);
-    if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
-    if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
-    if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
-    if (status == GNEISS_OK) status = gn_coupled_turn_faster(w, &turn_faster, error);
+    if (w->ctx.scene.has_specimen)
+        gn_pressed_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones);
+    if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
+    if (status == GNEISS_OK)
+        status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
+    if (status == GNEISS_OK && full && w->ctx.step == 0)
+        gn_coupled_stiffen(&w->ctx, &w->dem, &w->solids, &w->zones);
+    if (status == GNEISS_OK)
+        status =
+            gn_coupled_turn_faster(&w->ctx, &w->dem, &w->solids, &w->zones, &turn_faster, error);
     due |= turn_faster;
     if (status == GNEISS_OK && (due || elements_due)) {
-        status = limit_now(w, &w->stable, error);
-        if (status == GNEISS_OK) status = react(w, w->stable, error);
+        status =
+            limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
+        if (status == GNEISS_OK)
+            status =
+                react(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, w->ctx.stable, error);
     }
     /* What rattles or has come apart in lists that stand for long. */
-    if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
+    if (status == GNEISS_OK && !full && w->ctx.scene.has_specimen)
+        status = resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
     /* A step of next to nothing is no step to look at lists with. */
-    if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
+    if (status == GNEISS_OK && full) status = gn_world_check_duration(&w->ctx, error);
     if (status == GNEISS_OK && full) status = check_anew(w, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
@@ -357,13 +399,14 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
 
 static gneiss_status look_again(gn_world *w, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = resolve_listed(w, error);
+    gneiss_status status =
+        resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }
 
 gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
-    if (!gn_debris_told(w)) return GNEISS_OK;
+    if (!gn_debris_told(&w->ledger)) return GNEISS_OK;
     w->dem.debris_told = true;
     gneiss_status status = look_again(w, error);
     w->dem.debris_told = false;
@@ -375,49 +418,54 @@ gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
  * from the half of them on. */
 gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
     const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
-    if (now == broken_before || 2 * now < all || !gn_world_rings(w)) return GNEISS_OK;
+    if (now == broken_before || 2 * now < all || !gn_world_rings(&w->ctx, &w->dem))
+        return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
     return look_again(w, error);
 }
 
 gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {
     bool due;
-    if (!w->scene.has_specimen || w->element_count || w->effects & GN_FX_BONDS) return GNEISS_OK;
+    if (!w->ctx.scene.has_specimen || w->solids.count || w->ctx.effects & GN_FX_BONDS)
+        return GNEISS_OK;
     GN_TRY(gn_dem_limit(w, true, &due, error));
-    return limit_now(w, &w->stable, error);
+    return limit_now(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->ctx.stable, error);
 }
 
-double gn_world_sharp_limit(const gn_world *w) {
-    if (w->couple.whole > 0.0) return w->couple.whole;
-    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
-    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.sharp);
+double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                            const gn_zones *zones) {
+    if (zones->state.whole > 0.0) return zones->state.whole;
+    double limit = ctx->scene.has_specimen ? dem->limit.sharp : INFINITY;
+    for (size_t k = 0; k < solids->count; k++)
+        limit = fmin(limit, solids->elements[k]->limit.sharp);
     return limit;
 }
 
-double gn_world_bound(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY, elements = INFINITY;
-    for (size_t k = 0; k < w->element_count; k++)
-        elements = fmin(elements, w->elements[k]->limit.bound);
-    const double turned = turned_limit(w, limit);
-    return fmin(together(w, together(w, limit, limit_of(w->couple.rate[0])), turned),
-                together(w, together(w, elements, limit_of(w->couple.rate[1])), turned));
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      const gn_zones *zones) {
+    double limit = ctx->scene.has_specimen ? dem->limit.bound : INFINITY, elements = INFINITY;
+    for (size_t k = 0; k < solids->count; k++)
+        elements = fmin(elements, solids->elements[k]->limit.bound);
+    const double turned = turned_limit(dem, zones, limit);
+    return fmin(together(dem, together(dem, limit, limit_of(zones->state.rate[0])), turned),
+                together(dem, together(dem, elements, limit_of(zones->state.rate[1])), turned));
 }
 
-const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
+const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
+                                  size_t size) {
     char who[160];
     *text = '\0';
-    if (w->scene.step == 0.0) return text;
-    if (w->dt > w->dem.resolution.step)
+    if (ctx->scene.step == 0.0) return text;
+    if (ctx->dt > dem->resolution.step)
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 w->dt, gn_resolution_text(w, who, sizeof who), w->dem.resolution.contact,
-                 w->dem.resolution.contact / w->dt,
-                 w->dem.resolution.contact / w->dem.resolution.step);
-    else if (w->dt > w->dem.listed)
+                 ctx->dt, gn_resolution_text(ctx, dem, who, sizeof who), dem->resolution.contact,
+                 dem->resolution.contact / ctx->dt, dem->resolution.contact / dem->resolution.step);
+    else if (ctx->dt > dem->listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
                  "touch that are near",
-                 w->dt, w->dem.listed);
+                 ctx->dt, dem->listed);
     return text;
 }

@@ -10,22 +10,24 @@
 
 /* The largest stiffness of one contact before the lists are made again; of a facet of a patch that
  * of a part of it, with as much of the particle behind it. */
-static gn_law_spring law_spring(const gn_world *w, const gn_surface_contact *c, double part) {
-    gn_touch_side side = gn_surface_side(w, c->surface, c->particle, part);
-    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * c->particle + 3] / part,
-                           gn_touch_reach(w, c->particle, fmax(-c->contact.overlap, 0.0)));
+static gn_law_spring law_spring(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_surface_contact *c, double part) {
+    gn_touch_side side = gn_surface_side(ctx, dem, c->surface, c->particle, part);
+    return gn_touch_spring(ctx, dem, &side, dem->particles.vel[4 * c->particle + 3] / part,
+                           gn_touch_reach(ctx, dem, c->particle, fmax(-c->contact.overlap, 0.0)));
 }
 
-static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {
+static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
-    gn_law_spring s = law_spring(w, c, c->patch ? k->part : 1.0);
+    gn_law_spring s = law_spring(ctx, dem, c, c->patch ? k->part : 1.0);
     /* Of a surface that yields the dashpot is weaker. */
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = s.kn, .kt = s.kt, .cn = s.cn};
     memcpy(e.n, k->n, sizeof e.n);
-    e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
-                                                    : w->dem.particles.pos[4 * c->particle + 3];
+    e.arm = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
+                                                      : dem->particles.pos[4 * c->particle + 3];
     /* Against rolling k_t r^2/I is 2.5 of the 3.5 k_t/m of a tangential spring. */
-    if (w->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
+    if (ctx->effects & GN_FX_ROLLING) e.kt += fmax(e.kt, e.kn);
     if (joined) e.kt += e.kn;
     /* Contacts that share resist in every direction in which one of them does: with the normals M
      * by M f^-1 M^T, of which the largest eigenvalue never exceeded the sum of min(1, 2/crowd) over
@@ -37,47 +39,49 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c,
     return e;
 }
 
-gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_spring **springs,
+gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 const gn_zones *zones, double reach, gn_extra_spring **springs,
                                  size_t *count, gneiss_error *error) {
-    size_t rows = w->boundary.contacts.soa.count;
+    size_t rows = boundary->contacts.soa.count;
     *springs = NULL;
     *count = 0;
-    if (!w->boundary.surface_count) return GNEISS_OK;
-    GN_TRY(gn_surfaces_check_centres(w, error));
-    GN_TRY(gn_surfaces_check_patches(w, error));
+    if (!boundary->surface_count) return GNEISS_OK;
+    GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error));
+    GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, solids, zones, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < rows;) {
         size_t many = 0;
-        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
+        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, reach, found, &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, reach, found, &many);
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
-            (*springs)[(*count)++] =
-                spring_of(w, &found[k], reach > 0.0 && many > 1 && k == 0 && !found[k].patch);
+            (*springs)[(*count)++] = spring_of(
+                ctx, dem, &found[k], reach > 0.0 && many > 1 && k == 0 && !found[k].patch);
     }
     return GNEISS_OK;
 }
 
-bool gn_surface_yields(const gn_world *w, const gn_surface *s) {
+bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *s) {
     if (s->body < 0) return true;
-    const gn_rigid *b = &w->boundary.bodies[s->body];
+    const gn_rigid *b = &boundary->bodies[s->body];
     double sum = 0.0;
     for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
     return sum > 0.0;
 }
 
-double gn_surface_give(const gn_world *w, const gn_surface *s) {
+double gn_surface_give(const gn_boundary *boundary, const gn_surface *s) {
     double most = 0.0, turn = 0.0;
     if (s->body < 0) {
         for (size_t v = 0; v < s->vertices; v++) most = fmax(most, s->velocity[4 * v + 3]);
         return most;
     }
-    const gn_rigid *b = &w->boundary.bodies[s->body];
+    const gn_rigid *b = &boundary->bodies[s->body];
     for (int a = 0; a < 3; a++) {
         most = fmax(most, b->inverse_mass[a]);
         turn = fmax(turn, b->inverse_inertia[a]);
@@ -88,53 +92,55 @@ double gn_surface_give(const gn_world *w, const gn_surface *s) {
 /* --- bodies that are light --- */
 
 /* N/m: by Hertz's law the most of what a particle is pressed with by a hundredth of its radius. */
-static double hertz_stiffness(const gn_world *w) {
-    const size_t sides = gn_scene_sides(&w->scene);
-    const gn_particles *q = &w->dem.particles;
+static double hertz_stiffness(const gn_step_context *ctx, const gn_dem *dem) {
+    const size_t sides = gn_scene_sides(&ctx->scene);
+    const gn_particles *q = &dem->particles;
     double modulus = 0.0, radius = 0.0;
-    for (size_t k = 0; k < w->scene.material_count * sides; k++)
-        modulus = fmax(modulus, w->dem.hertz[k].modulus);
+    for (size_t k = 0; k < ctx->scene.material_count * sides; k++)
+        modulus = fmax(modulus, dem->hertz[k].modulus);
     for (size_t p = 0; p < q->soa.count; p++) radius = fmax(radius, q->pos[4 * p + 3]);
     return 0.2 * modulus * radius;
 }
 
 /* 1/s2, of a body where it touches; `hertz`: of what touches it by that law, besides its own. */
-static double square_of(const gn_world *w, size_t body, double hertz) {
-    const gn_surface *s = &w->boundary.surfaces[body];
-    double stiffness = fmax(hertz, w->scene.bodies[body].stiffness);
-    return gn_surface_yields(w, s) ? stiffness * gn_surface_give(w, s) : 0.0;
+static double square_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t body,
+                        double hertz) {
+    const gn_surface *s = &boundary->surfaces[body];
+    double stiffness = fmax(hertz, ctx->scene.bodies[body].stiffness);
+    return gn_surface_yields(boundary, s) ? stiffness * gn_surface_give(boundary, s) : 0.0;
 }
 
 /* The same of particles, on the stiffest of what they touch and among each other. */
-static double particle_square(const gn_world *w, double stiffness) {
-    const gn_particles *q = &w->dem.particles;
-    bool hertz = w->effects & GN_FX_HERTZ;
-    double give = 0.0, bound = w->dem.limit.bound;
-    for (size_t k = 0; k < w->scene.body_count && !hertz; k++)
-        stiffness = fmax(stiffness, w->scene.bodies[k].stiffness);
-    for (size_t k = 0; k < w->scene.wall_count && !hertz; k++)
-        stiffness = fmax(stiffness, w->scene.walls[k].stiffness);
+static double particle_square(const gn_step_context *ctx, const gn_dem *dem, double stiffness) {
+    const gn_particles *q = &dem->particles;
+    bool hertz = ctx->effects & GN_FX_HERTZ;
+    double give = 0.0, bound = dem->limit.bound;
+    for (size_t k = 0; k < ctx->scene.body_count && !hertz; k++)
+        stiffness = fmax(stiffness, ctx->scene.bodies[k].stiffness);
+    for (size_t k = 0; k < ctx->scene.wall_count && !hertz; k++)
+        stiffness = fmax(stiffness, ctx->scene.walls[k].stiffness);
     for (size_t p = 0; p < q->soa.count; p++) give = fmax(give, q->vel[4 * p + 3]);
     return fmax(stiffness * give, !hertz && bound > 0.0 ? 4.0 / (bound * bound) : 0.0);
 }
 
-const char *gn_world_light_body(const gn_world *w, char *text, size_t size) {
+const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, char *text, size_t size) {
     const double far = 1e3;
-    double hertz = w->effects & GN_FX_HERTZ ? hertz_stiffness(w) : 0.0;
-    double particles = particle_square(w, hertz);
+    double hertz = ctx->effects & GN_FX_HERTZ ? hertz_stiffness(ctx, dem) : 0.0;
+    double particles = particle_square(ctx, dem, hertz);
     *text = '\0';
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        double square = square_of(w, k, hertz), others = particles;
-        for (size_t m = 0; m < w->scene.body_count; m++)
-            if (m != k) others = fmax(others, square_of(w, m, hertz));
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        double square = square_of(ctx, boundary, k, hertz), others = particles;
+        for (size_t m = 0; m < ctx->scene.body_count; m++)
+            if (m != k) others = fmax(others, square_of(ctx, boundary, m, hertz));
         if (!(others > 0.0) || !(square > far * far * others)) continue;
-        const gn_body_def *def = &w->scene.bodies[k];
+        const gn_body_def *def = &ctx->scene.bodies[k];
         char stiff[48] = "";
         if (def->stiffness > 0.0) snprintf(stiff, sizeof stiff, " on %.4g N/m", def->stiffness);
         snprintf(text, size,
                  "body '%.60s' of %.4g kg%s asks, where it touches, for steps %.1g times shorter "
                  "than all else: more mass, or less stiffness, makes the run shorter",
-                 def->name, w->boundary.bodies[k].mass, stiff, sqrt(square / others));
+                 def->name, boundary->bodies[k].mass, stiff, sqrt(square / others));
         break;
     }
     return text;
@@ -166,11 +172,11 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
 }
 
 /* A moment of k_r = k_t r^2 per turn about any axis. */
-static void add_rolling(const gn_world *w, const gn_surface_contact *c, double k,
-                        body_block *block) {
-    const gn_rigid *b = &w->boundary.bodies[c->surface->body];
-    double r = w->dem.particles.pos[4 * c->particle + 3], local[3];
-    for (int a = 0; w->effects & GN_FX_ROLLING && a < 3; a++) {
+static void add_rolling(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_surface_contact *c, double k, body_block *block) {
+    const gn_rigid *b = &boundary->bodies[c->surface->body];
+    double r = dem->particles.pos[4 * c->particle + 3], local[3];
+    for (int a = 0; ctx->effects & GN_FX_ROLLING && a < 3; a++) {
         const double unit[3] = {a == 0, a == 1, a == 2};
         double row[6] = {0};
         gn_rigid_local(b, unit, local);
@@ -179,22 +185,23 @@ static void add_rolling(const gn_world *w, const gn_surface_contact *c, double k
     }
 }
 
-static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
-    const gn_rigid *b = &w->boundary.bodies[c->surface->body];
-    const double *x = w->dem.particles.pos + 4 * c->particle;
-    gn_law_spring s = law_spring(w, c, 1.0);
+static void add_contact(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_surface_contact *c, body_block *block) {
+    const gn_rigid *b = &boundary->bodies[c->surface->body];
+    const double *x = dem->particles.pos + 4 * c->particle;
+    gn_law_spring s = law_spring(ctx, dem, c, 1.0);
     double k = fmax(s.kn, s.kt), at[3], row[6];
-    double mass = 1.0 / w->dem.particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
+    double mass = 1.0 / dem->particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
     for (int a = 0; a < 3; a++) {
         const double unit[3] = {a == 0, a == 1, a == 2};
         scaled_row(b, at, unit, row);
         add_row(block->stiff, row, k);
     }
-    add_rolling(w, c, k, block);
+    add_rolling(ctx, dem, boundary, c, k, block);
     scaled_row(b, at, c->contact.n, row);
     add_row(block->damp, row,
-            2.0 * w->dem.damping_fraction / gn_world_nonviscous_share(w) * sqrt(s.kn * mass));
+            2.0 * dem->damping_fraction / gn_world_nonviscous_share(ctx) * sqrt(s.kn * mass));
 }
 
 static double largest(const double block[36]) {
@@ -219,10 +226,10 @@ static double give_along(const gn_rigid *b, const gn_body_wall *c, const double 
 }
 
 /* Row c with its spring along the normal and, with `across`, friction in all directions. */
-static void add_wall_contact(const gn_world *w, const gn_body_wall *c, bool across,
+static void add_wall_contact(const gn_boundary *boundary, const gn_body_wall *c, bool across,
                              body_block *block) {
-    const gn_rigid *b = &w->boundary.bodies[c->body];
-    const double *n = w->boundary.walls[c->wall].normal, kn = c->side.stiffness;
+    const gn_rigid *b = &boundary->bodies[c->body];
+    const double *n = boundary->walls[c->wall].normal, kn = c->side.stiffness;
     double kt =
         across && c->side.friction > 0.0 && c->side.kratio > 0.0 ? kn / c->side.kratio : 0.0;
     double row[6], part[3];
@@ -243,41 +250,42 @@ typedef struct wall_damping {
     double stiffness, most, whole, fraction;
 } wall_damping;
 
-static double damping_of(const gn_world *w, const wall_damping *d) {
-    double alpha = d->fraction / gn_world_nonviscous_share(w);
+static double damping_of(const gn_step_context *ctx, const wall_damping *d) {
+    double alpha = d->fraction / gn_world_nonviscous_share(ctx);
     double least = d->whole > 0.0 ? d->whole : d->most;
     return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
 }
 
 /* All vertices that are near count as pressed; 1/s, what their dashpots add. */
-static double add_walls(const gn_world *w, int32_t body, body_block *block) {
+static double add_walls(const gn_step_context *ctx, const gn_boundary *boundary, int32_t body,
+                        body_block *block) {
     double damping = 0.0;
     wall_damping d = {0};
     size_t wall = 0;
-    for (size_t c = 0; c < w->boundary.body_contacts.soa.count; c++) {
-        gn_body_wall k = gn_body_wall_at(w, c);
+    for (size_t c = 0; c < boundary->body_contacts.soa.count; c++) {
+        gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
         if (k.body != (size_t)body) continue;
         if (k.wall != wall) {
-            damping += damping_of(w, &d);
+            damping += damping_of(ctx, &d);
             d = (wall_damping){0};
             wall = k.wall;
         }
-        const gn_rigid *b = &w->boundary.bodies[body];
-        d.most = fmax(d.most, give_along(b, &k, w->boundary.walls[wall].normal, &d.whole));
+        const gn_rigid *b = &boundary->bodies[body];
+        d.most = fmax(d.most, give_along(b, &k, boundary->walls[wall].normal, &d.whole));
         d.stiffness += k.side.stiffness;
         d.fraction = k.damping;
-        add_wall_contact(w, &k, true, block);
+        add_wall_contact(boundary, &k, true, block);
     }
-    return damping + damping_of(w, &d);
+    return damping + damping_of(ctx, &d);
 }
 
-double gn_body_walls_square(const gn_world *w, size_t *row) {
+double gn_body_walls_square(const gn_step_context *ctx, const gn_boundary *boundary, size_t *row) {
     body_block block = {0};
-    const gn_body_wall first = gn_body_wall_at(w, *row);
-    for (; *row < w->boundary.body_contacts.soa.count; (*row)++) {
-        gn_body_wall k = gn_body_wall_at(w, *row);
+    const gn_body_wall first = gn_body_wall_at(ctx, boundary, *row);
+    for (; *row < boundary->body_contacts.soa.count; (*row)++) {
+        gn_body_wall k = gn_body_wall_at(ctx, boundary, *row);
         if (k.body != first.body || k.wall != first.wall) break;
-        add_wall_contact(w, &k, false, &block);
+        add_wall_contact(boundary, &k, false, &block);
     }
     return largest(block.stiff);
 }
@@ -297,12 +305,13 @@ typedef struct rate_sums {
     double *stiff, *damp; /* [vertices]: sums of k weight and c weight; NULL: rigid */
 } rate_sums;
 
-static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums) {
+static void add(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                const gn_surface_contact *c, rate_sums *sums) {
     if (c->surface->body >= 0) {
-        add_contact(w, c, &sums->body);
+        add_contact(ctx, dem, boundary, c, &sums->body);
         return;
     }
-    gn_law_spring s = law_spring(w, c, 1.0);
+    gn_law_spring s = law_spring(ctx, dem, c, 1.0);
     double k = fmax(s.kn, s.kt), damp = s.cn;
     for (int v = 0; v < c->parts; v++) {
         sums->stiff[c->vertex[v]] += k * c->weight[v];
@@ -328,7 +337,7 @@ static double part_on(const gn_surface_contact *found, size_t count, int32_t ver
 }
 
 /* The facet that is nearest to the particle, and its shape functions there. */
-static size_t find_nearest(const gn_world *w, const gn_surface_contact *found, size_t count,
+static size_t find_nearest(const gn_dem *dem, const gn_surface_contact *found, size_t count,
                            gn_facet_near *nearest) {
     const gn_facet_set *f = &found->surface->facets;
     size_t which = 0;
@@ -337,7 +346,7 @@ static size_t find_nearest(const gn_world *w, const gn_surface_contact *found, s
         const double *x[3] = {0};
         gn_facet_near near;
         for (int v = 0; v < f->corners; v++) x[v] = f->pos + 4 * (int64_t)found[k].vertex[v];
-        gn_facet_nearest(f->corners, x, w->dem.particles.pos + 4 * found->particle, &near);
+        gn_facet_nearest(f->corners, x, dem->particles.pos + 4 * found->particle, &near);
         if (!(near.distance < nearest->distance)) continue;
         *nearest = near;
         which = k;
@@ -347,11 +356,11 @@ static size_t find_nearest(const gn_world *w, const gn_surface_contact *found, s
 
 /* A patch is at a point when it begins, the nearest; when it has grown, a stiffness belongs to its
  * rim, which is twice as much on a vertex as over the area at most. */
-static void add_patch(const gn_world *w, const gn_surface_contact *found, size_t count,
-                      rate_sums *sums) {
-    const gn_law_spring s = law_spring(w, found, 1.0);
+static void add_patch(const gn_step_context *ctx, const gn_dem *dem,
+                      const gn_surface_contact *found, size_t count, rate_sums *sums) {
+    const gn_law_spring s = law_spring(ctx, dem, found, 1.0);
     gn_facet_near nearest;
-    const gn_surface_contact *first = found + find_nearest(w, found, count, &nearest);
+    const gn_surface_contact *first = found + find_nearest(dem, found, count, &nearest);
     for (size_t k = 0; k < count; k++)
         for (int v = 0; v < found[k].parts; v++) {
             const int32_t vertex = found[k].vertex[v];
@@ -386,32 +395,36 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
     return most;
 }
 
-static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double *rate,
+static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, const gn_solids *solids,
+                                  const gn_zones *zones, const gn_surface *s, double *rate,
                                   gneiss_error *error) {
-    const int32_t *wall = w->boundary.contacts.wall;
-    int32_t begin = (int32_t)w->scene.wall_count + s->first, end = begin + (int32_t)s->facets.count;
+    const int32_t *wall = boundary->contacts.wall;
+    int32_t begin = (int32_t)ctx->scene.wall_count + s->first,
+            end = begin + (int32_t)s->facets.count;
     rate_sums sums = {0};
     if (s->body < 0) {
         sums.stiff = gn_alloc_array(s->vertices, sizeof(double));
         sums.damp = gn_alloc_array(s->vertices, sizeof(double));
     }
     bool held = s->body >= 0 || (sums.stiff && sums.damp);
-    for (size_t c = 0; held && c < w->boundary.contacts.soa.count;) {
+    for (size_t c = 0; held && c < boundary->contacts.soa.count;) {
         gn_surface_contact found[GN_SURFACE_CONTACTS];
         size_t many = 0;
         if (wall[c] < begin || wall[c] >= end) {
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
+                                   &many);
         if (many && found[0].patch)
-            add_patch(w, found, many, &sums);
+            add_patch(ctx, dem, found, many, &sums);
         else
-            for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
+            for (size_t k = 0; k < many; k++) add(ctx, dem, boundary, &found[k], &sums);
     }
     if (s->body >= 0) {
-        sums.walls = add_walls(w, s->body, &sums.body);
-        gn_body_pairs_rates(w, (size_t)s->body, &sums.pairs, &sums.walls);
+        sums.walls = add_walls(ctx, boundary, s->body, &sums.body);
+        gn_body_pairs_rates(ctx, boundary, (size_t)s->body, &sums.pairs, &sums.walls);
     }
     if (held) *rate = fmax(*rate, rate_of_sums(s, &sums));
     gn_free(sums.stiff);
@@ -422,13 +435,16 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
 
 /* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
  * be at their limit, from above; the elasticity of what vertices belong to is left out. */
-static gneiss_status find_rates(const gn_world *w, double *bodies, double *vertices,
+static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, double *bodies, double *vertices,
                                 gneiss_error *error) {
     *bodies = *vertices = 0.0;
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        const gn_surface *s = &w->boundary.surfaces[k];
-        if (!gn_surface_yields(w, s)) continue;
-        GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
+    for (size_t k = 0; k < boundary->surface_count; k++) {
+        const gn_surface *s = &boundary->surfaces[k];
+        if (!gn_surface_yields(boundary, s)) continue;
+        GN_TRY(surface_rate(ctx, dem, boundary, solids, zones, s, s->body >= 0 ? bodies : vertices,
+                            error));
     }
     return GNEISS_OK;
 }
@@ -437,19 +453,23 @@ static bool are_more(const gn_boundary *b, double bodies, double vertices) {
     return bodies > 1.02 * b->surface_rate || vertices > 1.02 * b->vertex_rate;
 }
 
-gneiss_status gn_boundary_yields_more(const gn_world *w, bool *more, gneiss_error *error) {
+gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_boundary *boundary, const gn_solids *solids,
+                                      const gn_zones *zones, bool *more, gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(w, &bodies, &vertices, error));
-    *more = are_more(&w->boundary, bodies, vertices);
+    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    *more = are_more(boundary, bodies, vertices);
     return GNEISS_OK;
 }
 
-gneiss_status gn_boundary_limit(gn_world *w, bool anew, bool *due, gneiss_error *error) {
+gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(w, &bodies, &vertices, error));
-    *due = anew || are_more(&w->boundary, bodies, vertices);
+    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    *due = anew || are_more(boundary, bodies, vertices);
     if (!*due) return GNEISS_OK;
-    w->boundary.surface_rate = bodies;
-    w->boundary.vertex_rate = vertices;
+    boundary->surface_rate = bodies;
+    boundary->vertex_rate = vertices;
     return GNEISS_OK;
 }

@@ -13,7 +13,7 @@ enum { N = GN_COMPONENTS };
 /* --- create, free --- */
 
 static gneiss_status allocate(gn_trial *t, gneiss_error *error) {
-    size_t walls = t->world->scene.wall_count;
+    size_t walls = t->world->ctx.scene.wall_count;
     t->pos = gn_alloc_array(t->count + 1, 4 * sizeof *t->pos);
     t->load = gn_alloc_array(t->count + 1, N * sizeof *t->load);
     t->supplied = gn_alloc_array(t->world->dem.prescribed.count + 1, N * sizeof *t->supplied);
@@ -45,13 +45,13 @@ void gn_trial_free(gn_trial *t) {
 
 static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
-    gn_near_settle(w);
+    gn_near_settle(&w->ctx, &w->dem);
     free_lists(t);
     GN_TRY(
         gn_soa_copy(&gn_contact_record, &t->bonds, &w->dem.bonds, w->dem.bonds.soa.effects, error));
     GN_TRY(
         gn_soa_copy(&gn_contact_record, &t->pairs, &w->dem.pairs, w->dem.pairs.soa.effects, error));
-    if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
+    if (!(w->ctx.effects & GN_FX_WALLS)) return GNEISS_OK;
     return gn_soa_copy(&gn_wall_contact_record, &t->touches, &w->boundary.contacts,
                        w->boundary.contacts.soa.effects, error);
 }
@@ -59,7 +59,7 @@ static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
 static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
     memcpy(t->pos, w->dem.particles.pos, t->count * 4 * sizeof *t->pos);
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) {
         const gn_wall *wall = &w->boundary.walls[k];
         memcpy(t->wall[k], wall->point, sizeof wall->point);
         t->wall[k][3] = wall->travel;
@@ -73,10 +73,10 @@ static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
 
 static void restore_lists(gn_trial *t) {
     gn_world *w = t->world;
-    gn_near_repack(w);
+    gn_near_repack(&w->ctx, &w->dem);
     gn_soa_take(&gn_contact_record, &w->dem.bonds, &t->bonds);
     gn_soa_take(&gn_contact_record, &w->dem.pairs, &t->pairs);
-    if (w->effects & GN_FX_WALLS)
+    if (w->ctx.effects & GN_FX_WALLS)
         gn_soa_take(&gn_wall_contact_record, &w->boundary.contacts, &t->touches);
 }
 
@@ -91,21 +91,21 @@ static void put_particles(gn_trial *t, const double *path, double rate) {
             q->vel[4 * p + a] = rate * path[N * p + a];
             if (q->spin) q->spin[4 * p + a] = rate * path[N * p + 3 + a];
         }
-    gn_particles_to_single(q, q->ref, w->threads);
+    gn_particles_to_single(q, q->ref, w->ctx.threads);
 }
 
-static void wall_path(const gn_world *w, size_t k, double span, double d[3]) {
-    const gn_motion *motion = &w->scene.walls[k].motion;
+static void wall_path(const gn_step_context *ctx, size_t k, double span, double d[3]) {
+    const gn_motion *motion = &ctx->scene.walls[k].motion;
     for (int a = 0; a < 3; a++)
-        d[a] = gn_table_between(&motion->velocity[a], w->time, w->time + span);
+        d[a] = gn_table_between(&motion->velocity[a], ctx->time, ctx->time + span);
 }
 
 static void put_walls(gn_trial *t, double span, double rate) {
     gn_world *w = t->world;
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) {
         gn_wall *wall = &w->boundary.walls[k];
         double d[3];
-        wall_path(w, k, span, d);
+        wall_path(&w->ctx, k, span, d);
         for (int a = 0; a < 3; a++) {
             wall->point[a] = t->wall[k][a] + d[a];
             wall->velocity[a] = rate * d[a];
@@ -114,10 +114,10 @@ static void put_walls(gn_trial *t, double span, double rate) {
     }
 }
 
-static const gn_table *channel(const gn_world *w, size_t slot, int k) {
-    int32_t set = w->dem.channel_set[N * slot + (size_t)k];
+static const gn_table *channel(const gn_step_context *ctx, const gn_dem *dem, size_t slot, int k) {
+    int32_t set = dem->channel_set[N * slot + (size_t)k];
     if (set < 0) return NULL;
-    const gn_motion *motion = &w->scene.sets[set].motion;
+    const gn_motion *motion = &ctx->scene.sets[set].motion;
     return k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
 }
 
@@ -126,17 +126,18 @@ void gn_trial_prescribe(const gn_trial *t, double span, double *path) {
     for (size_t p = 0; w->dem.prescribed.count && p < t->count; p++) {
         int32_t slot = w->dem.particles.slot[p];
         for (int k = 0; slot >= 0 && k < N; k++) {
-            const gn_table *table = channel(w, (size_t)slot, k);
-            if (table) path[N * p + (size_t)k] = gn_table_between(table, w->time, w->time + span);
+            const gn_table *table = channel(&w->ctx, &w->dem, (size_t)slot, k);
+            if (table)
+                path[N * p + (size_t)k] = gn_table_between(table, w->ctx.time, w->ctx.time + span);
         }
     }
 }
 
 /* --- loads at the end of a path --- */
 
-static unsigned held_mask(const gn_world *w, size_t p) {
-    int32_t slot = w->dem.prescribed.count ? w->dem.particles.slot[p] : -1;
-    return slot < 0 ? 0u : w->dem.prescribed.mask[slot];
+static unsigned held_mask(const gn_dem *dem, size_t p) {
+    int32_t slot = dem->prescribed.count ? dem->particles.slot[p] : -1;
+    return slot < 0 ? 0u : dem->prescribed.mask[slot];
 }
 
 /* What the engine made of the velocities in a second; viscous damping drags at those of the path.
@@ -144,9 +145,9 @@ static unsigned held_mask(const gn_world *w, size_t p) {
 static void read_loads(gn_trial *t, const double *path, double rate) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
-    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    double drag = w->ctx.effects & GN_FX_VISCOUS ? w->ctx.scene.background_coefficient : 0.0;
     for (size_t p = 0; p < t->count; p++) {
-        unsigned held = held_mask(w, p);
+        unsigned held = held_mask(&w->dem, p);
         for (size_t k = 0; k < N; k++) {
             const double *now = k < 3 ? q->vel : q->spin;
             double v = rate * path[N * p + k], *load = &t->load[N * p + k];
@@ -162,7 +163,7 @@ static void weigh_loads(gn_trial *t) {
     const gn_world *w = t->world;
     const gn_dem_sums *s = &w->dem.done;
     double sum = 0.0, most = -1.0, contacts = s->bonds.carrying + s->pairs.carrying;
-    const unsigned places = w->effects & GN_FX_SPACE ? 0x7u : 0x3u;
+    const unsigned places = w->ctx.effects & GN_FX_SPACE ? 0x7u : 0x3u;
     size_t free = 0; /* in some direction */
     for (size_t p = 0; p < t->count; p++) {
         double square = 0.0, r = w->dem.particles.pos[4 * p + 3];
@@ -171,7 +172,7 @@ static void weigh_loads(gn_trial *t) {
             square += f * f;
         }
         sum += sqrt(square);
-        free += (held_mask(w, p) & places) != places;
+        free += (held_mask(&w->dem, p) & places) != places;
         if (square > most) t->worst = w->dem.particles.id[p];
         most = fmax(most, square);
     }
@@ -216,7 +217,7 @@ bool gn_trial_bond(const gn_trial *t, size_t c, double *normal, double shear[3])
     const gn_contacts *list = &w->dem.bonds;
     if (!gn_contact_bonded(list, c)) return false;
     double d[3];
-    double length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * (int64_t)list->i[c],
+    double length = sqrt(gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)list->i[c],
                                    w->dem.particles.pos + 4 * (int64_t)list->j[c], d));
     gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, length, length - list->length0[c]);
     *normal = h.normal;
@@ -224,35 +225,37 @@ bool gn_trial_bond(const gn_trial *t, size_t c, double *normal, double shear[3])
     return true;
 }
 
-static bool pair_slips(const gn_world *w, const gn_contacts *list, size_t c) {
+static bool pair_slips(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *list,
+                       size_t c) {
     double d[3];
     if (gn_contact_bonded(list, c)) return false;
-    const double *x = w->dem.particles.pos + 4 * (int64_t)list->i[c];
-    const double *y = w->dem.particles.pos + 4 * (int64_t)list->j[c];
-    double length = sqrt(gn_branch(w, x, y, d));
+    const double *x = dem->particles.pos + 4 * (int64_t)list->i[c];
+    const double *y = dem->particles.pos + 4 * (int64_t)list->j[c];
+    double length = sqrt(gn_branch(ctx, x, y, d));
     double free = list->length0 ? list->length0[c] : x[3] + y[3];
     const gn_law *law = gn_law_of(list->soa.effects);
     gn_law_held h = law->held(list, c, length, length - free);
     return law->slips(list, c, h.normal + h.viscous, sqrt(gn_dot3(h.shear, h.shear)));
 }
 
-static bool touch_slips(const gn_world *w, size_t c) {
-    const gn_wall_contacts *list = &w->boundary.contacts;
+static bool touch_slips(const gn_step_context *ctx, const gn_boundary *boundary, size_t c) {
+    const gn_wall_contacts *list = &boundary->contacts;
     const double *row = list->row + 8 * c;
-    const gn_wall *wall = &w->boundary.walls[list->wall[c]];
+    const gn_wall *wall = &boundary->walls[list->wall[c]];
     double along = gn_dot3(row, wall->normal), across2 = gn_dot3(row, row) - along * along;
-    double limit = w->scene.walls[list->wall[c]].friction * fmax(along, 0.0) * (1.0 - 1e-6);
+    double limit = ctx->scene.walls[list->wall[c]].friction * fmax(along, 0.0) * (1.0 - 1e-6);
     return list->shear && across2 > 0.0 && across2 >= limit * limit;
 }
 
-static uint8_t *find_slips(const gn_world *w) {
-    size_t bonds = w->dem.bonds.soa.count, pairs = w->dem.pairs.soa.count;
-    size_t touches = w->effects & GN_FX_WALLS ? w->boundary.contacts.soa.count : 0;
+static uint8_t *find_slips(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary) {
+    size_t bonds = dem->bonds.soa.count, pairs = dem->pairs.soa.count;
+    size_t touches = ctx->effects & GN_FX_WALLS ? boundary->contacts.soa.count : 0;
     uint8_t *slips = gn_alloc(bonds + pairs + touches + 1);
     if (!slips) return NULL;
-    for (size_t c = 0; c < bonds; c++) slips[c] = pair_slips(w, &w->dem.bonds, c);
-    for (size_t c = 0; c < pairs; c++) slips[bonds + c] = pair_slips(w, &w->dem.pairs, c);
-    for (size_t c = 0; c < touches; c++) slips[bonds + pairs + c] = touch_slips(w, c);
+    for (size_t c = 0; c < bonds; c++) slips[c] = pair_slips(ctx, dem, &dem->bonds, c);
+    for (size_t c = 0; c < pairs; c++) slips[bonds + c] = pair_slips(ctx, dem, &dem->pairs, c);
+    for (size_t c = 0; c < touches; c++) slips[bonds + pairs + c] = touch_slips(ctx, boundary, c);
     return slips;
 }
 
@@ -275,15 +278,16 @@ static void add_corrections(const gn_trial *t, const double *u, double *path,
 
 gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_equilibrium *found,
                                gneiss_error *error) {
-    uint8_t *slips = find_slips(t->world);
+    uint8_t *slips = find_slips(&t->world->ctx, &t->world->dem, &t->world->boundary);
     double *u = gn_alloc_array(t->count + 1, N * sizeof *u);
     gneiss_status status = GNEISS_OK;
     if (!slips || !u)
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status =
-            gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, &t->made, u, found, error);
+        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary,
+                              &t->world->solids, &t->world->zones, slips, t->rate, t->load,
+                              tolerance, &t->made, u, found, error);
     if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);
@@ -295,19 +299,19 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
 /* What is stored, and what is read off with it. */
 static void read_state(gn_world *w) {
     gn_dem_evaluate(w, 0.0, 0.0, true);
-    gn_boundary_forces(w);
-    gn_dem_measure(w, &w->energy, w->stress);
-    gn_boundary_measure(w, &w->energy);
-    w->balance = (gn_balance){0};
-    gn_dem_balance(w, &w->balance);
-    w->unbalanced = fmin(w->balance.ratio, GN_UNBALANCED_MOST);
+    gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
+    gn_dem_measure(w, &w->ledger.energy, w->ledger.stress);
+    gn_boundary_measure(&w->ctx, &w->boundary, &w->ledger.energy);
+    w->ledger.balance = (gn_balance){0};
+    gn_dem_balance(&w->dem, &w->boundary, &w->ledger.balance);
+    w->ledger.unbalanced = fmin(w->ledger.balance.ratio, GN_UNBALANCED_MOST);
 }
 
 static double work_of_walls(const gn_trial *t, double span) {
     const gn_world *w = t->world;
     double sum = 0.0, d[3];
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        wall_path(w, k, span, d);
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) {
+        wall_path(&w->ctx, k, span, d);
         for (int a = 0; a < 3; a++)
             sum -= 0.5 * d[a] * (t->wall_force[k][a] + w->boundary.walls[k].force[a]);
     }
@@ -332,22 +336,23 @@ static double work_prescribed(const gn_trial *t, const double *path) {
 static void book_loads(const gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
     const gn_particles *q = &w->dem.particles;
-    bool viscous = w->effects & GN_FX_VISCOUS && !loads;
-    double drag = viscous ? w->scene.background_coefficient / span : 0.0;
+    bool viscous = w->ctx.effects & GN_FX_VISCOUS && !loads;
+    double drag = viscous ? w->ctx.scene.background_coefficient / span : 0.0;
     for (size_t p = 0; p < t->count; p++) {
         const double *u = path + N * p, inverse = q->vel[4 * p + 3];
         if (!(inverse > 0.0)) continue;
-        w->energy.work_gravity += gn_own_share(q, p) * gn_dot3(w->scene.gravity, u) / inverse;
-        if (q->applied) w->energy.work_applied += gn_dot3(q->applied + 4 * p, u);
+        w->ledger.energy.work_gravity +=
+            gn_own_share(q, p) * gn_dot3(w->ctx.scene.gravity, u) / inverse;
+        if (q->applied) w->ledger.energy.work_applied += gn_dot3(q->applied + 4 * p, u);
         if (drag == 0.0) continue;
         double turn = q->spin ? gn_dot3(u + 3, u + 3) / q->spin[4 * p + 3] : 0.0;
-        w->energy.background_damping += drag * (gn_dot3(u, u) / inverse + turn);
+        w->ledger.energy.background_damping += drag * (gn_dot3(u, u) / inverse + turn);
     }
 }
 
 /* What the terms do not explain yet. */
 static double missing(const gn_trial *t) {
-    const gn_energy *e = &t->world->energy;
+    const gn_energy *e = &t->world->ledger.energy;
     double in = 0.0, lost = 0.0;
 #define INPUT(name) in += e->name;
 #define LOST(name)  lost += e->name;
@@ -366,7 +371,7 @@ static double missing(const gn_trial *t) {
  * proportions. Dead loads put in more than is stored, and the rest goes as it would if things came
  * to rest under them: to damping. */
 static void close_ledger(gn_trial *t, double walls, double prescribed, bool loads) {
-    gn_energy *e = &t->world->energy;
+    gn_energy *e = &t->world->ledger.energy;
     e->work_walls += walls;
     e->work_prescribed += prescribed;
     double rest = missing(t), all = fabs(walls) + fabs(prescribed);
@@ -384,8 +389,8 @@ gneiss_status gn_trial_begin(gn_world *w, gn_trial *t, gneiss_error *error) {
     *t = (gn_trial){.world = w, .count = w->dem.particles.soa.count};
     GN_TRY(allocate(t, error));
     read_state(w);
-    t->stored = w->energy.stored_at_start = gn_energy_stored(&w->energy);
-    w->reading = w->energy;
+    t->stored = w->ledger.energy.stored_at_start = gn_energy_stored(&w->ledger.energy);
+    w->ledger.reading = w->ledger.energy;
     return go_out_from_here(t, error);
 }
 
@@ -406,20 +411,20 @@ static void turn_orientations(gn_particles *q, const double *path) {
 gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool loads,
                             gneiss_error *error) {
     gn_world *w = t->world;
-    gn_boundary_forces(w);
-    w->energy.friction += t->friction;
-    if (!loads) w->energy.contact_damping += t->contact_damping;
+    gn_boundary_forces(&w->ctx, &w->dem, &w->boundary);
+    w->ledger.energy.friction += t->friction;
+    if (!loads) w->ledger.energy.contact_damping += t->contact_damping;
     book_loads(t, path, span, loads);
     double walls = loads ? 0.0 : work_of_walls(t, span);
     double prescribed = loads ? 0.0 : work_prescribed(t, path);
-    if (!loads) w->time += span;
+    if (!loads) w->ctx.time += span;
     turn_orientations(&w->dem.particles, path);
     read_state(w);
     close_ledger(t, walls, prescribed, loads);
-    w->reading = w->energy;
+    w->ledger.reading = w->ledger.energy;
     /* The next increment may go as far as the lists reach. */
-    gn_dem_look_at_travel(w);
-    double own = w->dem.verlet.drift, other = gn_boundary_travel(w, true);
+    gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
+    double own = w->dem.verlet.drift, other = gn_boundary_travel(&w->ctx, &w->boundary, true);
     if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin) {
         gn_preconditioner_free(&t->made);
         GN_TRY(gn_world_renew_lists(w, error));
@@ -432,21 +437,21 @@ gneiss_status gn_trial_leave(gn_trial *t, const double *path, double span, gneis
     gn_particles *q = &w->dem.particles;
     restore_lists(t);
     put_walls(t, 0.0, 0.0);
-    for (size_t k = 0; k < w->scene.wall_count; k++)
+    for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
         for (int a = 0; a < 3; a++)
             w->boundary.walls[k].velocity[a] =
-                gn_table_at(&w->scene.walls[k].motion.velocity[a], w->time);
+                gn_table_at(&w->ctx.scene.walls[k].motion.velocity[a], w->ctx.time);
     for (size_t p = 0; p < t->count; p++)
         for (size_t a = 0; a < 3; a++) {
             q->pos[4 * p + a] = t->pos[4 * p + a];
             q->vel[4 * p + a] = path[N * p + a] / span;
             if (q->spin) q->spin[4 * p + a] = path[N * p + 3 + a] / span;
         }
-    gn_particles_to_single(q, q->ref, w->threads);
+    gn_particles_to_single(q, q->ref, w->ctx.threads);
     read_state(w);
     close_ledger(t, 0.0, 0.0, false);
-    w->reading = w->energy;
-    gn_dem_look_at_travel(w);
-    w->dt_past = 0.0;
+    w->ledger.reading = w->ledger.energy;
+    gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
+    w->ctx.dt_past = 0.0;
     return gn_world_check_step(w, true, error);
 }

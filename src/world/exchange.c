@@ -6,44 +6,46 @@
 #include <string.h>
 
 gneiss_status gn_exchange_add(gn_world *w, gn_exchange exchange, gneiss_error *error) {
-    gn_exchange *all = gn_alloc_array(w->exchange_count + 1, sizeof *all);
+    gn_exchange *all = gn_alloc_array(w->features.count + 1, sizeof *all);
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for an exchange");
-    if (w->exchange) memcpy(all, w->exchange, w->exchange_count * sizeof *all);
-    all[w->exchange_count++] = exchange;
-    gn_free(w->exchange);
-    w->exchange = all;
+    if (w->features.exchange) memcpy(all, w->features.exchange, w->features.count * sizeof *all);
+    all[w->features.count++] = exchange;
+    gn_free(w->features.exchange);
+    w->features.exchange = all;
     gneiss_status status = w->dem.motion_sums ? gn_exchanges_mark(w, error) : GNEISS_OK;
-    if (status != GNEISS_OK) w->exchange_count--;
+    if (status != GNEISS_OK) w->features.count--;
     return status;
 }
 
-void gn_exchanges_free(gn_world *w) {
-    for (size_t k = 0; k < w->exchange_count; k++)
-        if (w->exchange[k].end) w->exchange[k].end(w->exchange[k].context);
-    gn_free(w->exchange);
+void gn_exchanges_free(gn_features *features) {
+    for (size_t k = 0; k < features->count; k++)
+        if (features->exchange[k].end) features->exchange[k].end(features->exchange[k].context);
+    gn_free(features->exchange);
 }
 
 gneiss_status gn_exchanges_mark(gn_world *w, gneiss_error *error) {
     gn_hold_clear(&w->dem.hold);
-    for (size_t k = 0; k < w->element_count; k++) gn_hold_clear(&w->elements[k]->solid.hold);
-    for (size_t k = 0; k < w->exchange_count; k++)
-        GN_TRY(w->exchange[k].mark(w->exchange[k].context, w, error));
+    for (size_t k = 0; k < w->solids.count; k++) gn_hold_clear(&w->solids.elements[k]->solid.hold);
+    for (size_t k = 0; k < w->features.count; k++)
+        GN_TRY(w->features.exchange[k].mark(w->features.exchange[k].context, w, error));
     return GNEISS_OK;
 }
 
 gneiss_status gn_exchanges_follow(gn_world *w, gneiss_error *error) {
-    for (size_t k = 0; k < w->exchange_count; k++)
-        if (w->exchange[k].follow) GN_TRY(w->exchange[k].follow(w->exchange[k].context, w, error));
+    for (size_t k = 0; k < w->features.count; k++)
+        if (w->features.exchange[k].follow)
+            GN_TRY(w->features.exchange[k].follow(w->features.exchange[k].context, w, error));
     return GNEISS_OK;
 }
 
 void gn_exchanges_book(gn_world *w, gn_energy *reading) {
-    for (size_t k = 0; k < w->exchange_count; k++)
-        if (w->exchange[k].book) w->exchange[k].book(w->exchange[k].context, w, reading);
+    for (size_t k = 0; k < w->features.count; k++)
+        if (w->features.exchange[k].book)
+            w->features.exchange[k].book(w->features.exchange[k].context, w, reading);
 }
 
 gneiss_status gn_exchanges_act(gn_world *w, gneiss_error *error) {
-    for (size_t k = 0; k < w->exchange_count; k++)
-        GN_TRY(w->exchange[k].act(w->exchange[k].context, w, error));
+    for (size_t k = 0; k < w->features.count; k++)
+        GN_TRY(w->features.exchange[k].act(w->features.exchange[k].context, w, error));
     return GNEISS_OK;
 }

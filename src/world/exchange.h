@@ -6,7 +6,9 @@
 #ifndef GN_WORLD_EXCHANGE_H
 #define GN_WORLD_EXCHANGE_H
 
-#include "world/world.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
 
 typedef struct gn_exchange {
     void *context; /* the caller's */
@@ -25,10 +27,15 @@ typedef struct gn_exchange {
     void (*book)(void *context, const gn_world *world, gn_energy *reading);
 } gn_exchange;
 
+struct gn_features {
+    gn_exchange *exchange; /* [count] */
+    size_t count;
+};
+
 /* On failure the context is still the caller's. Before there are lists nothing is marked yet. */
 gneiss_status gn_exchange_add(gn_world *world, gn_exchange exchange, gneiss_error *error);
 
-void gn_exchanges_free(gn_world *world);
+void gn_exchanges_free(gn_features *features);
 
 gneiss_status gn_exchanges_mark(gn_world *world, gneiss_error *error);
 gneiss_status gn_exchanges_act(gn_world *world, gneiss_error *error);

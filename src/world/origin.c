@@ -87,17 +87,17 @@ static void take_off(const gn_scene *s, double *rows, size_t count, size_t width
 }
 
 gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
-    if (w->given.stage_count) {
-        GN_TRY(gn_stages_scene(w, &w->scene, error));
+    if (w->ctx.given.stage_count) {
+        GN_TRY(gn_stages_scene(w, &w->ctx.scene, error));
     } else {
-        GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
-        gn_scene_shift(&w->scene);
+        GN_TRY(gn_scene_copy(&w->ctx.given, &w->ctx.scene, error));
+        gn_scene_shift(&w->ctx.scene);
     }
-    w->scene.specimen.packed = w->given.specimen.packed;
-    w->scene.specimen.packed_count = w->given.specimen.packed_count;
-    w->scene.specimen.packed_volume = w->given.specimen.packed_volume;
-    w->given.specimen.packed = NULL;
-    w->given.specimen.packed_count = 0;
+    w->ctx.scene.specimen.packed = w->ctx.given.specimen.packed;
+    w->ctx.scene.specimen.packed_count = w->ctx.given.specimen.packed_count;
+    w->ctx.scene.specimen.packed_volume = w->ctx.given.specimen.packed_volume;
+    w->ctx.given.specimen.packed = NULL;
+    w->ctx.given.specimen.packed_count = 0;
     return GNEISS_OK;
 }
 
@@ -126,7 +126,7 @@ static gneiss_status read_specimen(gn_scene *s, gneiss_error *error) {
 }
 
 gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    gn_scene *s = &w->given;
+    gn_scene *s = &w->ctx.given;
     *mesh = (gn_mesh){0};
     GN_TRY(read_specimen(s, error));
     if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
@@ -161,7 +161,7 @@ static void reach_of(const gn_particles *q, double reach[3]) {
     }
 }
 
-static gneiss_status too_coarse(const gn_world *w, gn_scene_place where, const char *what,
+static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where, const char *what,
                                 const double reach[3], const char *of, double length,
                                 gneiss_error *error) {
     char at[GN_POINT_SIZE];
@@ -171,28 +171,28 @@ static gneiss_status too_coarse(const gn_world *w, gn_scene_place where, const c
                    "%s: expected places that are rounded to less than %g of %s (%g m), found "
                    "%g m, as they lie up to %g m from %s m, which positions are computed relative "
                    "to (key origin): forces would be lost in it",
-                   gn_scene_at(&w->scene, where, what).text, coarse, of, length, rounding(far), far,
-                   gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+                   gn_scene_at(&ctx->scene, where, what).text, coarse, of, length, rounding(far),
+                   far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
 /* What something moves in a step; components far below the largest are taken for round-off. A
  * constant velocity is rounded the same way in step after step, up to half the spacing each. */
-static gneiss_status too_slow(const gn_world *w, gn_scene_place where, const char *what,
+static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {
     char at[GN_POINT_SIZE];
     for (int a = 0; a < 3; a++) {
         double speed = fabs(velocity[a]);
-        if (!(speed > 1e-3 * largest(velocity)) || speed * w->dt >= 50.0 * rounding(reach[a]))
+        if (!(speed > 1e-3 * largest(velocity)) || speed * ctx->dt >= 50.0 * rounding(reach[a]))
             continue;
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a velocity that moves 50 times the rounding of places in "
                        "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
                        "%.3g m, as they lie up to %g m from %s m, which positions are computed "
                        "relative to (key origin): its motion would be lost",
-                       gn_scene_at(&w->scene, where, what).text, speed, "xyz"[a], speed * w -> dt,
-                       w -> dt, rounding(reach[a]), fabs(reach[a]),
-                       gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+                       gn_scene_at(&ctx->scene, where, what).text, speed, "xyz"[a],
+                       speed * ctx -> dt, ctx -> dt, rounding(reach[a]), fabs(reach[a]),
+                       gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
     }
     return GNEISS_OK;
 }
@@ -205,78 +205,86 @@ static void fastest(const gn_table tables[3], double velocity[3]) {
     }
 }
 
-gneiss_status gn_origin_check_specimen(const gn_world *w, gneiss_error *error) {
+gneiss_status gn_origin_check_specimen(const gn_step_context *ctx, const gn_dem *dem,
+                                       gneiss_error *error) {
     double reach[3];
-    reach_of(&w->dem.particles, reach);
-    return too_coarse(w, w->scene.specimen.where, "specimen", reach, "the smallest radius",
-                      w->dem.radius_min, error);
+    reach_of(&dem->particles, reach);
+    return too_coarse(ctx, ctx->scene.specimen.where, "specimen", reach, "the smallest radius",
+                      dem->radius_min, error);
 }
 
-static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_sets(const gn_step_context *ctx, const gn_dem *dem,
+                                gneiss_error *error) {
     char what[GN_NAME_SIZE + 16];
     double reach[3], velocity[3];
-    reach_of(&w->dem.particles, reach);
-    for (size_t k = 0; k < w->scene.set_count; k++) {
-        const gn_set_def *s = &w->scene.sets[k];
+    reach_of(&dem->particles, reach);
+    for (size_t k = 0; k < ctx->scene.set_count; k++) {
+        const gn_set_def *s = &ctx->scene.sets[k];
         snprintf(what, sizeof what, "set '%s'", s->name);
         fastest(s->motion.velocity, velocity);
-        GN_TRY(too_slow(w, s->where, what, velocity, reach, error));
-        if (s->has_initial_velocity && w->step == 0)
-            GN_TRY(too_slow(w, s->where, what, s->initial_velocity, reach, error));
+        GN_TRY(too_slow(ctx, s->where, what, velocity, reach, error));
+        if (s->has_initial_velocity && ctx->step == 0)
+            GN_TRY(too_slow(ctx, s->where, what, s->initial_velocity, reach, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_walls(const gn_step_context *ctx, const gn_boundary *boundary,
+                                 gneiss_error *error) {
     char what[GN_NAME_SIZE + 16];
     double velocity[3];
-    for (size_t k = 0; k < w->scene.wall_count; k++) {
-        snprintf(what, sizeof what, "wall '%s'", w->scene.walls[k].name);
-        fastest(w->scene.walls[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, w->scene.walls[k].where, what, velocity, w->boundary.walls[k].point,
+    for (size_t k = 0; k < ctx->scene.wall_count; k++) {
+        snprintf(what, sizeof what, "wall '%s'", ctx->scene.walls[k].name);
+        fastest(ctx->scene.walls[k].motion.velocity, velocity);
+        GN_TRY(too_slow(ctx, ctx->scene.walls[k].where, what, velocity, boundary->walls[k].point,
                         error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_bodies(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_boundary *boundary, gneiss_error *error) {
     char what[GN_NAME_SIZE + 80];
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->boundary.bodies[k];
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_rigid *b = &boundary->bodies[k];
         double velocity[3];
         snprintf(what, sizeof what, "body '%s': its reference point (key reference)",
-                 w->scene.bodies[k].name);
-        if (w->scene.has_specimen)
-            GN_TRY(too_coarse(w, w->scene.bodies[k].where, what, b->position, "the smallest radius",
-                              w->dem.radius_min, error));
-        fastest(w->scene.bodies[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, w->scene.bodies[k].where, what, velocity, b->position, error));
-        if (w->step == 0) /* what has come to rest since may be as slow as it likes */
-            GN_TRY(too_slow(w, w->scene.bodies[k].where, what, b->velocity, b->position, error));
+                 ctx->scene.bodies[k].name);
+        if (ctx->scene.has_specimen)
+            GN_TRY(too_coarse(ctx, ctx->scene.bodies[k].where, what, b->position,
+                              "the smallest radius", dem->radius_min, error));
+        fastest(ctx->scene.bodies[k].motion.velocity, velocity);
+        GN_TRY(too_slow(ctx, ctx->scene.bodies[k].where, what, velocity, b->position, error));
+        if (ctx->step == 0) /* what has come to rest since may be as slow as it likes */
+            GN_TRY(
+                too_slow(ctx, ctx->scene.bodies[k].where, what, b->velocity, b->position, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status check_elements(const gn_world *w, const gn_element_model *q,
+static gneiss_status check_elements(const gn_step_context *ctx, const gn_element_model *q,
                                     gneiss_error *error) {
     const gn_element_def *e = q->def;
     const gn_fem_solid *b = &q->solid;
     char what[GN_NAME_SIZE + 32];
     double reach[3], velocity[3];
     reach_of(&b->nodes, reach);
-    GN_TRY(too_coarse(w, e->where, "elements", reach, "the least height of an element", b->height,
+    GN_TRY(too_coarse(ctx, e->where, "elements", reach, "the least height of an element", b->height,
                       error));
     for (size_t k = 0; k < e->motion_count; k++) {
         snprintf(what, sizeof what, "elements: motion '%s'", e->motions[k].name);
         fastest(e->motions[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, e->motions[k].where, what, velocity, reach, error));
+        GN_TRY(too_slow(ctx, e->motions[k].where, what, velocity, reach, error));
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_origin_check(const gn_world *w, gneiss_error *error) {
-    GN_TRY(check_sets(w, error));
-    for (size_t k = 0; k < w->element_count; k++) GN_TRY(check_elements(w, w->elements[k], error));
-    GN_TRY(check_walls(w, error));
-    return check_bodies(w, error);
+gneiss_status gn_origin_check(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, const gn_solids *solids,
+                              gneiss_error *error) {
+    GN_TRY(check_sets(ctx, dem, error));
+    for (size_t k = 0; k < solids->count; k++)
+        GN_TRY(check_elements(ctx, solids->elements[k], error));
+    GN_TRY(check_walls(ctx, boundary, error));
+    return check_bodies(ctx, dem, boundary, error);
 }

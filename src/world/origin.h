@@ -5,10 +5,10 @@
 #ifndef GN_WORLD_ORIGIN_H
 #define GN_WORLD_ORIGIN_H
 
+#include "frame/parts.h"
+
 #include "mesh/mesh.h"
 #include "scene/scene.h"
-
-typedef struct gn_world gn_world;
 
 /* Fills scene->origin unless it is given: exactly 0 while the model lies within 1000 times its
  * extent of 0, else a point near its middle, a multiple of a power of two, so that taking it off
@@ -24,10 +24,13 @@ gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
 /* Refuses a specimen of which, even so, places are too coarse: the spacing of doubles there above
  * 1e-8 of the smallest radius. */
-gneiss_status gn_origin_check_specimen(const gn_world *world, gneiss_error *error);
+gneiss_status gn_origin_check_specimen(const gn_step_context *ctx, const gn_dem *dem,
+                                       gneiss_error *error);
 /* The same of elements, by their least height, and of the reference points of bodies; and motion of
  * which a step moves less than 50 spacings. Once the step is known. */
-gneiss_status gn_origin_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_origin_check(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, const gn_solids *solids,
+                              gneiss_error *error);
 
 /* m: the largest coordinate at which particles of that radius are not too coarse. */
 double gn_origin_reach(double radius);

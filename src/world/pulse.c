@@ -25,14 +25,14 @@ static void start(const gn_scene *s, gn_particles *q) {
 /* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens
  * and know nothing of places. Without that a disordered packing would keep a part of the pulse
  * where it began, normal springs against tangential ones. */
-static void shear_bonds(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_contacts *b = &w->dem.bonds;
+static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *b = &dem->bonds;
     for (size_t c = 0; (b->shear || b->shear_f) && b->kt && c < b->soa.count; c++) {
         const size_t i = 4 * (size_t)b->i[c], j = 4 * (size_t)b->j[c];
         double n[3], u[3];
         if (!gn_contact_bonded(b, c)) continue;
-        double length = sqrt(gn_branch(w, q->pos + i, q->pos + j, n));
+        double length = sqrt(gn_branch(ctx, q->pos + i, q->pos + j, n));
         for (size_t a = 0; a < 3; a++) {
             n[a] /= length;
             u[a] = (q->pos[j + a] - q->start[j + a]) - (q->pos[i + a] - q->start[i + a]);
@@ -48,8 +48,9 @@ static void shear_bonds(gn_world *w) {
 }
 
 /* Particles of a zone follow nodes, between which a pulse is straight. */
-static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+static gneiss_status check_zones(const gn_step_context *ctx, const gn_dem *dem,
+                                 gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
     for (size_t p = 0; q->blend && p < q->soa.count; p++) {
         double moved[3];
         for (int a = 0; a < 3; a++) moved[a] = q->pos[4 * p + a] - q->start[4 * p + a];
@@ -57,17 +58,17 @@ static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected one that starts outside of zones, "
                            "found particle %d of a zone in it",
-                           gn_scene_at(&w->scene, w->scene.couple.where, "initial.pulse").text,
+                           gn_scene_at(&ctx->scene, ctx->scene.couple.where, "initial.pulse").text,
                            q->id[p]);
     }
     return GNEISS_OK;
 }
 
-static void start_elements(gn_world *w) {
-    for (size_t k = 0; k < w->element_count; k++) {
-        start(&w->scene, &w->elements[k]->solid.nodes);
-        gn_fem_moved(&w->elements[k]->solid);
-        gn_fem_to_single(&w->elements[k]->solid);
+static void start_elements(const gn_step_context *ctx, gn_solids *solids) {
+    for (size_t k = 0; k < solids->count; k++) {
+        start(&ctx->scene, &solids->elements[k]->solid.nodes);
+        gn_fem_moved(&solids->elements[k]->solid);
+        gn_fem_to_single(&solids->elements[k]->solid);
     }
 }
 
@@ -75,11 +76,11 @@ static void start_elements(gn_world *w) {
  * that no particle of the zone is in, which follows them all the same. */
 gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
     const bool particles = w->dem.particles.soa.count > 0;
-    if (!w->scene.has_pulse) return GNEISS_OK;
-    if (particles) start(&w->scene, &w->dem.particles);
-    GN_TRY(check_zones(w, error));
-    start_elements(w);
-    if (w->scene.has_couple) gn_coupled_begin(w);
-    if (particles) shear_bonds(w);
+    if (!w->ctx.scene.has_pulse) return GNEISS_OK;
+    if (particles) start(&w->ctx.scene, &w->dem.particles);
+    GN_TRY(check_zones(&w->ctx, &w->dem, error));
+    start_elements(&w->ctx, &w->solids);
+    if (w->ctx.scene.has_couple) gn_coupled_begin(&w->ctx, &w->dem, &w->solids, &w->zones);
+    if (particles) shear_bonds(&w->ctx, &w->dem);
     return particles ? gn_world_rebuild(w, error) : GNEISS_OK;
 }

@@ -10,17 +10,18 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     const double start = gn_now();
     const bool first = w->dem.verlet.rebuilds == 0;
     GN_TRY(gn_dem_refresh(w, error));
-    GN_TRY(gn_boundary_refresh(w, first, error));
+    GN_TRY(
+        gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, first, error));
     GN_TRY(gn_exchanges_mark(w, error));
-    GN_TRY(gn_depth_look(w, error));
-    gn_world_assert_lists(w);
+    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
 
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_dem_restore(w, error));
-    GN_TRY(gn_boundary_restore(w, error));
+    GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
+    GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
     return gn_exchanges_mark(w, error);
 }
 
@@ -28,26 +29,28 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
-    GN_TRY(gn_boundary_yields_more(w, &more, error));
+    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &more,
+                                   error));
     if (more) GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
 }
 
 /* m: how far a particle may go before the lists are made anew, whatever is beside it. Sinks and the
  * sides of a domain are looked at then as well. */
-static double farthest(const gn_world *w) {
-    const double skin = w->dem.verlet.skin;
-    return w->effects & GN_FX_WALLS || w->scene.has_domain || w->scene.sink_count ? skin
-                                                                                  : 8.0 * skin;
+static double farthest(const gn_step_context *ctx, const gn_dem *dem) {
+    const double skin = dem->verlet.skin;
+    return ctx->effects & GN_FX_WALLS || ctx->scene.has_domain || ctx->scene.sink_count
+               ? skin
+               : 8.0 * skin;
 }
 
 /* m, that somebody flies in a step before Hertzian contacts set it: what is not listed a step
  * before it touches would be met with a step that is far too long for it. Where contacts are
  * resolved nobody goes as far. */
-static double flown(const gn_world *w) {
-    if (!(w->effects & GN_FX_HERTZ) || w->scene.step > 0.0 || w->step == 0) return 0.0;
-    const double way = w->dt * sqrt(w->dem.done.motion.speed2);
-    return way > 0.02 * w->dem.radius_min ? way : 0.0;
+static double flown(const gn_step_context *ctx, const gn_dem *dem) {
+    if (!(ctx->effects & GN_FX_HERTZ) || ctx->scene.step > 0.0 || ctx->step == 0) return 0.0;
+    const double way = ctx->dt * sqrt(dem->done.motion.speed2);
+    return way > 0.02 * dem->radius_min ? way : 0.0;
 }
 
 /* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
@@ -55,15 +58,15 @@ static double flown(const gn_world *w) {
  * speed; when it runs out, the true displacements take its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
-    double other = gn_boundary_travel(w, false);
-    const double ahead = flown(w), flow = w->box.path + 2.0 * ahead;
+    double other = gn_boundary_travel(&w->ctx, &w->boundary, false);
+    const double ahead = flown(&w->ctx, &w->dem), flow = w->box.path + 2.0 * ahead;
     w->dem.flow.forced = false;
-    const bool due = gn_flow_due(w) || gn_sinks_are_due(w);
-    const double most = farthest(w) - ahead;
+    const bool due = gn_flow_due(&w->ctx, &w->dem) || gn_sinks_are_due(&w->ctx, &w->dem);
+    const double most = farthest(&w->ctx, &w->dem) - ahead;
     if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
     double start = gn_now();
-    gn_dem_look_at_travel(w);
-    other = gn_boundary_travel(w, true);
+    gn_dem_look_at_travel(&w->ctx, &w->dem, &w->box);
+    other = gn_boundary_travel(&w->ctx, &w->boundary, true);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
     if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {

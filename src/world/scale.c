@@ -39,27 +39,27 @@ static double longest_side(const double *pos, size_t count, bool radii, int dime
     return longest;
 }
 
-static double specimen_size(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    return longest_side(q->pos, q->soa.count, true, (int)w->scene.dimension);
+static double specimen_size(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    return longest_side(q->pos, q->soa.count, true, (int)ctx->scene.dimension);
 }
 
-static bool specimen_file(const gn_world *w, file_size *f) {
-    const gn_specimen *s = &w->scene.specimen;
-    const char *key = s->file[0]                          ? "specimen.file"
-                      : s->pack.shape == GN_SHAPE_SURFACE ? "specimen.surface"
-                      : s->pack.shape == GN_SHAPE_MESH    ? "specimen.mesh"
-                      : gn_scene_from_packing(&w->scene)  ? "specimen.from"
-                                                          : NULL;
-    if (!w->scene.has_specimen || s->scale_given || !key) return false;
-    *f = (file_size){key, s->where, specimen_size(w), w->dem.radius_min};
+static bool specimen_file(const gn_step_context *ctx, const gn_dem *dem, file_size *f) {
+    const gn_specimen *s = &ctx->scene.specimen;
+    const char *key = s->file[0]                           ? "specimen.file"
+                      : s->pack.shape == GN_SHAPE_SURFACE  ? "specimen.surface"
+                      : s->pack.shape == GN_SHAPE_MESH     ? "specimen.mesh"
+                      : gn_scene_from_packing(&ctx->scene) ? "specimen.from"
+                                                           : NULL;
+    if (!ctx->scene.has_specimen || s->scale_given || !key) return false;
+    *f = (file_size){key, s->where, specimen_size(ctx, dem), dem->radius_min};
     return true;
 }
 
-static bool element_file(const gn_world *w, file_size *f) {
-    const gn_element_def *e = &w->scene.elements;
-    if (!w->element_count || !e->mesh[0] || e->scale_given) return false;
-    const gn_fem_solid *b = &w->elements[0]->solid;
+static bool element_file(const gn_step_context *ctx, const gn_solids *solids, file_size *f) {
+    const gn_element_def *e = &ctx->scene.elements;
+    if (!solids->count || !e->mesh[0] || e->scale_given) return false;
+    const gn_fem_solid *b = &solids->elements[0]->solid;
     *f = (file_size){"elements.mesh", e->where,
                      longest_side(b->nodes.start, b->nodes.soa.count, false, b->dimension),
                      0.5 * b->height};
@@ -104,11 +104,11 @@ static double largest_speed(const gn_scene *s) {
 }
 
 /* Why a specimen of that size is none; "": nothing speaks against it. */
-static void reason(const gn_world *w, const file_size *f, char *text, size_t size) {
-    const gn_scene *s = &w->scene;
-    const double speed = w->given.stage_count ? NAN : largest_speed(s),
+static void reason(const gn_step_context *ctx, const file_size *f, char *text, size_t size) {
+    const gn_scene *s = &ctx->scene;
+    const double speed = ctx->given.stage_count ? NAN : largest_speed(s),
                  fall = length_of(s->gravity);
-    const double way = speed * s->end, steps = s->end / w->dt,
+    const double way = speed * s->end, steps = s->end / ctx->dt,
                  across = f->part > 0.0 ? f->longest / (2.0 * f->part) : 0.0;
     const bool solid = f->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
     *text = '\0';
@@ -139,7 +139,8 @@ static bool is_in_kilograms(const gn_scene *s) {
     return true;
 }
 
-static bool tell(const gn_world *w, const file_size *f, const char *why, char *text, size_t size) {
+static bool tell(const gn_step_context *ctx, const file_size *f, const char *why, char *text,
+                 size_t size) {
     char part[64] = "";
     if (f->part > 0.0)
         snprintf(part, sizeof part,
@@ -149,29 +150,30 @@ static bool tell(const gn_world *w, const file_size *f, const char *why, char *t
     snprintf(text, size,
              "%s: %.4g m long%s, without a scale, which takes the file's lengths for metres, and "
              "%s; %sscale: 0.001 if they are millimetres, scale: 1 if they are metres",
-             gn_scene_at(&w->scene, f->where, f->key).text, f->longest, part, why,
+             gn_scene_at(&ctx->scene, f->where, f->key).text, f->longest, part, why,
              strcmp(f->key, "specimen.from") == 0 ? "pack it with " : "");
     return true;
 }
 
 /* A tool or container far larger than all that it meets. */
-static bool body_doubts(const gn_world *w, char *text, size_t size) {
-    const double specimen = specimen_size(w);
+static bool body_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        char *text, size_t size) {
+    const double specimen = specimen_size(ctx, dem);
     char key[64], why[120];
     size_t first = 0;
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_body_def *def = &w->scene.bodies[k];
-        const size_t vertices = (size_t)w->boundary.body_shape[k][0];
-        const double longest = longest_side(w->boundary.body_vertex + 4 * first, vertices, false,
-                                            (int)w->scene.dimension);
+    for (size_t k = 0; k < ctx->scene.body_count; k++) {
+        const gn_body_def *def = &ctx->scene.bodies[k];
+        const size_t vertices = (size_t)boundary->body_shape[k][0];
+        const double longest = longest_side(boundary->body_vertex + 4 * first, vertices, false,
+                                            (int)ctx->scene.dimension);
         file_size f = {key, def->where, longest, 0.0};
         first += vertices;
         if (!def->surface[0] || def->scale_given || f.longest < large_tool || !(specimen > 0.0) ||
-            w->scene.source_count || f.longest < size_ratio * specimen)
+            ctx->scene.source_count || f.longest < size_ratio * specimen)
             continue;
         snprintf(key, sizeof key, "bodies[%zu].surface", k);
         snprintf(why, sizeof why, "the specimen is %.3g m long", specimen);
-        return tell(w, &f, why, text, size);
+        return tell(ctx, &f, why, text, size);
     }
     return false;
 }
@@ -180,16 +182,18 @@ static bool is_tested(const gn_scene *s) {
     return s->test.kind != GN_TEST_NONE && s->test.kind != GN_TEST_BENDING;
 }
 
-bool gn_scale_doubts(const gn_world *w, char *text, size_t size) {
+bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_solids *solids, char *text, size_t size) {
     file_size f;
     char why[200];
     *text = '\0';
-    if (!is_in_kilograms(&w->scene)) return false;
-    const double least = is_tested(&w->scene) ? large_in_test : large;
+    if (!is_in_kilograms(&ctx->scene)) return false;
+    const double least = is_tested(&ctx->scene) ? large_in_test : large;
     for (int k = 0; k < 2; k++) {
-        if (!(k ? element_file(w, &f) : specimen_file(w, &f)) || f.longest < least) continue;
-        reason(w, &f, why, sizeof why);
-        if (*why) return tell(w, &f, why, text, size);
+        if (!(k ? element_file(ctx, solids, &f) : specimen_file(ctx, dem, &f)) || f.longest < least)
+            continue;
+        reason(ctx, &f, why, sizeof why);
+        if (*why) return tell(ctx, &f, why, text, size);
     }
-    return body_doubts(w, text, size);
+    return body_doubts(ctx, dem, boundary, text, size);
 }

@@ -19,26 +19,28 @@ static int find_wall(const gn_scene *s, int axis, double sense) {
 }
 
 /* m: by which a wall is where it began. */
-static double moved(const gn_world *w, int wall, int axis) {
-    if (!w->boundary.walls) return 0.0;
-    return w->boundary.walls[wall].point[axis] - w->boundary.walls[wall].start[axis];
+static double moved(const gn_boundary *boundary, int wall, int axis) {
+    if (!boundary->walls) return 0.0;
+    return boundary->walls[wall].point[axis] - boundary->walls[wall].start[axis];
 }
 
-static span span_along(const gn_world *w, int axis) {
-    const gn_scene *s = &w->scene;
+static span span_along(const gn_step_context *ctx, const gn_boundary *boundary,
+                       const gn_periodic_box *box, int axis) {
+    const gn_scene *s = &ctx->scene;
     if (gn_scene_periodic_along(s, axis))
-        return (span){-INFINITY, INFINITY, w->period[axis], w->box.start[axis]};
+        return (span){-INFINITY, INFINITY, ctx->period[axis], box->start[axis]};
     const int lower = find_wall(s, axis, 1.0), upper = find_wall(s, axis, -1.0);
     if (lower < 0 || upper < 0) return (span){0};
     const double low = s->walls[lower].point[axis], high = s->walls[upper].point[axis];
-    span x = {low + moved(w, lower, axis), high + moved(w, upper, axis), 0.0, high - low};
+    span x = {low + moved(boundary, lower, axis), high + moved(boundary, upper, axis), 0.0,
+              high - low};
     x.now = x.upper - x.lower;
     return x;
 }
 
 /* Of particles that move, radii included. */
-static bool extent_along(const gn_world *w, int axis, double *lower, double *upper) {
-    const gn_particles *q = &w->dem.particles;
+static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upper) {
+    const gn_particles *q = &dem->particles;
     *lower = INFINITY;
     *upper = -INFINITY;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -52,41 +54,42 @@ static bool extent_along(const gn_world *w, int axis, double *lower, double *upp
 
 /* m: walls that are farther away than this have more than the specimen between them. Loose grains
  * may be as far from walls as from each other. */
-static double allowed_gap(const gn_world *w, double between) {
-    if (w->effects & GN_FX_BONDS) return gn_world_mean_radius(w);
-    return pow(between / (double)gn_world_present(w), 1.0 / (double)w->scene.dimension);
+static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, double between) {
+    if (ctx->effects & GN_FX_BONDS) return gn_world_mean_radius(dem);
+    return pow(between / (double)gn_world_present(dem), 1.0 / (double)ctx->scene.dimension);
 }
 
-bool gn_space_closed(const gn_world *w, double *now, double *start) {
-    const int dimension = (int)w->scene.dimension;
+bool gn_space_closed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_periodic_box *box, double *now, double *start) {
+    const int dimension = (int)ctx->scene.dimension;
     span side[3];
     *now = *start = 1.0;
-    if (!w->scene.has_specimen || !gn_world_present(w)) return false;
+    if (!ctx->scene.has_specimen || !gn_world_present(dem)) return false;
     for (int a = 0; a < dimension; a++) {
-        side[a] = span_along(w, a);
+        side[a] = span_along(ctx, boundary, box, a);
         if (!(side[a].now > 0.0 && side[a].start > 0.0)) return false;
         *now *= side[a].now;
         *start *= side[a].start;
     }
-    const double allowed = allowed_gap(w, *now);
+    const double allowed = allowed_gap(ctx, dem, *now);
     for (int a = 0; a < dimension; a++) {
         double lower, upper;
-        if (gn_scene_periodic_along(&w->scene, a)) continue;
-        if (!extent_along(w, a, &lower, &upper)) return false;
+        if (gn_scene_periodic_along(&ctx->scene, a)) continue;
+        if (!extent_along(dem, a, &lower, &upper)) return false;
         if (lower - side[a].lower > allowed || side[a].upper - upper > allowed) return false;
     }
     return true;
 }
 
-static bool is_periodic_all_round(const gn_world *w) {
-    return w->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->scene);
+static bool is_periodic_all_round(const gn_step_context *ctx) {
+    return ctx->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&ctx->scene);
 }
 
 /* How a membrane has changed what it encloses; several bodies under one move apart. */
-static double membrane_growth(const gn_world *w) {
-    const double *f = w->dem.membrane->gradient;
+static double membrane_growth(const gn_dem *dem) {
+    const double *f = dem->membrane->gradient;
     double cofactor[9];
-    if (w->dem.membrane->bodies != 1.0) return 1.0;
+    if (dem->membrane->bodies != 1.0) return 1.0;
     gn_cofactor3(f, cofactor);
     const double growth = gn_dot3(f, cofactor);
     return growth > 0.0 ? growth : 1.0;
@@ -94,23 +97,25 @@ static double membrane_growth(const gn_world *w) {
 
 double gn_space_volume(const gn_world *w) {
     double now, start;
-    if (w->dem.membrane) return gn_membrane_volume(w) * membrane_growth(w);
-    if (is_periodic_all_round(w) || !w->scene.has_specimen) return w->volume;
-    if (gn_space_closed(w, &now, &start))
-        return w->effects & GN_FX_BONDS ? w->volume * now / start : now;
-    if (w->scene.test.kind == GN_TEST_OEDOMETER)
-        return w->volume * (1.0 - gn_ends_shortening(w) / w->test_length);
-    return w->volume;
+    if (w->dem.membrane) return gn_membrane_volume(&w->ctx, &w->dem) * membrane_growth(&w->dem);
+    if (is_periodic_all_round(&w->ctx) || !w->ctx.scene.has_specimen) return w->ctx.volume;
+    if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
+        return w->ctx.effects & GN_FX_BONDS ? w->ctx.volume * now / start : now;
+    if (w->ctx.scene.test.kind == GN_TEST_OEDOMETER)
+        return w->ctx.volume * (1.0 - gn_ends_shortening(w) / w->ctx.test_length);
+    return w->ctx.volume;
 }
 
-double gn_space_area(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
+double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_periodic_box *box) {
+    const gn_test *t = &ctx->scene.test;
     double now, start;
-    if (t->kind == GN_TEST_SIMPLE_SHEAR) return gn_box_section(w);
+    if (t->kind == GN_TEST_SIMPLE_SHEAR) return gn_box_section(ctx);
     if (!gn_test_in(t->kind, GN_TESTS_PRISMS) || t->area > 0.0 || t->diameter > 0.0)
-        return w->test_area;
-    if (w->dem.membrane || !gn_space_closed(w, &now, &start)) return w->test_area;
-    const span along = span_along(w, (int)t->axis);
-    if (!(w->effects & GN_FX_BONDS)) return now / along.now;
-    return w->test_area * (now / along.now) / (start / along.start);
+        return ctx->test_area;
+    if (dem->membrane || !gn_space_closed(ctx, dem, boundary, box, &now, &start))
+        return ctx->test_area;
+    const span along = span_along(ctx, boundary, box, (int)t->axis);
+    if (!(ctx->effects & GN_FX_BONDS)) return now / along.now;
+    return ctx->test_area * (now / along.now) / (start / along.start);
 }

@@ -16,21 +16,21 @@
 /* Times in a table that a stage gives count from its start. */
 static void start_table(void *context, gn_table *table) {
     const gn_world *w = context;
-    double start = table->stage ? w->stages[table->stage - 1].time : 0.0;
+    double start = table->stage ? w->stages.state[table->stage - 1].time : 0.0;
     for (size_t k = 0; k < table->count; k++) table->time[k] += start;
 }
 
-gneiss_status gn_stages_create(gn_world *w, gneiss_error *error) {
-    size_t count = w->given.stage_count;
-    if (!count || w->stages) return GNEISS_OK;
-    w->stages = gn_alloc_array(count, sizeof *w->stages);
-    return w->stages ? GNEISS_OK
-                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu stages", count);
+gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error) {
+    size_t count = ctx->given.stage_count;
+    if (!count || stages->state) return GNEISS_OK;
+    stages->state = gn_alloc_array(count, sizeof *stages->state);
+    return stages->state ? GNEISS_OK
+                         : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu stages", count);
 }
 
 gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error) {
-    GN_TRY(gn_stages_create(w, error));
-    GN_TRY(gn_scene_stage(&w->given, w->stage, scene, error));
+    GN_TRY(gn_stages_create(&w->ctx, &w->stages, error));
+    GN_TRY(gn_scene_stage(&w->ctx.given, w->stages.now, scene, error));
     gn_scene_shift(scene);
     gn_scene_tables(scene, start_table, w);
     return GNEISS_OK;
@@ -38,55 +38,55 @@ gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error)
 
 /* As at the start of a run: the step may become longer as well. */
 gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
-    int64_t lowered = w->dt_lowered;
-    w->dt = INFINITY;
+    int64_t lowered = w->ctx.dt_lowered;
+    w->ctx.dt = INFINITY;
     gneiss_status status = gn_world_check_step(w, true, error);
-    w->dt_lowered = lowered;
+    w->ctx.dt_lowered = lowered;
     GN_TRY(status);
-    return gn_origin_check(w, error);
+    return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
 }
 
 gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
     if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
-    const double pressure = gn_membrane_due(w);
-    w->stage = stage;
-    w->stages[stage].time = w->time;
-    w->stages[stage].step = (double)w->step;
+    const double pressure = gn_membrane_due(&w->ctx, &w->dem);
+    w->stages.now = stage;
+    w->stages.state[stage].time = w->ctx.time;
+    w->stages.state[stage].step = (double)w->ctx.step;
     gneiss_status status = gn_stages_scene(w, next, error);
     if (status == GNEISS_OK) {
-        gn_scene_free(&w->scene);
-        w->scene = *next; /* parts that point into it point to its place */
+        gn_scene_free(&w->ctx.scene);
+        w->ctx.scene = *next; /* parts that point into it point to its place */
     }
     free(next);
     if (status != GNEISS_OK) return status;
-    w->effects = gn_scene_effects(&w->scene);
-    gn_membrane_enter(w, pressure);
+    w->ctx.effects = gn_scene_effects(&w->ctx.scene);
+    gn_membrane_enter(&w->ctx, &w->dem, &w->stages, pressure);
     GN_TRY(gn_dem_enter(w, error));
-    gn_boundary_enter(w);
-    GN_TRY(gn_bodies_check_speeds(w, error));
-    GN_TRY(gn_elements_enter(w, error));
-    if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
-    const bool forms = w->scene.bonds_stage == stage + 1 && w->scene.bonds == GN_SWITCH_ON;
-    if (forms) GN_TRY(gn_membrane_bear(w, error));
+    gn_boundary_enter(&w->ctx, &w->boundary);
+    GN_TRY(gn_bodies_check_speeds(&w->ctx, &w->boundary, error));
+    GN_TRY(gn_elements_enter(&w->ctx, &w->solids, error));
+    if (w->ctx.scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
+    const bool forms = w->ctx.scene.bonds_stage == stage + 1 && w->ctx.scene.bonds == GN_SWITCH_ON;
+    if (forms) GN_TRY(gn_membrane_bear(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     return gn_world_choose_step(w, error);
 }
 
 /* --- a first stage in which nothing happens --- */
 
-static bool pairs_press(const gn_world *w) {
-    const gn_contacts *pairs = &w->dem.pairs;
+static bool pairs_press(const gn_step_context *ctx, const gn_dem *dem) {
+    const gn_contacts *pairs = &dem->pairs;
     for (size_t c = 0; c < pairs->soa.count; c++) {
-        const double *x = w->dem.particles.pos + 4 * (size_t)pairs->i[c],
-                     *y = w->dem.particles.pos + 4 * (size_t)pairs->j[c], sum = x[3] + y[3];
+        const double *x = dem->particles.pos + 4 * (size_t)pairs->i[c],
+                     *y = dem->particles.pos + 4 * (size_t)pairs->j[c], sum = x[3] + y[3];
         double d[3];
-        if (gn_branch(w, x, y, d) < sum * sum * (1.0 - 1e-9)) return true;
+        if (gn_branch(ctx, x, y, d) < sum * sum * (1.0 - 1e-9)) return true;
     }
     return false;
 }
 
-static bool wall_presses(const gn_world *w, const gn_wall_def *wall) {
-    const gn_particles *q = &w->dem.particles;
+static bool wall_presses(const gn_dem *dem, const gn_wall_def *wall) {
+    const gn_particles *q = &dem->particles;
     for (size_t p = 0; !wall->passive && p < q->soa.count; p++) {
         const double *x = q->pos + 4 * p,
                      d[3] = {x[0] - wall->point[0], x[1] - wall->point[1], x[2] - wall->point[2]};
@@ -96,19 +96,21 @@ static bool wall_presses(const gn_world *w, const gn_wall_def *wall) {
 }
 
 /* Of bodies and elements nothing is said. */
-static bool contacts_press(const gn_world *w) {
-    bool press = w->scene.body_count || w->element_count || pairs_press(w);
-    for (size_t k = 0; !press && k < w->scene.wall_count; k++)
-        press = wall_presses(w, &w->scene.walls[k]);
+static bool contacts_press(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
+    bool press = ctx->scene.body_count || solids->count || pairs_press(ctx, dem);
+    for (size_t k = 0; !press && k < ctx->scene.wall_count; k++)
+        press = wall_presses(dem, &ctx->scene.walls[k]);
     return press;
 }
 
-gneiss_status gn_stages_check_first(const gn_world *w, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
+gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_solids *solids, const gn_stages *stages,
+                                    gneiss_error *error) {
+    const gn_scene *s = &ctx->scene;
     char key[64], why[160];
     const char *end =
-        s->stage_count && w->stage == 0 ? gn_stage_waits(s, 0, why, sizeof why) : NULL;
-    if (!end || contacts_press(w)) return GNEISS_OK;
+        s->stage_count && stages->now == 0 ? gn_stage_waits(s, 0, why, sizeof why) : NULL;
+    if (!end || contacts_press(ctx, dem, solids)) return GNEISS_OK;
     snprintf(key, sizeof key, "stages[0].%s", end);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s (and no contact is pressed)",
                    gn_scene_at(s, s->stages[0].where, key).text, why);

@@ -39,13 +39,14 @@ static void contacts(void *context, int list, size_t block) {
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
     if (list && w->dem.near.on) {
-        gn_near_work(w, args, block, &sums[block]);
+        gn_near_work(&w->ctx, &w->dem, args, block, &sums[block]);
         book(k, GN_PHASE_pairs);
         return;
     }
     kernel(args, block * length, end, &sums[block]);
-    if (args->measure && w->effects & GN_FX_CONTACT_FORCES)
-        gn_box_sum_stress(w, args->contacts, block * length, end, sums[block].stress);
+    if (args->measure && w->ctx.effects & GN_FX_CONTACT_FORCES)
+        gn_box_sum_stress(&w->ctx, &w->dem, args->contacts, block * length, end,
+                          sums[block].stress);
     book(k, list ? GN_PHASE_pairs : GN_PHASE_bonds);
 }
 
@@ -59,26 +60,27 @@ static void move(void *context, size_t block) {
         w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
         return;
     }
-    if (w->effects & GN_FX_WALLS && gn_boundary_work(w, block, first, last))
+    if (w->ctx.effects & GN_FX_WALLS &&
+        gn_boundary_work(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, block, first, last))
         book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);
 }
 
-gneiss_status gn_dem_deal(gn_world *w, gneiss_error *error) {
-    return gn_deal_lists(&w->dem.deal, (gn_deal_list){&w->dem.bond_partials, w->dem.bonds.i},
-                         (gn_deal_list){&w->dem.pair_partials, w->dem.pairs.i},
-                         w->dem.motion_blocks, error);
+gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
+    return gn_deal_lists(&dem->deal, (gn_deal_list){&dem->bond_partials, dem->bonds.i},
+                         (gn_deal_list){&dem->pair_partials, dem->pairs.i}, dem->motion_blocks,
+                         error);
 }
 
 void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
               const gn_motion_args *motion) {
     static const gn_deal_work blocks = {contacts, move, waited};
     const double begin = gn_now();
-    const bool booked = w->step % GN_BOOKED == 0;
+    const bool booked = w->ctx.step % GN_BOOKED == 0;
     gn_deal_begin(&w->dem.deal);
-    gn_near_begin(w, pairs);
+    gn_near_begin(&w->ctx, &w->dem, pairs);
 #pragma omp parallel num_threads(w->dem.deal.team)
     {
         work k = {w, bonds, pairs, motion, .mark = gn_now()};
@@ -93,15 +95,15 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
 }
 
 /* Forces on walls were found with the loads. */
-void gn_sweep_held(gn_world *w, const gn_motion_args *motion) {
-    const size_t held = w->dem.hold.count, count = w->dem.particles.soa.count;
+void gn_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
+    const size_t held = dem->hold.count, count = dem->particles.soa.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;
-#pragma omp parallel for schedule(static) num_threads(w->dem.deal.team)
+#pragma omp parallel for schedule(static) num_threads(dem->deal.team)
     for (size_t h = 0; h < held; h++) {
-        size_t block = (size_t)w->dem.hold.block[h], first = block * GN_PARTICLE_BLOCK;
+        size_t block = (size_t)dem->hold.block[h], first = block * GN_PARTICLE_BLOCK;
         size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;
-        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
-        w->dem.motion_kernel(&args, first, last, &w->dem.motion_sums[block]);
+        dem->motion_sums[block] = (gn_motion_sums){.bad = -1};
+        dem->motion_kernel(&args, first, last, &dem->motion_sums[block]);
     }
 }

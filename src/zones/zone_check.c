@@ -57,8 +57,8 @@ typedef struct zone_sides {
     size_t elements;
 } zone_sides;
 
-static zone_sides sides_of(const gn_world *w, const gn_couple_zone *z) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static zone_sides sides_of(const gn_solids *solids, const gn_couple_zone *z) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     zone_sides s = {.lower = {INFINITY, INFINITY}, .upper = {-INFINITY, -INFINITY}};
     double n[3], size[3];
     gn_zone_direction(z, b->dimension, n);
@@ -108,9 +108,10 @@ static bool is_missing(const gn_scene *s, const zone_sides *sides, size_t zone, 
     return true;
 }
 
-static gneiss_status check_inside(const gn_world *w, const gn_ties *ties, const zone_sides *sides,
+static gneiss_status check_inside(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_ties *ties, const zone_sides *sides,
                                   gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+    const gn_particles *q = &dem->particles;
     char at[GN_POINT_SIZE];
     size_t next = 0;
     for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
@@ -118,39 +119,41 @@ static gneiss_status check_inside(const gn_world *w, const gn_ties *ties, const 
             next++;
             continue;
         }
-        for (size_t k = 0; k < w->scene.couple.zone_count; k++)
-            if (is_missing(&w->scene, sides, k, q->start + 4 * p))
+        for (size_t k = 0; k < ctx->scene.couple.zone_count; k++)
+            if (is_missing(&ctx->scene, sides, k, q->start + 4 * p))
                 return gn_fail(error, GNEISS_ERROR_INPUT,
                                "%.400s:%d:%d: couple.zones: expected every particle of the zone in "
                                "an element, "
                                "found particle %d at %s m in none",
-                               w->scene.source, w->scene.couple.zones[k].where.line,
-                               w->scene.couple.zones[k].where.column, q->id[p],
-                               gn_point_text(w->scene.origin, q->start + 4 * p, at));
+                               ctx->scene.source, ctx->scene.couple.zones[k].where.line,
+                               ctx->scene.couple.zones[k].where.column, q->id[p],
+                               gn_point_text(ctx->scene.origin, q->start + 4 * p, at));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status check_occupied(const gn_world *w, const gn_ties *ties, size_t zone,
-                                    size_t elements, gneiss_error *error) {
-    const gn_couple_zone *z = &w->scene.couple.zones[zone];
+static gneiss_status check_occupied(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_ties *ties, size_t zone, size_t elements,
+                                    gneiss_error *error) {
+    const gn_couple_zone *z = &ctx->scene.couple.zones[zone];
     size_t particles = 0;
     for (size_t t = 0; t < ties->count; t++)
-        particles += inside(gn_zone_place(z, (int)w->scene.dimension,
-                                          w->dem.particles.start + 4 * (size_t)ties->tie[t].id));
+        particles += inside(gn_zone_place(z, (int)ctx->scene.dimension,
+                                          dem->particles.start + 4 * (size_t)ties->tie[t].id));
     if (elements && particles) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.400s:%d:%d: couple.zones[%zu]: expected elements, and particles in them, "
                    "between the planes through `from` and `to`, found no %s",
-                   w->scene.source, z->where.line, z->where.column, zone,
+                   ctx->scene.source, z->where.line, z->where.column, zone,
                    elements ? "particle" : "element");
 }
 
 /* Nodes do; particles on springs have a velocity of their own, and spins that are free. */
-static gneiss_status check_at_rest(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY,
-               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
+static gneiss_status check_at_rest(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_ties *ties, gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    const bool springs = ctx->scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = ctx->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
     for (size_t k = 0; k < ties->count; k++) {
         const int32_t id = ties->tie[k].id;
         const size_t p = 4 * (size_t)id;
@@ -161,24 +164,25 @@ static gneiss_status check_at_rest(const gn_world *w, const gn_ties *ties, gneis
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
                        "the nodes do which lead there, found particle %d with a %s (%s)",
-                       w->scene.source, w->scene.couple.where.line, w->scene.couple.where.column,
-                       id, moves ? "velocity" : "spin",
+                       ctx->scene.source, ctx->scene.couple.where.line,
+                       ctx->scene.couple.where.column, id, moves ? "velocity" : "spin",
                        moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
-    const size_t count = w->scene.couple.zone_count;
+gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             const gn_ties *ties, gneiss_error *error) {
+    const size_t count = ctx->scene.couple.zone_count;
     zone_sides *sides = gn_alloc_array(count + 1, sizeof *sides);
     if (!sides) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu zones", count);
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
-        sides[k] = sides_of(w, &w->scene.couple.zones[k]);
-        status = check_occupied(w, ties, k, sides[k].elements, error);
+        sides[k] = sides_of(solids, &ctx->scene.couple.zones[k]);
+        status = check_occupied(ctx, dem, ties, k, sides[k].elements, error);
     }
-    if (status == GNEISS_OK) status = check_inside(w, ties, sides, error);
-    if (status == GNEISS_OK) status = check_at_rest(w, ties, error);
+    if (status == GNEISS_OK) status = check_inside(ctx, dem, ties, sides, error);
+    if (status == GNEISS_OK) status = check_at_rest(ctx, dem, ties, error);
     gn_free(sides);
     return status;
 }
@@ -189,13 +193,14 @@ gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_erro
 static const double returned_most = 1e-3;
 
 /* The mean side of the boxes about a zone's elements; the least weight of a node. */
-static void measure_elements(const gn_world *w, size_t zone, gn_zone_figures *f) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static void measure_elements(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
+                             gn_zone_figures *f) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     double sum = 0.0, size[3];
     size_t count = 0;
     f->least = 1.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
-        double place = element_place(b, e, &w->scene.couple.zones[zone], size);
+        double place = element_place(b, e, &ctx->scene.couple.zones[zone], size);
         if (!inside(place)) continue;
         f->least = fmin(f->least, fmax(place, 0.0));
         for (int k = 0; k < b->dimension; k++) sum += size[k] / b->dimension;
@@ -204,8 +209,8 @@ static void measure_elements(const gn_world *w, size_t zone, gn_zone_figures *f)
     f->element = count ? sum / (double)count : 0.0;
 }
 
-static gn_zone_material *material_of(const gn_world *w, gn_zone_figures *f, const gn_tie *t) {
-    const gn_elements *q = &gn_coupled_solid(w)->elements;
+static gn_zone_material *material_of(const gn_solids *solids, gn_zone_figures *f, const gn_tie *t) {
+    const gn_elements *q = &gn_coupled_solid(solids)->elements;
     const int32_t material = q->material[t->element];
     size_t k = 0;
     while (k < f->materials && f->material[k].material != material) k++;
@@ -231,12 +236,13 @@ static void look_for_others(const gn_scene *s, size_t zone, const double *x, gn_
     }
 }
 
-static void add_particle(const gn_world *w, size_t zone, const gn_tie *t, size_t p,
-                         gn_zone_figures *f, zone_sums *sums) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static void add_particle(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                         size_t zone, const gn_tie *t, size_t p, gn_zone_figures *f,
+                         zone_sums *sums) {
+    const gn_particles *q = &dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     const double *blend = q->blend + 2 * p, *x = q->start + 4 * p, r = q->pos[4 * p + 3];
-    gn_zone_material *m = material_of(w, f, t);
+    gn_zone_material *m = material_of(solids, f, t);
     zone_sums *sum = &sums[m - f->material];
     sum->volume += blend[0] * gn_ball_volume(b->dimension, r);
     sum->mass += blend[0] / (q->vel[4 * p + 3] * blend[1]);
@@ -246,42 +252,44 @@ static void add_particle(const gn_world *w, size_t zone, const gn_tie *t, size_t
     f->particles++;
     f->diameter += 2.0 * r;
     f->edge = fmin(f->edge, blend[0]);
-    double place = gn_zone_place(&w->scene.couple.zones[zone], b->dimension, x);
+    double place = gn_zone_place(&ctx->scene.couple.zones[zone], b->dimension, x);
     f->beyond += (place - 1.0) * f->width > 0.5 * r; /* outermost centres scatter */
-    look_for_others(&w->scene, zone, x, f);
+    look_for_others(&ctx->scene, zone, x, f);
 }
 
-static void add_particles(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
-    const gn_coupled *c = w->coupled;
+static void add_particles(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                          const gn_zones *zones, size_t zone, gn_zone_figures *f, zone_sums *sums) {
+    const gn_coupled *c = zones->coupled;
     f->edge = 1.0;
     for (size_t k = 0; k < c->ties.count; k++) {
         const int32_t p = c->place[k];
-        if (p >= 0 && belongs(&w->scene, zone, w->dem.particles.start + 4 * (size_t)p))
-            add_particle(w, zone, &c->ties.tie[k], (size_t)p, f, sums);
+        if (p >= 0 && belongs(&ctx->scene, zone, dem->particles.start + 4 * (size_t)p))
+            add_particle(ctx, dem, solids, zone, &c->ties.tie[k], (size_t)p, f, sums);
     }
     if (f->particles) f->diameter /= (double)f->particles;
 }
 
 /* Particles that are in no element have all of their mass and lie beyond the last node. */
-static void add_bonds(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
-    const gn_coupled *c = w->coupled;
-    const gn_particles *q = &w->dem.particles;
-    const gn_contacts *bonds = &w->dem.bonds;
+static void add_bonds(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      const gn_zones *zones, size_t zone, gn_zone_figures *f, zone_sums *sums) {
+    const gn_coupled *c = zones->coupled;
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *bonds = &dem->bonds;
     double n[3];
-    gn_zone_direction(&w->scene.couple.zones[zone], (int)w->scene.dimension, n);
+    gn_zone_direction(&ctx->scene.couple.zones[zone], (int)ctx->scene.dimension, n);
     for (size_t s = 0; s < bonds->soa.count; s++) {
         double d[3];
         const int32_t end[2] = {bonds->i[s], bonds->j[s]};
         double length2 =
-            gn_branch(w, q->start + 4 * (size_t)end[0], q->start + 4 * (size_t)end[1], d);
+            gn_branch(ctx, q->start + 4 * (size_t)end[0], q->start + 4 * (size_t)end[1], d);
         double along = gn_dot3(d, n) * gn_dot3(d, n) / length2;
         double stiffness =
             length2 * along *
             (bonds->kn[s] * along + (bonds->kt ? bonds->kt[s] * (1.0 - along) : 0.0));
         for (int k = 0; k < 2; k++) {
             const gn_tie *t = gn_coupled_tie(c, q->id[end[k]]);
-            if (t && belongs(&w->scene, zone, q->start + 4 * (size_t)end[k]))
-                sums[material_of(w, f, t) - f->material].stiffness += 0.5 * stiffness;
+            if (t && belongs(&ctx->scene, zone, q->start + 4 * (size_t)end[k]))
+                sums[material_of(solids, f, t) - f->material].stiffness += 0.5 * stiffness;
         }
     }
 }
@@ -319,43 +327,49 @@ bool gn_zone_differs(const gn_zone_material *m) {
 }
 
 /* Weights of forces and masses cancel in these means. */
-static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f) {
+static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, const gn_solids *solids,
+                              const gn_zones *zones, size_t zone, gn_zone_figures *f) {
     zone_sums sums[GN_ZONE_MATERIALS] = {{0}};
-    add_particles(w, zone, f, sums);
-    add_bonds(w, zone, f, sums);
-    const double solid = 1.0 - gn_world_porosity(w);
+    add_particles(ctx, dem, solids, zones, zone, f, sums);
+    add_bonds(ctx, dem, solids, zones, zone, f, sums);
+    const double solid = 1.0 - gn_world_porosity(ctx, dem, boundary, solids);
     for (size_t k = 0; k < f->materials; k++)
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
 /* What of the body elements leave in one of the zone; 0: it is none, or leaves all of it, which its
  * volume does not say. */
-static double left_by(const gn_world *w, size_t zone, size_t e) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static double left_by(const gn_step_context *ctx, const gn_solids *solids, size_t zone, size_t e) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     double centre[3] = {0.0}, share = 0.0;
     for (int a = 0; a <= b->dimension; a++) {
         const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
         for (int k = 0; k < b->dimension; k++) centre[k] += x[k] / (b->dimension + 1);
-        share += gn_zones_share(&w->scene, x) / (b->dimension + 1);
+        share += gn_zones_share(&ctx->scene, x) / (b->dimension + 1);
     }
-    return inside(gn_zone_place(&w->scene.couple.zones[zone], b->dimension, centre)) && share > 0.0
+    return inside(gn_zone_place(&ctx->scene.couple.zones[zone], b->dimension, centre)) &&
+                   share > 0.0
                ? 1.0 - share
                : 0.0;
 }
 
 /* A lattice that begins on the plane through `from` has half a row too many there. */
-static void measure_mass(const gn_world *w, size_t zone, gn_zone_figures *f) {
-    const gn_coupled *c = w->coupled;
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_particles *q = &w->dem.particles;
+static void measure_mass(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                         const gn_zones *zones, size_t zone, gn_zone_figures *f) {
+    const gn_coupled *c = zones->coupled;
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const gn_particles *q = &dem->particles;
     double left = 0.0, mass = 0.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
-        const double part = left_by(w, zone, e); /* the volume is that of the elements' own part */
+        const double part =
+            left_by(ctx, solids, zone, e); /* the volume is that of the elements' own part */
         left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
     }
     for (size_t k = 0; k < c->ties.count; k++) {
         const size_t p = (size_t)c->place[k];
-        if (c->place[k] < 0 || !(left_by(w, zone, (size_t)c->ties.tie[k].element) > 0.0)) continue;
+        if (c->place[k] < 0 || !(left_by(ctx, solids, zone, (size_t)c->ties.tie[k].element) > 0.0))
+            continue;
         mass += q->blend[2 * p] / (q->vel[4 * p + 3] * q->blend[2 * p + 1]);
     }
     f->mass = left > 0.0 ? mass / left : 1.0;
@@ -365,9 +379,9 @@ bool gn_zone_is_off(const gn_zone_figures *f) {
     return f->mass < 0.9 || f->mass > 1.1 + f->diameter / f->width;
 }
 
-size_t gn_coupled_broken(const gn_world *w) {
-    const gn_contacts *bonds = &w->dem.bonds;
-    const double *blend = w->dem.particles.blend;
+size_t gn_coupled_broken(const gn_dem *dem) {
+    const gn_contacts *bonds = &dem->bonds;
+    const double *blend = dem->particles.blend;
     size_t count = 0;
     for (size_t c = 0; blend && bonds->cause && c < bonds->soa.count; c++)
         count += gn_broken(bonds->cause[c]) &&
@@ -375,10 +389,11 @@ size_t gn_coupled_broken(const gn_world *w) {
     return count;
 }
 
-void gn_zone_measure(const gn_world *w, size_t k, gn_zone_figures *f) {
-    *f = (gn_zone_figures){.width =
-                               gn_zone_width(&w->scene.couple.zones[k], (int)w->scene.dimension)};
-    measure_elements(w, k, f);
-    measure_particles(w, k, f);
-    measure_mass(w, k, f);
+void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_solids *solids, const gn_zones *zones, size_t k, gn_zone_figures *f) {
+    *f = (gn_zone_figures){
+        .width = gn_zone_width(&ctx->scene.couple.zones[k], (int)ctx->scene.dimension)};
+    measure_elements(ctx, solids, k, f);
+    measure_particles(ctx, dem, boundary, solids, zones, k, f);
+    measure_mass(ctx, dem, solids, zones, k, f);
 }

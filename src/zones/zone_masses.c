@@ -6,45 +6,45 @@
 #include <math.h>
 #include <string.h>
 
-void gn_masses_remember(const gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+void gn_masses_remember(const gn_solids *solids, gn_coupled *q) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
 }
 
 /* Loads, without gravity and background damping, which join them by the lump: that is right of the
  * first, and what the second is proportional to. */
-static void set_system(const gn_world *w, gn_coupled *q) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const double interval = 0.5 * (w->dt_past + w->dt);
+static void set_system(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const double interval = 0.5 * (ctx->dt_past + ctx->dt);
     gn_consistent *y = &q->consistent;
-    y->threads = w->threads;
+    y->threads = ctx->threads;
     for (size_t n = 0; n < q->ties.nodes; n++) {
         const size_t node = (size_t)q->ties.node[n];
         const int32_t slot = b->prescribed.count ? b->nodes.slot[node] : -1;
         const double *row = gn_hold_load(&b->hold, 4, node), *v = b->nodes.vel + 4 * node;
         y->whole[n] = 1.0 / v[3];
         for (size_t a = 0; a < 3; a++) {
-            const bool there = a < (size_t)w->scene.dimension;
+            const bool there = a < (size_t)ctx->scene.dimension;
             y->fixed[3 * n + a] = !there || (slot >= 0 && b->prescribed.mask[slot] >> a & 1);
             y->load[3 * n + a] = there ? row[a] + b->nodes.applied[4 * node + a] : 0.0;
             y->rate[3 * n + a] =
-                there && y->fixed[3 * n + a] && w->dt_past > 0.0
+                there && y->fixed[3 * n + a] && ctx->dt_past > 0.0
                     ? (b->prescribed.velocity[6 * (size_t)slot + a] - v[a]) / interval
                     : 0.0;
         }
     }
 }
 
-void gn_masses_correct(gn_world *w, gn_coupled *q) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
     gn_consistent *y = &q->consistent;
-    set_system(w, q);
+    set_system(ctx, solids, q);
     gn_consistent_solve(y);
     gn_consistent_difference(y, y->rate, y->work[0]);
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
-        for (int a = 0; a < (int)w->scene.dimension; a++) row[a] += y->work[0][3 * n + a];
+        for (int a = 0; a < (int)ctx->scene.dimension; a++) row[a] += y->work[0][3 * n + a];
     }
 }
 
@@ -52,11 +52,11 @@ void gn_masses_correct(gn_world *w, gn_coupled *q) {
  * without it, leaves M dv/dt = f - a M v of the consistent ones: lump dv/dt = f + (lump - M) r - a
  * lump v with f = M r is dv/dt = r - a v. What it takes is that of M. In the halves before and
  * after the instant, as of nodes. */
-static void book_damping(const gn_world *w, gn_coupled *q) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+static void book_damping(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
     gn_consistent *y = &q->consistent;
     double *mean = y->work[1], *over = y->work[0], past = 0.0, coming = 0.0;
-    if (!(w->effects & GN_FX_VISCOUS)) return;
+    if (!(ctx->effects & GN_FX_VISCOUS)) return;
     for (size_t n = 0; n < q->ties.nodes; n++)
         for (size_t a = 0; a < 3; a++)
             mean[3 * n + a] =
@@ -67,45 +67,46 @@ static void book_damping(const gn_world *w, gn_coupled *q) {
             past += over[3 * n + a] * q->before[3 * n + a];
             coming += over[3 * n + a] * b->nodes.vel[4 * (size_t)q->ties.node[n] + a];
         }
-    past *= -0.5 * w->dt_past * b->damping_coefficient;
-    b->energy.damping += past - 0.5 * w->dt * b->damping_coefficient * coming;
+    past *= -0.5 * ctx->dt_past * b->damping_coefficient;
+    b->energy.damping += past - 0.5 * ctx->dt * b->damping_coefficient * coming;
     if (b->measured) b->reading.damping += past;
 }
 
 /* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
-static void find_kinetic(gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+static void find_kinetic(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes;
     gn_consistent *y = &q->consistent;
     double *now = y->work[1];
     q->kinetic = 0.0;
     for (size_t n = 0; n < q->ties.nodes; n++)
         for (size_t a = 0; a < 3; a++) {
             now[3 * n + a] = nodes->vel[4 * (size_t)q->ties.node[n] + a];
-            if (!(w->dt_past > 0.0))
+            if (!(ctx->dt_past > 0.0))
                 q->before[3 * n + a] = 2.0 * q->before[3 * n + a] - now[3 * n + a];
         }
     gn_consistent_difference(y, now, y->work[0]);
     for (size_t k = 0; k < 3 * q->ties.nodes; k++) q->kinetic -= 0.5 * q->before[k] * y->work[0][k];
-    if (w->step > 0) return;
-    gn_coupled_solid(w)->energy.stored_at_start += q->kinetic;
-    gn_coupled_solid(w)->reading.stored_at_start += q->kinetic;
+    if (ctx->step > 0) return;
+    gn_coupled_solid(solids)->energy.stored_at_start += q->kinetic;
+    gn_coupled_solid(solids)->reading.stored_at_start += q->kinetic;
 }
 
-void gn_masses_book(gn_world *w, gn_coupled *q) {
-    book_damping(w, q);
-    find_kinetic(w, q);
+void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q) {
+    book_damping(ctx, solids, q);
+    find_kinetic(ctx, solids, q);
 }
 
 /* v_i = N_a v_a, so that a force at the place of i moves it by N_a N_a/m_a. Of consistent masses
  * at least those of the nodes alone and the particle's own are in the way: with y = N_a N_a/m_a of
  * these (D + m N N^T)^-1 gives y/(1 + m y) there. Driven nodes count as free. */
-void gn_coupled_give(const gn_world *w, double *inverse) {
-    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+void gn_coupled_give(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     const gn_zones *zones, double *inverse) {
+    const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q || q->stiffness) return;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     for (size_t k = 0; k < q->ties.count; k++) {
         const gn_tie *t = &q->ties.tie[k];
-        const int32_t p = w->dem.index_of_id[t->id];
+        const int32_t p = dem->index_of_id[t->id];
         double give = 0.0;
         if (p < 0 || !(inverse[p] > 0.0)) continue;
         for (int a = 0; a < q->ties.corners; a++) {

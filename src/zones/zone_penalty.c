@@ -13,23 +13,25 @@
 #include <math.h>
 
 /* m: from a particle to where the elements have taken its place. */
-static void gap_of(const gn_world *w, const gn_coupled *q, size_t k, double gap[3]) {
-    const gn_particles *a = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
+static void gap_of(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q, size_t k,
+                   double gap[3]) {
+    const gn_particles *a = &dem->particles, *nodes = &gn_coupled_solid(solids)->nodes;
     const size_t p = 4 * (size_t)q->place[k];
     gn_tie_travel(&q->ties, k, nodes, gap);
     for (size_t c = 0; c < 3; c++) gap[c] -= a->pos[p + c] - a->start[p + c];
 }
 
 /* m/s, the same of velocities, of centres. */
-static void slip_of(const gn_world *w, const gn_coupled *q, size_t k, double slip[3]) {
-    const double *v = w->dem.particles.vel + 4 * (size_t)q->place[k];
-    gn_tie_mean(&q->ties, k, gn_coupled_solid(w)->nodes.vel, slip);
+static void slip_of(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q, size_t k,
+                    double slip[3]) {
+    const double *v = dem->particles.vel + 4 * (size_t)q->place[k];
+    gn_tie_mean(&q->ties, k, gn_coupled_solid(solids)->nodes.vel, slip);
     for (size_t c = 0; c < 3; c++) slip[c] -= v[c];
 }
 
 /* rad/s of the particle; nothing where particles do not turn. */
-static void spin_of(const gn_world *w, const gn_coupled *q, size_t k, double spin[3]) {
-    const double *all = w->dem.particles.spin;
+static void spin_of(const gn_dem *dem, const gn_coupled *q, size_t k, double spin[3]) {
+    const double *all = dem->particles.spin;
     for (size_t c = 0; c < 3; c++) spin[c] = all ? all[4 * (size_t)q->place[k] + c] : 0.0;
 }
 
@@ -45,13 +47,14 @@ static void sum_over_ties(const gn_ties *t, const double *of, double *sum) {
     }
 }
 
-static double node_mass(const gn_world *w, const gn_coupled *q, size_t n) {
-    return 1.0 / gn_coupled_solid(w)->nodes.vel[4 * (size_t)q->ties.node[n] + 3];
+static double node_mass(const gn_solids *solids, const gn_coupled *q, size_t n) {
+    return 1.0 / gn_coupled_solid(solids)->nodes.vel[4 * (size_t)q->ties.node[n] + 3];
 }
 
-void gn_penalty_set(const gn_world *w, gn_coupled *q) {
+void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                    const gn_zones *zones, gn_coupled *q) {
     const gn_ties *t = &q->ties;
-    const double w2 = w->couple.frequency * w->couple.frequency;
+    const double w2 = zones->state.frequency * zones->state.frequency;
     double *sum = q->sum;
     sum_over_ties(t, NULL, sum);
     for (size_t k = 0; k < t->count; k++) {
@@ -61,37 +64,39 @@ void gn_penalty_set(const gn_world *w, gn_coupled *q) {
             /* Of who lies on a side rounding may give the corner across it a part, of either sign.
              */
             if (!(t->tie[k].shape[a] > 1e-9)) continue;
-            mass += t->tie[k].shape[a] * node_mass(w, q, n) / sum[n];
+            mass += t->tie[k].shape[a] * node_mass(solids, q, n) / sum[n];
         }
-        double inverse = q->place[k] >= 0 ? w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+        double inverse = q->place[k] >= 0 ? dem->particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
         own = inverse > 0.0 ? 1.0 / inverse : 0.0;
         double both = own > 0.0 && mass > 0.0 ? own * mass / (own + mass) : 0.0;
-        q->stiffness[k] = w->scene.couple.penalty * w2 * both;
-        q->viscosity[k] = 2.0 * w->scene.couple.penalty_damping * sqrt(q->stiffness[k] * both);
+        q->stiffness[k] = ctx->scene.couple.penalty * w2 * both;
+        q->viscosity[k] = 2.0 * ctx->scene.couple.penalty_damping * sqrt(q->stiffness[k] * both);
     }
 }
 
 /* What springs add to w_D^2 and w_F^2, without the factors of e. */
-static void added(const gn_world *w, gn_coupled *q, double most[2]) {
+static void added(const gn_dem *dem, const gn_solids *solids, gn_coupled *q, double most[2]) {
     const gn_ties *t = &q->ties;
     most[0] = most[1] = 0.0;
     for (size_t k = 0; k < t->count; k++)
         if (q->place[k] >= 0)
             most[0] =
-                fmax(most[0], q->stiffness[k] * w->dem.particles.vel[4 * (size_t)q->place[k] + 3]);
+                fmax(most[0], q->stiffness[k] * dem->particles.vel[4 * (size_t)q->place[k] + 3]);
     sum_over_ties(t, q->stiffness, q->sum);
-    for (size_t n = 0; n < t->nodes; n++) most[1] = fmax(most[1], q->sum[n] / node_mass(w, q, n));
+    for (size_t n = 0; n < t->nodes; n++)
+        most[1] = fmax(most[1], q->sum[n] / node_mass(solids, q, n));
 }
 
-void gn_coupled_stiffen(gn_world *w) {
+void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                        gn_zones *zones) {
     double most[2], particles, elements, low = 1e-6, high = 1e6;
-    gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+    gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q || !q->stiffness) return;
-    particles = 2.0 / w->dem.stable;
-    elements = 2.0 / gn_elements_stable(w);
-    w->couple.frequency = particles;
-    gn_penalty_set(w, q);
-    added(w, q, most);
+    particles = 2.0 / dem->stable;
+    elements = 2.0 / gn_elements_stable(solids);
+    zones->state.frequency = particles;
+    gn_penalty_set(ctx, dem, solids, zones, q);
+    added(dem, solids, q, most);
     for (int round = 0; round < 60; round++) { /* one rises with e and one falls */
         double e = sqrt(low * high);
         bool above = particles * particles + (1.0 + e) * most[0] >
@@ -99,9 +104,9 @@ void gn_coupled_stiffen(gn_world *w) {
         *(above ? &high : &low) = e;
     }
     /* A dashpot of the share xi of critical takes sqrt(1 + xi^2) - xi of the step of its spring. */
-    double xi = w->scene.couple.penalty_damping, faster = sqrt(1.0 + xi * xi) + xi;
-    w->couple.rate[0] = 0.5 * sqrt((1.0 + high) * most[0]) * faster;
-    w->couple.rate[1] = 0.5 * sqrt((1.0 + 1.0 / high) * most[1]) * faster;
+    double xi = ctx->scene.couple.penalty_damping, faster = sqrt(1.0 + xi * xi) + xi;
+    zones->state.rate[0] = 0.5 * sqrt((1.0 + high) * most[0]) * faster;
+    zones->state.rate[1] = 0.5 * sqrt((1.0 + 1.0 / high) * most[1]) * faster;
 }
 
 /* --- its part of a step --- */
@@ -109,64 +114,67 @@ void gn_coupled_stiffen(gn_world *w) {
 /* A dashpot pulls across the gap as well: on a particle that turns it acts where the elements have
  * its point, at the end of the gap, and so turns it: the forces on both sides are in a line. N m.
  */
-static void turn(gn_world *w, gn_coupled *q, size_t k, int width, const double gap[3],
+static void turn(gn_dem *dem, gn_coupled *q, size_t k, int width, const double gap[3],
                  const double drag[3]) {
     const size_t at = width == 8 ? 4 : 0;
-    double *row = gn_hold_load(&w->dem.hold, width, (size_t)q->place[k]);
+    double *row = gn_hold_load(&dem->hold, width, (size_t)q->place[k]);
     gn_cross3(gap, drag, q->twist[k]);
-    for (size_t a = width == 8 ? 0 : 2; w->dem.particles.spin && a < 3; a++)
+    for (size_t a = width == 8 ? 0 : 2; dem->particles.spin && a < 3; a++)
         row[at + a] += q->twist[k][a];
 }
 
-static void pull(gn_world *w, gn_coupled *q, size_t k, int width) {
+static void pull(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids, gn_coupled *q,
+                 size_t k, int width) {
     double gap[3], slip[3], spin[3], with[3];
     q->stored[k] = q->lost[k] = 0.0;
     q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
     if (q->place[k] < 0) return;
-    gap_of(w, q, k, gap);
-    slip_of(w, q, k, slip);
-    spin_of(w, q, k, spin);
+    gap_of(dem, solids, q, k, gap);
+    slip_of(dem, solids, q, k, slip);
+    spin_of(dem, q, k, spin);
     gn_cross3(spin, gap, with);
-    double *row = gn_hold_load(&w->dem.hold, width, (size_t)q->place[k]);
-    for (int a = 0; a < (int)w->scene.dimension; a++) {
+    double *row = gn_hold_load(&dem->hold, width, (size_t)q->place[k]);
+    for (int a = 0; a < (int)ctx->scene.dimension; a++) {
         slip[a] -= with[a];
         double viscous = q->viscosity[k] * slip[a], force = q->stiffness[k] * gap[a] + viscous;
         q->stored[k] += 0.5 * q->stiffness[k] * gap[a] * gap[a];
-        q->lost[k] += 0.5 * w->dt_past * viscous * slip[a];
+        q->lost[k] += 0.5 * ctx->dt_past * viscous * slip[a];
         q->drag[k][a] = viscous;
         row[a] += force;
         q->load[k][a] = -force;
     }
-    if (q->viscosity[k] > 0.0) turn(w, q, k, width, gap, q->drag[k]);
+    if (q->viscosity[k] > 0.0) turn(dem, q, k, width, gap, q->drag[k]);
 }
 
 /* The tie of a particle that a spring holds; q->ties.count: none does. */
-static size_t spring_of(const gn_world *w, size_t particle) {
-    const gn_coupled *q = w->coupled;
-    const gn_tie *tie = q->stiffness ? gn_coupled_tie(q, w->dem.particles.id[particle]) : NULL;
+static size_t spring_of(const gn_dem *dem, const gn_zones *zones, size_t particle) {
+    const gn_coupled *q = zones->coupled;
+    const gn_tie *tie = q->stiffness ? gn_coupled_tie(q, dem->particles.id[particle]) : NULL;
     return tie ? (size_t)(tie - q->ties.tie) : q->ties.count;
 }
 
-double gn_penalty_stiffness(const gn_world *w, size_t particle) {
-    if (!w->scene.has_couple) return 0.0;
-    const gn_coupled *q = w->coupled;
-    const size_t k = spring_of(w, particle);
+double gn_penalty_stiffness(const gn_step_context *ctx, const gn_dem *dem, const gn_zones *zones,
+                            size_t particle) {
+    if (!ctx->scene.has_couple) return 0.0;
+    const gn_coupled *q = zones->coupled;
+    const size_t k = spring_of(dem, zones, particle);
     return k < q->ties.count ? q->stiffness[k] : 0.0;
 }
 
-double gn_penalty_opens(const gn_world *w, size_t particle, const double n[3]) {
+double gn_penalty_opens(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                        const gn_zones *zones, size_t particle, const double n[3]) {
     double gap[3], slip[3], spin[3], with[3], sum = 0.0;
-    if (!w->scene.has_couple) return 0.0;
-    const gn_coupled *q = w->coupled;
-    const size_t k = spring_of(w, particle);
+    if (!ctx->scene.has_couple) return 0.0;
+    const gn_coupled *q = zones->coupled;
+    const size_t k = spring_of(dem, zones, particle);
     if (k == q->ties.count) return 0.0;
-    gap_of(w, q, k, gap);
-    slip_of(w, q, k, slip);
-    spin_of(w, q, k, spin);
+    gap_of(dem, solids, q, k, gap);
+    slip_of(dem, solids, q, k, slip);
+    spin_of(dem, q, k, spin);
     gn_cross3(spin, gap, with);
     for (size_t a = 0; a < 3; a++)
         sum -= n[a] * (q->stiffness[k] * gap[a] + q->viscosity[k] * (slip[a] - with[a]));
-    return sum * w->dem.particles.vel[4 * particle + 3];
+    return sum * dem->particles.vel[4 * particle + 3];
 }
 
 static double total(const double *of, size_t count) {
@@ -177,12 +185,13 @@ static double total(const double *of, size_t count) {
 
 gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
-    const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
+    const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
     (void)error;
-#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
-    for (size_t k = 0; k < q->ties.count; k++) pull(w, q, k, width);
-    gn_coupled_hand_to_nodes(w, q);
-    w->energy.coupling_damping += total(q->lost, q->ties.count);
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
+    for (size_t k = 0; k < q->ties.count; k++) pull(&w->ctx, &w->dem, &w->solids, q, k, width);
+    gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
+    w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
     return GNEISS_OK;
 }
 
@@ -194,13 +203,13 @@ gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error)
         double slip[3], spin[3];
         q->lost[k] = 0.0;
         if (q->place[k] < 0 || !(q->viscosity[k] > 0.0)) continue;
-        slip_of(w, q, k, slip);
-        spin_of(w, q, k, spin);
-        for (int a = 0; a < (int)w->scene.dimension; a++)
-            q->lost[k] += 0.5 * w->dt * q->drag[k][a] * slip[a];
-        q->lost[k] -= 0.5 * w->dt * gn_dot3(q->twist[k], spin);
+        slip_of(&w->dem, &w->solids, q, k, slip);
+        spin_of(&w->dem, q, k, spin);
+        for (int a = 0; a < (int)w->ctx.scene.dimension; a++)
+            q->lost[k] += 0.5 * w->ctx.dt * q->drag[k][a] * slip[a];
+        q->lost[k] -= 0.5 * w->ctx.dt * gn_dot3(q->twist[k], spin);
     }
-    w->energy.coupling_damping += total(q->lost, q->ties.count);
+    w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
     return GNEISS_OK;
 }
 

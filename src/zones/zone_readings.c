@@ -8,24 +8,27 @@
 #include <math.h>
 
 /* Elements carry all of the stress of who sleeps in them. */
-static bool add_to_sleepers(const gn_world *w, const double (*stress)[6], double *sigma) {
-    const bool space = w->scene.dimension == 3;
-    int32_t *place = gn_conversion_places(w);
-    for (size_t p = 0; place && p < w->dem.particles.soa.count; p++)
-        for (int c = 0; c < 6 && gn_is_asleep(w, p); c++)
+static bool add_to_sleepers(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                            const double (*stress)[6], double *sigma) {
+    const bool space = ctx->scene.dimension == 3;
+    int32_t *place = gn_conversion_places(ctx, solids);
+    for (size_t p = 0; place && p < dem->particles.soa.count; p++)
+        for (int c = 0; c < 6 && gn_is_asleep(dem, p); c++)
             if (space || c < 2 || c == 3)
-                sigma[6 * p + (size_t)c] = stress[place[gn_home_id(w, p)]][c];
-    const bool held = place || !gn_converts(w);
+                sigma[6 * p + (size_t)c] = stress[place[gn_home_id(dem, p)]][c];
+    const bool held = place || !gn_converts(ctx);
     gn_free(place);
     return held;
 }
 
 /* Contacts of a particle of a zone carry its part of the body's stress, elements the other part. In
  * the plane elements have a stress across it, which contacts have not. */
-gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_error *error) {
-    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_solids *solids, const gn_zones *zones, double *sigma,
+                                    gneiss_error *error) {
+    const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return GNEISS_OK;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     const bool space = b->dimension == 3;
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
     if (!stress)
@@ -35,25 +38,26 @@ gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_err
     for (size_t k = 0; k < q->ties.count; k++) {
         if (q->place[k] < 0) continue;
         const size_t p = (size_t)q->place[k];
-        const double share = 1.0 - w->dem.particles.blend[2 * p];
+        const double share = 1.0 - dem->particles.blend[2 * p];
         for (int c = 0; c < 6; c++)
             if (space || c < 2 || c == 3)
                 sigma[6 * p + (size_t)c] += share * stress[q->ties.tie[k].element][c];
     }
-    const bool held = add_to_sleepers(w, (const double(*)[6])stress, sigma);
+    const bool held = add_to_sleepers(ctx, dem, solids, (const double(*)[6])stress, sigma);
     gn_free(stress);
     return held ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stress of particles");
 }
 
 /* The place of the element that a particle is in, of the elements that are there; -1: of none. */
-static int32_t *elements_of(const gn_world *w) {
-    const gn_coupled *q = w->coupled;
-    const size_t n = w->dem.particles.soa.count;
-    int32_t *place = gn_conversion_places(w);
+static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                            const gn_zones *zones) {
+    const gn_coupled *q = zones->coupled;
+    const size_t n = dem->particles.soa.count;
+    int32_t *place = gn_conversion_places(ctx, solids);
     int32_t *element = gn_alloc_array(n + 1, sizeof *element);
-    if (element && (place || !gn_converts(w))) {
-        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_home_id(w, p)] : -1;
+    if (element && (place || !gn_converts(ctx))) {
+        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_home_id(dem, p)] : -1;
         for (size_t k = 0; k < q->ties.count; k++)
             if (q->place[k] >= 0) element[q->place[k]] = q->ties.tie[k].element;
     } else {
@@ -64,11 +68,13 @@ static int32_t *elements_of(const gn_world *w) {
     return element;
 }
 
-gneiss_status gn_coupled_mean_stress(const gn_world *w, double sigma[9], gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_fem_solid *b = gn_coupled_solid(w);
+gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_solids *solids, const gn_zones *zones,
+                                     double sigma[9], gneiss_error *error) {
+    const gn_particles *q = &dem->particles;
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     const int row[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-    int32_t *element = elements_of(w);
+    int32_t *element = elements_of(ctx, dem, solids, zones);
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
     double volume = 0.0;
     const bool held = element && stress;
@@ -89,8 +95,8 @@ gneiss_status gn_coupled_mean_stress(const gn_world *w, double sigma[9], gneiss_
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mean stress of elements");
 }
 
-size_t gn_coupled_lost(const gn_world *w) {
-    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+size_t gn_coupled_lost(const gn_step_context *ctx, const gn_zones *zones) {
+    const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     size_t count = 0;
     for (size_t k = 0; q && k < q->ties.count; k++) count += q->place[k] < 0;
     return count;
@@ -118,25 +124,26 @@ static double returned(const gn_fem_solid *b, size_t e, const double n[3], doubl
     return density * q->volume[e] * wave * wave;
 }
 
-double gn_coupled_returned(const gn_world *w, size_t k) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+double gn_coupled_returned(const gn_step_context *ctx, const gn_solids *solids, size_t k) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     double n[3], sum = 0.0;
-    gn_zone_direction(&w->scene.couple.zones[k], b->dimension, n);
+    gn_zone_direction(&ctx->scene.couple.zones[k], b->dimension, n);
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool whole = true;
         for (int a = 0; a <= b->dimension; a++) {
             const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
-            whole = whole && gn_zones_share(&w->scene, x) >= 1.0 - GN_ZONE_ROUNDING;
+            whole = whole && gn_zones_share(&ctx->scene, x) >= 1.0 - GN_ZONE_ROUNDING;
         }
-        if (whole) sum += returned(b, e, n, 0.5 * w->dt_past);
+        if (whole) sum += returned(b, e, n, 0.5 * ctx->dt_past);
     }
     return sum;
 }
 
-double gn_coupled_returned_share(const gn_world *w, size_t k) {
-    const gn_energy *e = &w->reading;
+double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *solids,
+                                 const gn_ledger *ledger, size_t k) {
+    const gn_energy *e = &ledger->reading;
     const double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
                          fabs(e->work_gravity) + fabs(e->work_walls);
     const double least = 1e-3 * e->passed; /* which rounding is in, generously */
-    return there > least ? gn_coupled_returned(w, k) / there : NAN;
+    return there > least ? gn_coupled_returned(ctx, solids, k) / there : NAN;
 }

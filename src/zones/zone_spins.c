@@ -34,9 +34,10 @@ typedef struct turned_list {
     double *inertias; /* [nodes of ties] kg m2, sum of the elements at a node */
 } turned_list;
 
-static void collect(const gn_world *w, const gn_coupled *q, turned_list *y) {
-    const gn_particles *a = &w->dem.particles;
-    for (size_t e = 0; e < gn_coupled_solid(w)->elements.soa.count; e++) y->at[e] = -1;
+static void collect(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q,
+                    turned_list *y) {
+    const gn_particles *a = &dem->particles;
+    for (size_t e = 0; e < gn_coupled_solid(solids)->elements.soa.count; e++) y->at[e] = -1;
     for (size_t k = 0; k < q->ties.count; k++) {
         const gn_tie *t = &q->ties.tie[k];
         if (q->place[k] < 0) continue;
@@ -56,8 +57,9 @@ static void collect(const gn_world *w, const gn_coupled *q, turned_list *y) {
 }
 
 /* kg: of the masses of its nodes. */
-static void add_nodes(const gn_world *w, const gn_coupled *q, const double *inertias, turned *e) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static void add_nodes(const gn_solids *solids, const gn_coupled *q, const double *inertias,
+                      turned *e) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     const gn_tie *t = &q->ties.tie[e->tie];
     for (int r = 0; r < q->ties.corners; r++) {
         const double all = 1.0 / b->nodes.vel[4 * (size_t)t->node[r] + 3];
@@ -81,10 +83,10 @@ static void solve(int n, double m[CORNERS][CORNERS], double x[CORNERS][3]) {
         }
 }
 
-static double share_of(const gn_world *w, const gn_coupled *q, turned *e) {
+static double share_of(const gn_solids *solids, const gn_coupled *q, turned *e) {
     const int n = q->ties.corners;
     double g[CORNERS][3], x[CORNERS][3], sum[9] = {0.0}, values[3], vectors[9];
-    gn_tie_gradients(&q->ties, e->tie, &gn_coupled_solid(w)->nodes, g);
+    gn_tie_gradients(&q->ties, e->tie, &gn_coupled_solid(solids)->nodes, g);
     for (int r = 0; r < n; r++)
         for (int c = 0; c < 3; c++) x[r][c] = c < n - 1 ? g[r][c] : 0.0;
     solve(n, e->mass, x);
@@ -97,12 +99,13 @@ static double share_of(const gn_world *w, const gn_coupled *q, turned *e) {
     return 0.25 * e->inertia * (trace - values[2]);
 }
 
-static double largest_share(const gn_world *w, const gn_coupled *q, turned_list *y) {
+static double largest_share(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q,
+                            turned_list *y) {
     double most = 0.0;
-    collect(w, q, y);
+    collect(dem, solids, q, y);
     for (size_t k = 0; k < y->count; k++) {
-        add_nodes(w, q, y->inertias, &y->of[k]);
-        most = fmax(most, share_of(w, q, &y->of[k]));
+        add_nodes(solids, q, y->inertias, &y->of[k]);
+        most = fmax(most, share_of(solids, q, &y->of[k]));
     }
     return most;
 }
@@ -110,19 +113,21 @@ static double largest_share(const gn_world *w, const gn_coupled *q, turned_list 
 /* Changes that are left to the safety factor of a step. */
 static const double small = 0.01;
 
-gneiss_status gn_coupled_turn_faster(gn_world *w, bool *more, gneiss_error *error) {
-    const gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_solids *solids, gn_zones *zones, bool *more,
+                                     gneiss_error *error) {
+    const gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     *more = false;
     if (!q || !q->turn) return GNEISS_OK;
-    const size_t elements = gn_coupled_solid(w)->elements.soa.count, ties = q->ties.count;
+    const size_t elements = gn_coupled_solid(solids)->elements.soa.count, ties = q->ties.count;
     turned_list y = {0};
     y.of = gn_alloc_array((ties < elements ? ties : elements) + 1, sizeof *y.of);
     y.at = gn_alloc_array(elements + 1, sizeof *y.at);
     y.inertias = gn_alloc_array(q->ties.nodes + 1, sizeof *y.inertias);
     const bool room = y.of && y.at && y.inertias;
-    const double before = w->couple.turned, now = room ? largest_share(w, q, &y) : 0.0;
+    const double before = zones->state.turned, now = room ? largest_share(dem, solids, q, &y) : 0.0;
     *more = now > (1.0 + small) * before;
-    if (*more || now < (1.0 - small) * before) w->couple.turned = now;
+    if (*more || now < (1.0 - small) * before) zones->state.turned = now;
     gn_free(y.of);
     gn_free(y.at);
     gn_free(y.inertias);

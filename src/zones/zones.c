@@ -21,16 +21,17 @@ static void coupled_free(void *context) {
     gn_free(q);
 }
 
-static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
+static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, const char *key,
                             const char *message, gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple%s: %s", w->scene.source,
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple%s: %s", ctx->scene.source,
                    where.line, where.column, key, message);
 }
 
 /* Elements end at the edge that says so: none leads on into the particles. */
-static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_couple_zone *z = &w->scene.couple.zones[zone];
+static gneiss_status check_end(const gn_step_context *ctx, const gn_solids *solids, size_t zone,
+                               gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
+    const gn_couple_zone *z = &ctx->scene.couple.zones[zone];
     char at[GN_POINT_SIZE], message[256];
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         const double *beyond = NULL;
@@ -45,8 +46,8 @@ static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *err
         snprintf(message, sizeof message,
                  "expected elements that end on the plane through `from`, found one that leads on "
                  "to %s m",
-                 gn_point_text(w->scene.origin, beyond, at));
-        return refuse(w, z->where, ".zones", message, error);
+                 gn_point_text(ctx->scene.origin, beyond, at));
+        return refuse(ctx, z->where, ".zones", message, error);
     }
     return GNEISS_OK;
 }
@@ -58,48 +59,50 @@ static bool all_zero(const gn_table *table) {
 }
 
 /* The set whose force acts on a particle, and is none of 0; -1: none does. */
-static int32_t pushed_by(const gn_world *w, size_t p) {
-    const double *force = w->dem.particles.applied;
+static int32_t pushed_by(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const double *force = dem->particles.applied;
     bool pushed = false;
     for (size_t a = 0; force && a < 3; a++) pushed = pushed || force[4 * p + a] != 0.0;
-    for (size_t k = 0; pushed && k < w->scene.set_count; k++) {
-        const gn_set_def *s = &w->scene.sets[k];
-        if (s->has_force && gn_dot3(s->force, s->force) > 0.0 && gn_set_selected(w, k, p))
+    for (size_t k = 0; pushed && k < ctx->scene.set_count; k++) {
+        const gn_set_def *s = &ctx->scene.sets[k];
+        if (s->has_force && gn_dot3(s->force, s->force) > 0.0 && gn_set_selected(ctx, dem, k, p))
             return (int32_t)k;
     }
     return -1;
 }
 
 /* The same of a motion. */
-static int32_t moved_by(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->dem.particles;
+static int32_t moved_by(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
     for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
-        const int32_t set = w->dem.channel_set[6 * q->slot[p] + k];
+        const int32_t set = dem->channel_set[6 * q->slot[p] + k];
         if (set < 0) continue;
-        const gn_motion *m = &w->scene.sets[set].motion;
+        const gn_motion *m = &ctx->scene.sets[set].motion;
         if (!all_zero(k < 3 ? &m->velocity[k] : &m->spin[k - 3])) return set;
     }
     return -1;
 }
 
 /* What is done to particles of zones is done to nodes; they may be held where nodes are held. */
-static gneiss_status check_free(const gn_world *w, const gn_tie *tie, gneiss_error *error) {
+static gneiss_status check_free(const gn_step_context *ctx, const gn_dem *dem, const gn_tie *tie,
+                                gneiss_error *error) {
     const size_t p = (size_t)tie->id;
-    const int32_t pushed = pushed_by(w, p), set = pushed >= 0 ? pushed : moved_by(w, p);
+    const int32_t pushed = pushed_by(ctx, dem, p),
+                  set = pushed >= 0 ? pushed : moved_by(ctx, dem, p);
     char key[64];
     if (set < 0) return GNEISS_OK;
-    const gn_set_def *s = &w->scene.sets[set];
+    const gn_set_def *s = &ctx->scene.sets[set];
     snprintf(key, sizeof key, "sets[%d].%s", (int)set, pushed >= 0 ? "force" : "motion");
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particles of zones that no set pushes or moves (the nodes there "
                    "lead: elements.loads, elements.motions), found particle %d of set '%s'",
-                   gn_scene_at(&w->scene, s->where, key).text, tie->id, s->name);
+                   gn_scene_at(&ctx->scene, s->where, key).text, tie->id, s->name);
 }
 
-static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
+static gneiss_status check_law(const gn_step_context *ctx, gneiss_error *error) {
     for (int bonds = 0; bonds < 2; bonds++)
-        if (!gn_law_of(gn_contact_list_effects(w->effects, bonds))->weigh)
-            return refuse(w, w->scene.couple.where, "",
+        if (!gn_law_of(gn_contact_list_effects(ctx->effects, bonds))->weigh)
+            return refuse(ctx, ctx->scene.couple.where, "",
                           "expected a contact law that can have a part of a contact, found one "
                           "that cannot",
                           error);
@@ -113,12 +116,13 @@ static bool is_in(const gn_fem_set *set, int32_t node) {
 }
 
 /* The damping of masses that driven nodes have in common with others would be part of reactions. */
-static gneiss_status check_damped(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
-    const gn_element_model *q = w->elements[0];
+static gneiss_status check_damped(const gn_step_context *ctx, const gn_solids *solids,
+                                  const gn_ties *ties, gneiss_error *error) {
+    const gn_element_model *q = solids->elements[0];
     char message[256];
-    if (!(w->effects & GN_FX_VISCOUS)) return GNEISS_OK;
+    if (!(ctx->effects & GN_FX_VISCOUS)) return GNEISS_OK;
     for (size_t k = 0; k < q->def->motion_count; k++) {
-        bool moves = w->scene.stage_count > 0;
+        bool moves = ctx->scene.stage_count > 0;
         for (int a = 0; a < 3; a++)
             moves = moves || !all_zero(&q->def->motions[k].motion.velocity[a]);
         if (q->motion[k] < 0 || !moves) continue;
@@ -128,7 +132,7 @@ static gneiss_status check_damped(const gn_world *w, const gn_ties *ties, gneiss
                      "expected no driven nodes in zones of consistent masses beside background "
                      "damping, found node %d of motion '%s'",
                      q->solid.nodes.id[ties->node[n]], q->def->motions[k].name);
-            return refuse(w, w->scene.couple.where, ".constraint", message, error);
+            return refuse(ctx, ctx->scene.couple.where, ".constraint", message, error);
         }
     }
     return GNEISS_OK;
@@ -148,45 +152,47 @@ static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
 }
 
-static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
+static gneiss_status find(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                          gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
     if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
-    if (w->scene.couple.has_convert)
-        GN_TRY(gn_conversion_ties(w, &q->ties, error));
+    if (ctx->scene.couple.has_convert)
+        GN_TRY(gn_conversion_ties(dem, solids, &q->ties, error));
     else
-        GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
+        GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &q->ties, error));
     q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
     q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
     if (!q->place || !q->load)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
                        q->ties.count);
     for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
-    if (w->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
+    if (ctx->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
         q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
         if (!q->before)
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
                            q->ties.nodes);
         GN_TRY(gn_consistent_create(&q->ties, &q->consistent, error));
-        GN_TRY(check_damped(w, &q->ties, error));
+        GN_TRY(check_damped(ctx, solids, &q->ties, error));
     }
-    if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
+    if (ctx->scene.couple.spins == GN_COUPLE_SLAVED && ctx->effects & GN_FX_ROTATION) {
         q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
         if (!q->turn)
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
                            q->ties.count);
     }
-    if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
-    return q->ties.count || w->scene.couple.has_convert
+    if (ctx->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
+    return q->ties.count || ctx->scene.couple.has_convert
                ? GNEISS_OK
-               : refuse(w, w->scene.couple.where, "", "expected particles in elements, found none",
-                        error);
+               : refuse(ctx, ctx->scene.couple.where, "",
+                        "expected particles in elements, found none", error);
 }
 
 /* Forces have the part that elements do not have; masses at least what half a distance of
  * neighbours is of the zone, so that none is without. */
-static void weigh(const gn_world *w, const gn_ties *ties) {
-    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
-    const double width = gn_zones_width(&w->scene);
+static void weigh(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                  const gn_ties *ties) {
+    const gn_particles *q = &dem->particles, *nodes = &gn_coupled_solid(solids)->nodes;
+    const double width = gn_zones_width(&ctx->scene);
     for (size_t p = 0; p < q->soa.count; p++) q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
     for (size_t k = 0; k < ties->count; k++) {
         const gn_tie *t = &ties->tie[k];
@@ -194,7 +200,7 @@ static void weigh(const gn_world *w, const gn_ties *ties) {
         double elements = 0.0;
         for (int a = 0; a < ties->corners; a++)
             elements +=
-                t->shape[a] * gn_zones_share(&w->scene, nodes->start + 4 * (size_t)t->node[a]);
+                t->shape[a] * gn_zones_share(&ctx->scene, nodes->start + 4 * (size_t)t->node[a]);
         q->blend[2 * p] = fmin(fmax(1.0 - elements, 0.0), 1.0);
         q->blend[2 * p + 1] = fmin(fmax(q->blend[2 * p], q->pos[4 * p + 3] / width), 1.0);
         q->vel[4 * p + 3] /= q->blend[2 * p + 1];
@@ -203,25 +209,26 @@ static void weigh(const gn_world *w, const gn_ties *ties) {
 }
 
 /* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
-static void sum_carried(const gn_world *w, const gn_coupled *q) {
+static void sum_carried(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q) {
     for (size_t n = 0; n < q->ties.nodes; n++) {
-        double *carried = &gn_coupled_solid(w)->carried[q->ties.node[n]];
+        double *carried = &gn_coupled_solid(solids)->carried[q->ties.node[n]];
         *carried = 0.0;
         for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
             const gn_tie_share *share = &q->ties.share[s];
-            const int32_t p = w->dem.index_of_id[q->ties.tie[share->tie].id];
+            const int32_t p = dem->index_of_id[q->ties.tie[share->tie].id];
             if (q->place[share->tie] < 0 || p < 0) continue; /* it leaves, or has left */
-            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)p + 3];
+            double mass = 1.0 / dem->particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
     }
 }
 
-static gneiss_status lump(gn_world *w, const gn_coupled *q, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+static gneiss_status lump(const gn_dem *dem, const gn_solids *solids, const gn_coupled *q,
+                          gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
     b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
     if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
-    sum_carried(w, q);
+    sum_carried(dem, solids, q);
     return GNEISS_OK;
 }
 
@@ -235,31 +242,31 @@ static void load_nodes(gn_fem_solid *b) {
 /* --- its part of a step --- */
 
 /* Masses that tie nodes to each other, of the particles that are there; scratch: loads. */
-static void weigh_consistent(const gn_world *w, gn_coupled *q) {
+static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
     double *mass = &q->load[0][0];
     for (size_t k = 0; k < q->ties.count; k++)
-        mass[k] = q->place[k] >= 0 ? 1.0 / w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+        mass[k] = q->place[k] >= 0 ? 1.0 / dem->particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
     gn_consistent_weigh(&q->consistent, mass);
 }
 
-static void find_places(const gn_world *w, gn_coupled *q) {
+static void find_places(const gn_dem *dem, gn_coupled *q) {
     for (size_t k = 0; k < q->ties.count; k++) {
-        const int32_t p = w->dem.index_of_id[q->ties.tie[k].id];
-        q->place[k] = p >= 0 && w->dem.particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
+        const int32_t p = dem->index_of_id[q->ties.tie[k].id];
+        q->place[k] = p >= 0 && dem->particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
     }
 }
 
 static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
-    gn_fem_solid *b = gn_coupled_solid(w);
-    find_places(w, q);
+    gn_fem_solid *b = gn_coupled_solid(&w->solids);
+    find_places(&w->dem, q);
     for (size_t k = 0; k < q->ties.count; k++)
         if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
     if (q->stiffness)
-        gn_penalty_set(w, q); /* particles may have left */
+        gn_penalty_set(&w->ctx, &w->dem, &w->solids, &w->zones, q); /* particles may have left */
     else if (!b->carried)
-        GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
-    if (q->before) weigh_consistent(w, q);
+        GN_TRY(lump(&w->dem, &w->solids, q, error)); /* resumed: nodes have it already */
+    if (q->before) weigh_consistent(&w->dem, q);
     for (size_t n = 0; n < q->ties.nodes; n++)
         GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
     return GNEISS_OK;
@@ -267,15 +274,15 @@ static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
 
 /* Takes the force of a particle away, so that what it moves by itself and what that costs are zero:
  * its mass is at the nodes, and so is its weight. */
-static void take(gn_world *w, int width, size_t p, double load[3]) {
-    const gn_particles *q = &w->dem.particles;
-    double *row = gn_hold_load(&w->dem.hold, width, p), *v = q->vel + 4 * p;
+static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, double load[3]) {
+    const gn_particles *q = &dem->particles;
+    double *row = gn_hold_load(&dem->hold, width, p), *v = q->vel + 4 * p;
     const double mass = v[3] > 0.0 ? 1.0 / v[3] : 0.0;
-    for (size_t a = 0; a < (size_t)w->scene.dimension; a++) {
+    for (size_t a = 0; a < (size_t)ctx->scene.dimension; a++) {
         load[a] = row[a];
-        row[a] = w->effects & GN_FX_GRAVITY ? -(mass * w->scene.gravity[a]) : 0.0;
+        row[a] = ctx->effects & GN_FX_GRAVITY ? -(mass * ctx->scene.gravity[a]) : 0.0;
         v[a] = 0.0;
-        if (w->dem.vel_past) w->dem.vel_past[4 * p + a] = 0.0;
+        if (dem->vel_past) dem->vel_past[4 * p + a] = 0.0;
     }
 }
 
@@ -291,22 +298,23 @@ static void book(void *context, const gn_world *w, gn_energy *reading) {
  * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
  * with gradients at the present places, the moment T. Such particles have no inertia against
  * turning. */
-static void take_moment(gn_world *w, gn_coupled *q, int width, size_t k) {
+static void take_moment(gn_dem *dem, const gn_solids *solids, gn_coupled *q, int width, size_t k) {
     const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
     const bool space = width == 8;
-    double *row = gn_hold_load(&w->dem.hold, width, p), *spin = w->dem.particles.spin + 4 * p;
+    double *row = gn_hold_load(&dem->hold, width, p), *spin = dem->particles.spin + 4 * p;
     double moment[3] = {0.0}, g[4][3];
     for (size_t a = space ? 0 : 2; a < 3; a++) {
         moment[a] = 0.5 * row[at + a];
         row[at + a] = spin[a] = 0.0;
-        if (w->dem.spin_past) w->dem.spin_past[4 * p + a] = 0.0;
+        if (dem->spin_past) dem->spin_past[4 * p + a] = 0.0;
     }
-    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(w)->nodes, g);
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(solids)->nodes, g);
     for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
 }
 
-static void turn(gn_world *w, const gn_coupled *q, size_t k) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+static void turn(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                 const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
     const size_t p = 4 * (size_t)q->place[k];
     double g[4][3], sum[3] = {0.0};
     gn_tie_gradients(&q->ties, k, nodes, g);
@@ -315,7 +323,7 @@ static void turn(gn_world *w, const gn_coupled *q, size_t k) {
         gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
         for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
     }
-    for (size_t d = w->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+    for (size_t d = ctx->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
         a->spin[p + d] = sum[d];
         if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
     }
@@ -332,9 +340,10 @@ static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled 
     }
 }
 
-void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
-    gn_fem_solid *b = gn_coupled_solid(w);
-#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.nodes))
+void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_solids *solids, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(ctx, dem, q->ties.nodes))
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
         if (b->dimension == 2)
@@ -346,18 +355,19 @@ void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
 
 static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
-    const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
+    const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
     (void)error;
-    if (q->before) gn_masses_remember(w, q);
-#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))
+    if (q->before) gn_masses_remember(&w->solids, q);
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
-        if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
+        if (q->place[k] >= 0) take(&w->ctx, &w->dem, width, (size_t)q->place[k], q->load[k]);
         if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
-        if (q->turn && q->place[k] >= 0) take_moment(w, q, width, k);
+        if (q->turn && q->place[k] >= 0) take_moment(&w->dem, &w->solids, q, width, k);
     }
-    gn_coupled_hand_to_nodes(w, q);
-    if (q->before) gn_masses_correct(w, q);
+    gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
+    if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
     return GNEISS_OK;
 }
 
@@ -376,52 +386,57 @@ static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
 }
 
 /* Puts a particle where the nodes take it; returns the square of its speed. */
-static double place(gn_world *w, const gn_coupled *q, size_t k) {
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+static double place(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                    const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes, *a = &dem->particles;
     const size_t p = (size_t)q->place[k];
     double v[3], u[3];
     if (q->ties.corners == 3)
         follow_nodes(&q->ties.tie[k], nodes, 2, v, u);
     else
         follow_nodes(&q->ties.tie[k], nodes, 3, v, u);
-    for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
+    for (size_t c = 0; c < (size_t)ctx->scene.dimension; c++) {
         a->vel[4 * p + c] = v[c];
         a->pos[4 * p + c] = a->start[4 * p + c] + u[c];
         if (!a->travel_f) continue;
         a->vel_f[4 * p + c] = (float)v[c];
         a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
     }
-    if (q->turn) turn(w, q, k);
+    if (q->turn) turn(ctx, dem, solids, q, k);
     return gn_dot3(v, v);
 }
 
-static double place_all(gn_world *w, const gn_coupled *q) {
+static double place_all(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                        const gn_coupled *q) {
     double most = 0.0;
-#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(w, q->ties.count))           \
+#pragma omp parallel for schedule(static) num_threads(gn_coupled_team(ctx, dem, q->ties.count))    \
     reduction(max                                                                                  \
               : most)
     for (size_t k = 0; k < q->ties.count; k++) {
-        double speed2 = q->place[k] >= 0 ? place(w, q, k) : 0.0;
+        double speed2 = q->place[k] >= 0 ? place(ctx, dem, solids, q, k) : 0.0;
         most = speed2 > most ? speed2 : most;
     }
     return sqrt(most);
 }
 
-void gn_coupled_follow(gn_world *w) {
-    gn_coupled *q = w->coupled;
-    find_places(w, q);
-    place_all(w, q);
+void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                       gn_zones *zones) {
+    gn_coupled *q = zones->coupled;
+    find_places(dem, q);
+    place_all(ctx, dem, solids, q);
 }
 
-void gn_coupled_begin(gn_world *w) {
-    gn_coupled *q = w->coupled;
-    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
-    find_places(w, q);
+void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                      gn_zones *zones) {
+    gn_coupled *q = zones->coupled;
+    const gn_particles *nodes = &gn_coupled_solid(solids)->nodes;
+    find_places(dem, q);
     for (size_t k = 0; k < q->ties.count; k++) {
         double u[3], v[3];
         gn_tie_travel(&q->ties, k, nodes, u);
         gn_tie_mean(&q->ties, k, nodes->vel, v);
-        if (q->place[k] >= 0 && (gn_dot3(u, u) > 0.0 || gn_dot3(v, v) > 0.0)) place(w, q, k);
+        if (q->place[k] >= 0 && (gn_dot3(u, u) > 0.0 || gn_dot3(v, v) > 0.0))
+            place(ctx, dem, solids, q, k);
     }
 }
 
@@ -429,19 +444,19 @@ void gn_coupled_begin(gn_world *w) {
 static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_coupled *q = context;
-    if (q->before) gn_masses_book(w, q);
-    double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
+    if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
+    double speed = place_all(&w->ctx, &w->dem, &w->solids, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
-    d->verlet.drift += w->dt * (speed - before);
-    d->verlet.closed += 2.0 * (w->dt * (speed - before));
+    d->verlet.drift += w->ctx.dt * (speed - before);
+    d->verlet.closed += 2.0 * (w->ctx.dt * (speed - before));
     d->speed_most = speed * (1.0 + 1e-6);
-    if (w->dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
+    if (w->ctx.dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: couple: elements moved a particle of a zone farther in one "
         "step than half the smallest radius: %g m/s, smallest radius %g m; the step is "
         "%.3g s, its stability limit was estimated as %.3g s",
-        (long long)w->step, w->time, speed, d->radius_min, w->dt, w->stable);
+        (long long)w->ctx.step, w->ctx.time, speed, d->radius_min, w->ctx.dt, w->ctx.stable);
 }
 
 /* --- both ways to it --- */
@@ -453,38 +468,40 @@ static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) 
         exchange.follow = gn_penalty_follow;
         exchange.book = gn_penalty_book;
     }
-    w->coupled = q;
+    w->zones.coupled = q;
     gneiss_status status = gn_exchange_add(w, exchange, error);
-    if (status != GNEISS_OK) w->coupled = NULL;
+    if (status != GNEISS_OK) w->zones.coupled = NULL;
     return status;
 }
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
-    GN_TRY(check_law(w, error));
-    if (w->scene.couple.has_convert) {
-        GN_TRY(gn_conversion_prepare(w, error));
-        GN_TRY(find(w, q, error));
-        GN_TRY(lump(w, *q, error));
+    GN_TRY(check_law(&w->ctx, error));
+    if (w->ctx.scene.couple.has_convert) {
+        GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+        GN_TRY(find(&w->ctx, &w->dem, &w->solids, q, error));
+        GN_TRY(lump(&w->dem, &w->solids, *q, error));
         return hand_over(w, *q, error);
     }
-    for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
-    GN_TRY(find(w, q, error));
-    for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
-    GN_TRY(gn_zones_check(w, &(*q)->ties, error));
-    weigh(w, &(*q)->ties);
+    for (size_t k = 0; k < w->ctx.scene.couple.zone_count; k++)
+        GN_TRY(check_end(&w->ctx, &w->solids, k, error));
+    GN_TRY(find(&w->ctx, &w->dem, &w->solids, q, error));
+    for (size_t k = 0; k < (*q)->ties.count; k++)
+        GN_TRY(check_free(&w->ctx, &w->dem, &(*q)->ties.tie[k], error));
+    GN_TRY(gn_zones_check(&w->ctx, &w->dem, &w->solids, &(*q)->ties, error));
+    weigh(&w->ctx, &w->dem, &w->solids, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
     if (!(*q)->stiffness) {
-        GN_TRY(lump(w, *q, error));
-        load_nodes(gn_coupled_solid(w));
-        place_all(w, *q);
+        GN_TRY(lump(&w->dem, &w->solids, *q, error));
+        load_nodes(gn_coupled_solid(&w->solids));
+        place_all(&w->ctx, &w->dem, &w->solids, *q);
     }
     return hand_over(w, *q, error);
 }
 
 gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
-    if (!w->scene.has_couple) return GNEISS_OK;
+    if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = prepare(w, &q, error);
     if (status != GNEISS_OK && q) coupled_free(q);
     return status;
@@ -492,8 +509,8 @@ gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
-    if (!w->scene.has_couple) return GNEISS_OK;
-    gneiss_status status = find(w, &q, error);
+    if (!w->ctx.scene.has_couple) return GNEISS_OK;
+    gneiss_status status = find(&w->ctx, &w->dem, &w->solids, &q, error);
     if (status == GNEISS_OK) status = hand_over(w, q, error);
     if (status != GNEISS_OK && q) coupled_free(q);
     return status;
@@ -502,8 +519,8 @@ gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
 /* --- particles that leave --- */
 
 /* J: what the nodes of ties have by the masses that they carry. */
-static double carried_energy(const gn_world *w, const gn_coupled *q) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
+static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
+    const gn_fem_solid *b = gn_coupled_solid(solids);
     double sum = 0.0;
     for (size_t n = 0; n < q->ties.nodes; n++) {
         const double *v = b->nodes.vel + 4 * (size_t)q->ties.node[n];
@@ -513,25 +530,26 @@ static double carried_energy(const gn_world *w, const gn_coupled *q) {
 }
 
 /* J: what is booked as carried away by a particle that leaves, of what it does not have. */
-static double not_its_own(const gn_world *w, const gn_coupled *q, size_t p) {
-    const double *v = w->dem.particles.vel + 4 * p, *o = w->dem.particles.spin + 4 * p;
+static double not_its_own(const gn_dem *dem, const gn_coupled *q, size_t p) {
+    const double *v = dem->particles.vel + 4 * p, *o = dem->particles.spin + 4 * p;
     double sum = 0.0;
     if (!q->before && !q->stiffness) sum += 0.5 * gn_dot3(v, v) / v[3];
     if (q->turn) sum += 0.5 * gn_dot3(o, o) / o[3];
     return sum;
 }
 
-void gn_coupled_leave(gn_world *w, const int32_t *gone) {
-    gn_coupled *q = w->scene.has_couple ? w->coupled : NULL;
+void gn_coupled_leave(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
+    gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
-    gn_fem_solid *b = gn_coupled_solid(w);
-    w->couple.whole = -fabs(w->couple.whole); /* to be looked for anew */
+    gn_fem_solid *b = gn_coupled_solid(solids);
+    zones->state.whole = -fabs(zones->state.whole); /* to be looked for anew */
     const bool lumped = !q->before && !q->stiffness;
-    double before = lumped ? carried_energy(w, q) : 0.0;
+    double before = lumped ? carried_energy(solids, q) : 0.0;
     for (size_t k = 0; k < q->ties.count; k++) {
         if (q->place[k] < 0 || !gone[q->place[k]]) continue;
-        w->energy.removed -= not_its_own(w, q, (size_t)q->place[k]);
-        if (q->stiffness) w->energy.removed += q->stored[k];
+        ledger->energy.removed -= not_its_own(dem, q, (size_t)q->place[k]);
+        if (q->stiffness) ledger->energy.removed += q->stored[k];
         if (q->stiffness) q->stored[k] = 0.0;
         q->place[k] = -1;
     }
@@ -540,28 +558,30 @@ void gn_coupled_leave(gn_world *w, const int32_t *gone) {
         double *inverse = b->nodes.vel + 4 * (size_t)q->ties.node[n] + 3;
         *inverse = 1.0 / (1.0 / *inverse - b->carried[q->ties.node[n]]);
     }
-    sum_carried(w, q);
+    sum_carried(dem, solids, q);
     load_nodes(b);
-    if (lumped) w->energy.removed += before - carried_energy(w, q);
+    if (lumped) ledger->energy.removed += before - carried_energy(solids, q);
 }
 
-gneiss_status gn_coupled_again(gn_world *w, gneiss_error *error) {
+gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                               gn_zones *zones, gneiss_error *error) {
     gn_coupled *q = NULL;
-    gneiss_status status = find(w, &q, error);
+    gneiss_status status = find(ctx, dem, solids, &q, error);
     if (status != GNEISS_OK) {
         if (q) coupled_free(q);
         return status;
     }
-    coupled_free(w->coupled);
-    w->coupled = q;
-    return gn_coupled_weigh(w, error);
+    coupled_free(zones->coupled);
+    zones->coupled = q;
+    return gn_coupled_weigh(dem, solids, zones, error);
 }
 
-gneiss_status gn_coupled_weigh(gn_world *w, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(w);
+gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
+                               gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
     gn_free(b->carried);
     b->carried = NULL;
-    GN_TRY(lump(w, w->coupled, error));
+    GN_TRY(lump(dem, solids, zones->coupled, error));
     gn_fem_weigh(b);
     return GNEISS_OK;
 }

@@ -41,34 +41,45 @@ gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 
 /* Elements were converted: who follows nodes now, and the masses of these (conversion.c). */
-gneiss_status gn_coupled_again(gn_world *world, gneiss_error *error);
+gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                               gn_zones *zones, gneiss_error *error);
 /* Their masses alone. */
-gneiss_status gn_coupled_weigh(gn_world *world, gneiss_error *error);
+gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
+                               gneiss_error *error);
 /* The particles of zones are where nodes are now, with their velocities; constraint, not springs.
  */
-void gn_coupled_follow(gn_world *world);
+void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                       gn_zones *zones);
 /* At the start, when nodes have begun to move: the same, of those that nodes move, springs or not.
  */
-void gn_coupled_begin(gn_world *world);
+void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                      gn_zones *zones);
 
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (zone_penalty.c). Without springs nothing is done. */
-void gn_coupled_stiffen(gn_world *world);
+void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                        gn_zones *zones);
 /* N/m, of the spring that holds a particle of a zone; 0: none does. */
-double gn_penalty_stiffness(const gn_world *world, size_t particle);
+double gn_penalty_stiffness(const gn_step_context *ctx, const gn_dem *dem, const gn_zones *zones,
+                            size_t particle);
 /* m/s2, with which that spring and its dashpot move it against n, at the present places. */
-double gn_penalty_opens(const gn_world *world, size_t particle, const double n[3]);
+double gn_penalty_opens(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                        const gn_zones *zones, size_t particle, const double n[3]);
 /* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
  * is more than before (zone_spins.c). */
-gneiss_status gn_coupled_turn_faster(gn_world *world, bool *more, gneiss_error *error);
+gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_solids *solids, gn_zones *zones, bool *more,
+                                     gneiss_error *error);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */
-bool gn_coupled_has_limit(const gn_world *world);
-gneiss_status gn_coupled_limit(const gn_world *world, bool listed, gn_whole_limit *limit,
+bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids);
+gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const gn_solids *solids,
+                               const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error);
 /* As last looked for; NULL: not looked for. */
-const gn_whole_limit *gn_coupled_whole(const gn_world *world);
+const gn_whole_limit *gn_coupled_whole(const gn_step_context *ctx, const gn_zones *zones);
 /* "particles", "elements", "zone", and who of it: "particle 12", "a node of the mesh, 12". */
 const char *gn_side_text(gn_side side);
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
@@ -80,30 +91,37 @@ const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 
 /* [particles] 1/kg: for those of zones, under a constraint, how much the nodes give way to a force
  * at their place, instead of their own (zone_masses.c). */
-void gn_coupled_give(const gn_world *world, double *inverse);
+void gn_coupled_give(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     const gn_zones *zones, double *inverse);
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
-void gn_coupled_leave(gn_world *world, const int32_t *gone);
+void gn_coupled_leave(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                      gn_zones *zones, gn_ledger *ledger, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (zone_readings.c). */
-gneiss_status gn_coupled_add_stress(const gn_world *world, double *sigma, gneiss_error *error);
+gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_solids *solids, const gn_zones *zones, double *sigma,
+                                    gneiss_error *error);
 /* Pa, [9]: the mean over the particles' volume of what elements carry of it, where who sleeps is
  * included. */
-gneiss_status gn_coupled_mean_stress(const gn_world *world, double sigma[9], gneiss_error *error);
+gneiss_status gn_coupled_mean_stress(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_solids *solids, const gn_zones *zones,
+                                     double sigma[9], gneiss_error *error);
 /* Particles of zones that have left. */
-size_t gn_coupled_lost(const gn_world *world);
+size_t gn_coupled_lost(const gn_step_context *ctx, const gn_zones *zones);
 
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
-double gn_coupled_returned(const gn_world *world, size_t k);
+double gn_coupled_returned(const gn_step_context *ctx, const gn_solids *solids, size_t k);
 /* The same over the energy that was there at the start or has come in; NaN: there was none but
  * what rounding makes, or there is no ledger. */
-double gn_coupled_returned_share(const gn_world *world, size_t k);
+double gn_coupled_returned_share(const gn_step_context *ctx, const gn_solids *solids,
+                                 const gn_ledger *ledger, size_t k);
 
 /* Bonds that broke in zones, where elements hold together what they held all the same. */
-size_t gn_coupled_broken(const gn_world *world);
+size_t gn_coupled_broken(const gn_dem *dem);
 
 /* Of the particles in elements of one material, and of these elements, along the zone's n (of what
  * converts: along the axes, the mean of them): Pa, of an affine strain, kg/m3; what of the energy
@@ -132,7 +150,9 @@ typedef struct gn_zone_figures {
     size_t materials;
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_zone_figures;
-void gn_zone_measure(const gn_world *world, size_t k, gn_zone_figures *figures);
+void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     const gn_solids *solids, const gn_zones *zones, size_t k,
+                     gn_zone_figures *figures);
 /* Whether the particles of a zone weigh something else than what the elements leave them. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
 

@@ -6,40 +6,43 @@
 #include "world/internal.h"
 #include "zones/zones.h"
 
-static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
-    return &w->elements[0]->solid;
+static inline gn_fem_solid *gn_coupled_solid(const gn_solids *solids) {
+    return &solids->elements[0]->solid;
 }
 
 /* That each zone has elements and particles, and these are in elements and start at rest
  * (zone_check.c). */
-gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error);
+gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             const gn_ties *ties, gneiss_error *error);
 
 /* Moduli and densities of particles with these sums, N m, kg and m3, beside the elements'; on entry
  * those of the elements are sums over the particles (zone_check.c). */
 void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
-void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q);
+void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_solids *solids, gn_coupled *q);
 
 /* Consistent masses (zone_masses.c): velocities before the motion; loads that make the lump
  * move as they do; after it, what they have of kinetic energy and lose to damping beyond the lump.
  */
-void gn_masses_remember(const gn_world *w, gn_coupled *q);
-void gn_masses_correct(gn_world *w, gn_coupled *q);
-void gn_masses_book(gn_world *w, gn_coupled *q);
+void gn_masses_remember(const gn_solids *solids, gn_coupled *q);
+void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
+void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
 /* Springs instead of a constraint (zone_penalty.c): from world->couple.frequency; their part of
  * a step. */
-void gn_penalty_set(const gn_world *w, gn_coupled *q);
+void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                    const gn_zones *zones, gn_coupled *q);
 gneiss_status gn_penalty_act(void *context, gn_world *world, gneiss_error *error);
 gneiss_status gn_penalty_follow(void *context, gn_world *world, gneiss_error *error);
 void gn_penalty_book(void *context, const gn_world *world, gn_energy *reading);
 
 /* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
  * the particles have found that they wait for each other (sched/pace.h). */
-static inline int gn_coupled_team(const gn_world *w, size_t count) {
+static inline int gn_coupled_team(const gn_step_context *ctx, const gn_dem *dem, size_t count) {
     enum { FEW = 200 };
-    return count <= FEW ? 1 : w->dem.deal.team > 0 ? w->dem.deal.team : w->threads;
+    return count <= FEW ? 1 : dem->deal.team > 0 ? dem->deal.team : ctx->threads;
 }
 
 #endif

@@ -1,0 +1,24 @@
+/* The energy of a world and what was read of it. */
+#ifndef GN_FRAME_LEDGER_H
+#define GN_FRAME_LEDGER_H
+
+#include "frame/balance.h"
+#include "frame/parts.h"
+#include "measure/energy.h"
+
+/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
+ * checkpoints have them. */
+#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
+
+struct gn_ledger {
+    gn_energy energy;  /* running totals */
+    gn_energy reading; /* the ledger at the last measured instant */
+    /* Pa, average over the specimen at the last measured step, tension positive */
+    double stress[9];
+#define X(name, text) double name;
+    GN_MEASURED(X)
+#undef X
+    gn_balance balance; /* at the last measured step; no state */
+};
+
+#endif
