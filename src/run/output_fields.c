@@ -186,7 +186,7 @@ static double normal_of(const gn_output_view *v, size_t c, const double force[3]
 /* Three fields need them. */
 static void split_forces(gn_output_view *v) {
     const size_t count = v->world->dem.bonds.soa.count;
-#pragma omp parallel for schedule(static) num_threads(v->world->threads)
+#pragma omp parallel for schedule(static) num_threads(v->world->ctx.threads)
     for (size_t c = 0; c < count; c++) {
         double force[3], square = 0.0;
         force_on_first(v, c, force);

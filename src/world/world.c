@@ -432,6 +432,7 @@ void gn_world_free(gn_world *w) {
     gn_strain_gauge_free(&w->gauge.weights);
     gn_free(w->gauge.belongs);
     gn_exchanges_free(&w->features);
+    gn_coupled_free(w->zones.coupled);
     gn_free(w->stages.state);
     gn_scene_free(&w->ctx.scene);
     gn_scene_free(&w->ctx.given);

@@ -184,7 +184,8 @@ static double total(const double *of, size_t count) {
 }
 
 gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
+    gn_coupled *q = w->zones.coupled;
+    (void)context;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
     (void)error;
 #pragma omp parallel for schedule(static)                                                          \
@@ -197,7 +198,8 @@ gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
 
 /* The second half of what dashpots take. */
 gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
+    gn_coupled *q = w->zones.coupled;
+    (void)context;
     (void)error;
     for (size_t k = 0; k < q->ties.count; k++) {
         double slip[3], spin[3];
@@ -214,7 +216,7 @@ gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error)
 }
 
 void gn_penalty_book(void *context, const gn_world *w, gn_energy *reading) {
-    const gn_coupled *q = context;
-    (void)w;
+    const gn_coupled *q = w->zones.coupled;
+    (void)context;
     reading->elastic_coupling += total(q->stored, q->ties.count);
 }

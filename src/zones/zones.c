@@ -9,8 +9,8 @@
 
 /* --- making it --- */
 
-static void coupled_free(void *context) {
-    gn_coupled *q = context;
+void gn_coupled_free(gn_coupled *q) {
+    if (!q) return;
     gn_ties_free(&q->ties);
     gn_consistent_free(&q->consistent);
     void *blocks[] = {q->turn, q->before, q->stiffness, q->viscosity, q->stored,
@@ -257,7 +257,8 @@ static void find_places(const gn_dem *dem, gn_coupled *q) {
 }
 
 static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
+    gn_coupled *q = w->zones.coupled;
+    (void)context;
     gn_fem_solid *b = gn_coupled_solid(&w->solids);
     find_places(&w->dem, q);
     for (size_t k = 0; k < q->ties.count; k++)
@@ -287,8 +288,8 @@ static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, d
 }
 
 static void book(void *context, const gn_world *w, gn_energy *reading) {
-    const gn_coupled *q = context;
-    (void)w;
+    const gn_coupled *q = w->zones.coupled;
+    (void)context;
     reading->kinetic += q->kinetic;
 }
 
@@ -354,7 +355,8 @@ void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
+    gn_coupled *q = w->zones.coupled;
+    (void)context;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
     (void)error;
     if (q->before) gn_masses_remember(&w->solids, q);
@@ -443,7 +445,8 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
 /* What is kept of the particles' largest speed is that of all. */
 static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
-    gn_coupled *q = context;
+    gn_coupled *q = w->zones.coupled;
+    (void)context;
     if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
     double speed = place_all(&w->ctx, &w->dem, &w->solids, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
@@ -462,7 +465,7 @@ static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
 /* --- both ways to it --- */
 
 static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
-    gn_exchange exchange = {q, mark, act, coupled_free, follow, book};
+    gn_exchange exchange = {NULL, mark, act, NULL, follow, book};
     if (q->stiffness) {
         exchange.act = gn_penalty_act;
         exchange.follow = gn_penalty_follow;
@@ -503,7 +506,7 @@ gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = prepare(w, &q, error);
-    if (status != GNEISS_OK && q) coupled_free(q);
+    if (status != GNEISS_OK) gn_coupled_free(q);
     return status;
 }
 
@@ -512,7 +515,7 @@ gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = find(&w->ctx, &w->dem, &w->solids, &q, error);
     if (status == GNEISS_OK) status = hand_over(w, q, error);
-    if (status != GNEISS_OK && q) coupled_free(q);
+    if (status != GNEISS_OK) gn_coupled_free(q);
     return status;
 }
 
@@ -568,10 +571,10 @@ gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn
     gn_coupled *q = NULL;
     gneiss_status status = find(ctx, dem, solids, &q, error);
     if (status != GNEISS_OK) {
-        if (q) coupled_free(q);
+        gn_coupled_free(q);
         return status;
     }
-    coupled_free(zones->coupled);
+    gn_coupled_free(zones->coupled);
     zones->coupled = q;
     return gn_coupled_weigh(dem, solids, zones, error);
 }

@@ -34,6 +34,8 @@ typedef struct gn_coupled {
     double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
+void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
+
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
  * masses and before they have bonds. */
 gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
