@@ -1,9 +1,8 @@
 /* Readings of tests by name and of the course of a test, from curves whose answers are known. */
 #include "test.h"
 
-#include "base/test_kind.h"
-#include "measure/beginning.h"
-#include "measure/measure.h"
+#include "test_kinds/beginning.h"
+#include "test_kinds/readings.h"
 
 /* Columns by name, filled row by row. */
 enum { MOST = 16 };
@@ -27,7 +26,7 @@ static void put(table *t) {
 static gn_readings read_as(table *t, gn_tested tested) {
     gn_readings r;
     if (!tested.dimension) tested.dimension = 3;
-    if (!tested.sign) tested.sign = gn_test_sign(tested.kind);
+    if (!tested.sign) tested.sign = gn_test_of(tested.kind)->sign;
     tested.axis = tested.dimension - 1;
     gn_readings_compute(&t->h, &tested, &r);
     gn_history_free(&t->h);

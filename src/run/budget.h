@@ -6,8 +6,8 @@
 #include "accuracy/causes.h"
 #include "io/files.h"
 #include "io/h5.h"
-#include "measure/measure.h"
 #include "sim/world.h"
+#include "test_kinds/readings.h"
 
 typedef struct gn_budget {
     char absent[GN_REASON_SIZE]; /* why there is none; "": there is one */

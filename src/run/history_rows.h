@@ -3,6 +3,7 @@
 #define GN_RUN_HISTORY_ROWS_H
 
 #include "sim/world.h"
+#include "test_kinds/history.h"
 
 /* Creates the columns that the scene has (docs/results.md). */
 gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error);

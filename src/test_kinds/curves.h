@@ -1,8 +1,37 @@
-/* What the files of the readings share (readings_curves.c). */
-#ifndef GN_MEASURE_READINGS_H
-#define GN_MEASURE_READINGS_H
+/* Readings from curves: what the files of this folder share, and the files of the kinds of tests
+ * use (readings_curves.c). */
+#ifndef GN_TEST_KINDS_CURVES_H
+#define GN_TEST_KINDS_CURVES_H
 
-#include "measure/measure.h"
+#include "test_kinds/readings.h"
+
+/* A set of readings, for a descriptor. */
+#define GN_READS(name) (UINT64_C(1) << GN_READING_##name)
+#define GN_READS_PEAK                                                                              \
+    (GN_READS(peak_stress) | GN_READS(peak_strain) | GN_READS(largest_stress) |                    \
+     GN_READS(largest_strain))
+/* Of every test; of one with two ends; of a prism; of a prism that is loaded along its axis alone.
+ */
+#define GN_READS_TEST                                                                              \
+    (GN_READS_PEAK | GN_READS(elastic_stress) | GN_READS(events) | GN_READS(b_value) |             \
+     GN_READS(fragments) | GN_READS(largest_fragment))
+#define GN_READS_LOADED (GN_READS_TEST | GN_READS(end_imbalance))
+#define GN_READS_PRISM                                                                             \
+    (GN_READS(young_modulus) | GN_READS(young_modulus_average) | GN_READS(poisson_ratio) |         \
+     GN_READS(plane_young_modulus) | GN_READS(plane_poisson_ratio))
+#define GN_READS_AXIAL                                                                             \
+    (GN_READS_LOADED | GN_READS_PRISM | GN_READS(secant_modulus) | GN_READS(tangent_modulus) |     \
+     GN_READS(average_modulus) | GN_READS(secant_poisson_ratio) |                                  \
+     GN_READS(crack_initiation_stress) | GN_READS(brittleness))
+
+#define GN_FIGURES_ELASTIC                                                                         \
+    {GN_READING_young_modulus, "Young's modulus"}, {                                               \
+        GN_READING_poisson_ratio, "Poisson's ratio"                                                \
+    }
+#define GN_FIGURES_PEAK                                                                            \
+    {GN_READING_peak_stress, "peak stress"}, {                                                     \
+        GN_READING_peak_strain, "strain at the peak"                                               \
+    }
 
 /* Rows [first, last) of the history. */
 typedef struct gn_row_span {
@@ -71,8 +100,20 @@ const char *gn_no_peak(const gn_curves *curves);
 /* Why a column of average strain has no number in a row; NULL: it has one. */
 const char *gn_no_average_strain(const double *strain, size_t row);
 
-/* What one kind of test has besides (readings_by_kind.c). */
-void gn_readings_by_kind(const gn_curves *curves, gn_readings *readings);
+/* Readings of the descriptors' functions `read` (curves_loading.c): of a column at the peak, of one
+ * of the average strain; NULL: there is none. */
+void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *column, double factor,
+                     double *value, gn_readings *readings);
+void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const char *name,
+                            double *value, gn_readings *readings);
+/* Slope of stress over strain in the elastic rows. */
+void gn_read_slope(const gn_curves *curves, gn_reading which, double *value, gn_readings *readings);
+void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings);
+/* The component along an axis of a tensor of the history; NULL: there is none. */
+const double *gn_curves_tensor(const gn_curves *curves, const char *name, int axis);
+
+/* Those of any loading along an axis. */
+void gn_readings_of_loading(const gn_curves *curves, gn_readings *readings);
 
 /* Bursts of breaking bonds (readings_bursts.c); these and pieces, whatever the stress did. */
 void gn_readings_of_bursts(const gn_tested *tested, gn_readings *readings);
