@@ -22,52 +22,30 @@ static void difference3(double *to, const double *a, const double *b) {
 
 /* --- conditions --- */
 
-static bool has_stages(const gn_world *w, size_t k) {
-    (void)k;
-    return w->scene.stage_count > 0;
-}
-static bool has_test(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_scene_tested(&w->scene);
-}
-static bool has_membrane(const gn_world *w, size_t k) {
-    (void)k;
-    return w->effects & GN_FX_MEMBRANE;
-}
-static bool has_opening(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->scene.test.has_opening;
-}
-static bool has_control(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->scene.test.has_control;
-}
-static bool has_specimen(const gn_world *w, size_t k) {
-    (void)k;
-    return w->scene.has_specimen;
-}
-static bool has_bonds(const gn_world *w, size_t k) {
-    (void)k;
-    return w->effects & GN_FX_BONDS;
-}
-static bool has_ledger(const gn_world *w, size_t k) {
-    (void)k;
-    return w->effects & GN_FX_ENERGY;
-}
-static bool is_periodic(const gn_world *w, size_t k) {
-    (void)k;
-    return w->effects & GN_FX_PERIODIC;
-}
-static bool has_added_mass(const gn_world *w, size_t k) {
-    (void)k;
-    return w->effects & GN_FX_MASS_SCALING;
-}
-static bool is_counted(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_scene_flows(&w->scene) || gn_converts(w);
-}
-static bool has_elements_beside_particles(const gn_world *w, size_t k) {
-    (void)k;
-    return w->element_count && w->scene.has_specimen;
-}
+#define HOLDS(name, expression)                                                                    \
+    static bool name(const gn_world *w, size_t k) {                                                \
+        (void)k;                                                                                   \
+        return expression;                                                                         \
+    }
+
+HOLDS(has_stages, w->scene.stage_count > 0)
+HOLDS(has_test, gn_scene_tested(&w->scene))
+HOLDS(has_opening, gn_scene_tested(&w->scene) && w->scene.test.has_opening)
+HOLDS(has_control, gn_scene_tested(&w->scene) && w->scene.test.has_control)
+HOLDS(has_membrane, w->effects &GN_FX_MEMBRANE)
+HOLDS(has_specimen, w->scene.has_specimen)
+HOLDS(has_bonds, w->effects &GN_FX_BONDS)
+HOLDS(has_ledger, w->effects &GN_FX_ENERGY)
+HOLDS(is_periodic, w->effects &GN_FX_PERIODIC)
+HOLDS(has_added_mass, w->effects &GN_FX_MASS_SCALING)
+HOLDS(is_counted, gn_scene_flows(&w->scene) || gn_converts(w))
+HOLDS(has_elements_beside_particles, w->element_count && w->scene.has_specimen)
+HOLDS(has_zones, w->scene.has_couple && w->scene.couple.zone_count)
+HOLDS(converts, gn_converts(w))
+/* What comes and goes has no places at the start. In a box all round the sides tell. */
+HOLDS(has_average_strain, !gn_scene_flows(&w->scene) ||
+                              (w->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->scene)))
+
 static bool set_moves(const gn_world *w, size_t k) {
     const gn_set_def *s = &w->scene.sets[k];
     size_t points = 0;
@@ -78,36 +56,16 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
-/* What comes and goes has no places at the start. In a box all round the sides tell. */
-static bool has_average_strain(const gn_world *w, size_t k) {
-    return !gn_scene_flows(&w->scene) || (is_periodic(w, k) && !gn_scene_half_periodic(&w->scene));
-}
+#define OF_KIND(name, expression)                                                                  \
+    static bool name(const gn_test_descriptor *d) {                                                \
+        return expression;                                                                         \
+    }
 
-static bool has_zones(const gn_world *w, size_t k) {
-    (void)k;
-    return w->scene.has_couple && w->scene.couple.zone_count;
-}
-static bool converts(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_converts(w);
-}
-
-/* Of kinds of tests. */
-static bool has_ends(const gn_test_descriptor *d) {
-    return d->ends;
-}
-static bool is_confined(const gn_test_descriptor *d) {
-    return d->confined;
-}
-static bool has_volume(const gn_test_descriptor *d) {
-    return d->confined || d->isotropic;
-}
-static bool is_sheared(const gn_test_descriptor *d) {
-    return d->sheared;
-}
-static bool is_disc(const gn_test_descriptor *d) {
-    return d->disc;
-}
+OF_KIND(has_ends, d->ends)
+OF_KIND(is_confined, d->confined)
+OF_KIND(has_volume, d->confined || d->isotropic)
+OF_KIND(is_sheared, d->sheared)
+OF_KIND(is_disc, d->disc)
 
 static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test", has_test, NULL},
                           ended = {"with a test that has ends", NULL, has_ends},

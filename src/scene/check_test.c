@@ -161,24 +161,22 @@ static const char *const test_keys[] = {GN_TEST_KEYS(X)};
 #undef X
 
 /* Above 0: given. */
-typedef struct key_values {
-    double of[GN_TEST_KEY_COUNT];
-} key_values;
-
-static key_values values_of(const gn_test *t) {
-#define X(name) t->given.name,
-    return (key_values){
-        {GN_TEST_SIZES(X) t->centre != 0.2 ? t->centre : 0.0, (double)t->normal + 1.0}};
+static void get_values(const gn_test *t, double value[GN_TEST_KEY_COUNT]) {
+#define X(name) value[GN_TEST_KEY_##name] = t->given.name;
+    GN_TEST_SIZES(X)
 #undef X
+    value[GN_TEST_KEY_centre] = t->centre != 0.2 ? t->centre : 0.0;
+    value[GN_TEST_KEY_normal] = (double)t->normal + 1.0;
 }
 
 static gneiss_status check_keys(const check *c, const gn_scene *s) {
-    const key_values values = values_of(&s->test);
     const gn_test_descriptor *d = gn_scene_test(s);
+    double value[GN_TEST_KEY_COUNT];
     char text[256];
+    get_values(&s->test, value);
     for (size_t k = 0; k < GN_TEST_KEY_COUNT; k++) {
         unsigned kinds = 0;
-        if (!(values.of[k] > 0) || d->takes >> k & 1) continue;
+        if (!(value[k] > 0) || d->takes >> k & 1) continue;
         for (unsigned n = 0; n < GN_TEST_KINDS; n++)
             kinds |= (gn_test_kinds[n]->takes >> k & 1) << n;
         return gn_check_fail(c, test_keys[k], "expected in tests of the kind %s, found %s",
@@ -188,10 +186,11 @@ static gneiss_status check_keys(const check *c, const gn_scene *s) {
 }
 
 static gneiss_status check_needed_keys(const check *c, const gn_scene *s) {
-    const key_values values = values_of(&s->test);
     const gn_test_descriptor *d = gn_scene_test(s);
+    double value[GN_TEST_KEY_COUNT];
+    get_values(&s->test, value);
     for (size_t k = 0; k < GN_TEST_KEY_COUNT; k++)
-        if (d->needs >> k & 1 && !(values.of[k] > 0))
+        if (d->needs >> k & 1 && !(value[k] > 0))
             return gn_check_fail(c, test_keys[k], "required by a %s test, but not given", d->name);
     return GNEISS_OK;
 }
