@@ -204,8 +204,8 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
-/* What a report calls the strain and the stress of the test, and the readings that it shows first:
- * a line each, "name: text". */
+/* Writes what a report calls the strain and the stress of the test, and the readings that it shows
+ * first: a line each, "name: text". */
 static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_test_descriptor *d = gn_scene_test(&w->scene);
     char figures[512] = "";

@@ -42,7 +42,8 @@ HOLDS(is_counted, gn_scene_flows(&w->scene) || gn_converts(w))
 HOLDS(has_elements_beside_particles, w->element_count && w->scene.has_specimen)
 HOLDS(has_zones, w->scene.has_couple && w->scene.couple.zone_count)
 HOLDS(converts, gn_converts(w))
-/* What comes and goes has no places at the start. In a box all round the sides tell. */
+/* Particles that come and go have no places at the start. In a box all round the sides give the
+ * strain. */
 HOLDS(has_average_strain, !gn_scene_flows(&w->scene) ||
                               (w->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->scene)))
 

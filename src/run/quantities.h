@@ -14,11 +14,11 @@ typedef enum gn_shape { GN_SCALAR, GN_VECTOR, GN_TURN, GN_TENSOR } gn_shape;
  * energies once it is done. */
 typedef enum gn_instant { GN_BEFORE_STEP, GN_AFTER_STEP } gn_instant;
 
-/* Both hold. */
+/* A quantity is there where both functions hold. */
 typedef struct gn_condition {
     const char *text;                                   /* %s: the kinds of tests */
     bool (*holds)(const gn_world *world, size_t owner); /* NULL: always */
-    bool (*of_kind)(const gn_test_descriptor *kind);    /* NULL: whatever the test is */
+    bool (*of_kind)(const gn_test_descriptor *kind);    /* NULL: any, or no test */
 } gn_condition;
 
 typedef struct gn_quantity {

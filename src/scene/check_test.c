@@ -160,7 +160,7 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
 static const char *const test_keys[] = {GN_TEST_KEYS(X)};
 #undef X
 
-/* Above 0: given. */
+/* A value above 0 is given. */
 static void get_values(const gn_test *t, double value[GN_TEST_KEY_COUNT]) {
 #define X(name) value[GN_TEST_KEY_##name] = t->given.name;
     GN_TEST_SIZES(X)
@@ -195,7 +195,7 @@ static gneiss_status check_needed_keys(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Where they are given. */
+/* A size that is not given is 0 and passes. */
 static gneiss_status check_sizes(const check *c, const gn_scene *s) {
     const gn_test_sizes *x = &s->test.given;
     if (x->area > 0 && x->diameter > 0)
@@ -225,7 +225,7 @@ static gneiss_status check_confined(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Sides along the shear would have to be kept straight. */
+/* Any other sides along the shear would have to be kept straight. */
 static gneiss_status check_periodic_sides(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!s->has_periodic)
@@ -404,7 +404,7 @@ gneiss_status gn_check_pressed(const check *c, bool presses) {
         d->name);
 }
 
-/* Stress is then the mean pressure, strain the loss of volume. */
+/* The stress is the mean pressure and the strain the loss of volume, so that no end is needed. */
 static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *key = t->axis >= 0     ? "test.axis"

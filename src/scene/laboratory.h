@@ -30,7 +30,7 @@ typedef struct gn_test {
     gn_test_kind kind;
     int64_t axis; /* 0 1 2 */
     gn_test_end lower, upper;
-    gn_test_sizes given; /* what is 0 follows from the specimen (docs/scene.md) */
+    gn_test_sizes given; /* a 0 follows from the specimen (docs/scene.md) */
     double centre;       /* radius over that of the disc within which its centre stress is read */
     int64_t normal;      /* of the plane that a shear test shears: 0 1 2, -1: not given */
     bool has_opening;

@@ -135,7 +135,7 @@ bool gn_geometry_doubts(const gn_world *w, char *text, size_t size) {
 }
 
 /* A bar that the ends of a general test bend, or something that is pulled out of a block, has
- * lengths and areas of its own, as what is sheared has: gn_geometry_doubts warns of these. */
+ * lengths and areas of its own, as a sheared specimen has: gn_geometry_doubts warns of these. */
 gneiss_status gn_geometry_check(const gn_world *w, gneiss_error *error) {
     const gn_scene *s = &w->scene;
     size_given sizes[SIZES_MOST];

@@ -15,14 +15,15 @@ static double mean_section(const gn_world *w, int axis) {
     return section;
 }
 
-/* From the area or the diameter; 0: not given. */
+/* m2: the section of the area or the diameter of the scene; 0: neither is given. */
 static double given_section(const gn_world *w) {
     const double area = w->scene.test.given.area, d = w->scene.test.given.diameter;
     if (area > 0.0) return area;
     return w->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
-/* Of loose grains, which fill the space between their ends, the distance of these. */
+/* m: the extent along the axis; the distance of the ends for loose grains, which fill the space
+ * between them. */
 static double prism_length(const gn_world *w) {
     double lower, upper;
     bool away[2];

@@ -148,7 +148,7 @@ static double spread_of(const slabs *s, int dimension, double solid, double spre
     return real / slender - 1.0;
 }
 
-/* Of tests that the modulus of a prism is read of. */
+/* The section matters to tests that read the modulus of a prism. */
 static bool is_known(const gn_world *w) {
     const bool read = gn_scene_tested(&w->scene) &&
                       gn_reading_belongs(GN_READING_young_modulus, w->scene.test.kind, false);

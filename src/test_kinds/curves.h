@@ -10,8 +10,8 @@
 #define GN_READS_PEAK                                                                              \
     (GN_READS(peak_stress) | GN_READS(peak_strain) | GN_READS(largest_stress) |                    \
      GN_READS(largest_strain))
-/* Of every test; of one with two ends; of a prism; of a prism that is loaded along its axis alone.
- */
+/* Sets of every test, of one with two ends, of a prism, of a prism that is loaded along its axis
+ * alone. */
 #define GN_READS_TEST                                                                              \
     (GN_READS_PEAK | GN_READS(elastic_stress) | GN_READS(events) | GN_READS(b_value) |             \
      GN_READS(fragments) | GN_READS(largest_fragment))
@@ -85,10 +85,10 @@ double gn_nonlinearity(const gn_curves *curves, gn_slope_of *slope);
 /* The modulus of a specimen whose section varies, from a slope: gn_tested.by_ends or .by_mean. */
 double gn_modulus_by(double factor, double slope, gn_reading which, gn_readings *readings);
 
-/* What a slope needs to be a reading. */
+/* Conditions that a slope must meet to be a reading. */
 void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
 void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
-/* That over these rows only the stress along the axis grows, and the mean strain is that of the
+/* Over these rows only the stress along the axis may grow, and the mean strain must be that of the
  * ends. */
 void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
                    gn_readings *readings);
@@ -100,19 +100,19 @@ const char *gn_no_peak(const gn_curves *curves);
 /* Why a column of average strain has no number in a row; NULL: it has one. */
 const char *gn_no_average_strain(const double *strain, size_t row);
 
-/* Readings of the descriptors' functions `read` (curves_loading.c): of a column at the peak, of one
- * of the average strain; NULL: there is none. */
+/* For the functions `read` of descriptors (curves_loading.c). Both read a column at the peak, the
+ * second one a column of the average strain. NULL: there is no such column. */
 void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *column, double factor,
                      double *value, gn_readings *readings);
 void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const char *name,
                             double *value, gn_readings *readings);
-/* Slope of stress over strain in the elastic rows. */
+/* Reads the slope of stress over strain in the elastic rows. */
 void gn_read_slope(const gn_curves *curves, gn_reading which, double *value, gn_readings *readings);
 void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings);
-/* The component along an axis of a tensor of the history; NULL: there is none. */
+/* The column of a tensor's component along an axis; NULL: there is none. */
 const double *gn_curves_tensor(const gn_curves *curves, const char *name, int axis);
 
-/* Those of any loading along an axis. */
+/* Readings of any loading along an axis. */
 void gn_readings_of_loading(const gn_curves *curves, gn_readings *readings);
 
 /* Bursts of breaking bonds (readings_bursts.c); these and pieces, whatever the stress did. */

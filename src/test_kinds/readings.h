@@ -1,5 +1,6 @@
-/* What a laboratory reads off the curves of a test. Tension is positive in average stresses and
- * strains; readings are positive in the sense of the test, as reported in the field. */
+/* Quantities that a laboratory reads off the curves of a test. Tension is positive in average
+ * stresses and strains; readings are positive in the sense of the test, as reported in the field.
+ */
 #ifndef GN_TEST_KINDS_READINGS_H
 #define GN_TEST_KINDS_READINGS_H
 
@@ -124,11 +125,11 @@ typedef struct gn_readings {
 
 const char *gn_reading_name(gn_reading which);
 
-/* Whether a reading belongs to tests of a kind, in a scene with zones or without: results and
+/* True if a reading belongs to tests of a kind, in a scene with zones or without: results and
  * summaries hold only those that do. */
 bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
 
-/* What the readings are of. */
+/* The test that readings are taken of. */
 typedef struct gn_tested {
     gn_test_kind kind;
     int dimension, axis;                /* axis 0 1 2 */

@@ -1,5 +1,5 @@
-/* One half of a specimen moved along the other: shear between two ends, simple_shear of all that is
- * between them in a periodic box. */
+/* One half of a specimen moved along the other: shear between two ends, simple_shear throughout
+ * the space between them in a periodic box. */
 #include "test_kinds/curves.h"
 
 static void read_shear(const gn_curves *c, gn_readings *r) {
@@ -12,8 +12,8 @@ static void read_shear(const gn_curves *c, gn_readings *r) {
     gn_read_slope(c, GN_READING_shear_modulus, &r->shear_modulus, r);
 }
 
-/* What is sheared may hold most of its peak by friction for as long as it is pressed, so that a run
- * ends at a strain as well. */
+/* A sheared specimen may hold most of its peak by friction for as long as it is pressed, so that a
+ * run ends at a strain as well. */
 #define SHEARED                                                                                    \
     .ends = true, .sheared = true, .sign = 1, .needs = GN_TAKES(normal), .peak_drop = 0.5,         \
     .strain = 0.2, .shape = gn_test_prism,                                                         \

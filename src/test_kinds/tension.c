@@ -1,8 +1,8 @@
 /* Direct tension of a prism along an axis. */
 #include "test_kinds/curves.h"
 
-/* The run ends at a peak drop of 0.95: the fracture energy is read once a tenth of the load is
- * left, which broken parts that ring exceed at times. */
+/* The peak drop is so large because the fracture energy is read once a tenth of the load is left;
+ * the rest is for broken parts that ring. */
 const gn_test_descriptor gn_test_tension = {
     .name = "tension",
     .ends = true,

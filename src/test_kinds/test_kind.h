@@ -51,14 +51,14 @@ typedef enum gn_test_key { GN_TEST_KEYS(X) GN_TEST_KEY_COUNT } gn_test_key;
 #define GN_TAKES(name)  (1u << GN_TEST_KEY_##name)
 #define GN_TAKES_LENGTH (GN_TAKES(length) | GN_TAKES(area) | GN_TAKES(diameter))
 
-/* The specimen at the start of a test, at right angles to the axes. */
+/* Extents of the specimen at the start of a test. */
 typedef struct gn_tested_specimen {
     int dimension, axis;
-    double side[3]; /* m, its extents */
-    /* The rest is of prisms and of sheared specimens. */
-    double length;  /* m: given, else what is strained */
-    double height;  /* m: the same where it is given; else of what is sheared the extent along the
-                       normal */
+    double side[3]; /* m */
+    /* These are known of prisms and of sheared specimens. */
+    double length;  /* m: given, else that of the strained part */
+    double height;  /* m: the given length, else that of the whole specimen: times the section it is
+                       the volume */
     double section; /* m2: given, else the mean one, across the axis or the normal */
 } gn_tested_specimen;
 
@@ -74,7 +74,7 @@ typedef struct gn_tested_shape {
     double height;    /* m, of a beam */
 } gn_tested_shape;
 
-/* A reading that a report shows first, and what the test calls it. */
+/* A reading that a report shows first, and its name in the test. */
 typedef struct gn_test_figure {
     int reading;      /* gn_reading */
     const char *name; /* NULL: no more */
@@ -102,12 +102,12 @@ typedef struct gn_test_descriptor {
     bool general;        /* scenes use it for other bodies as well, as beams that are clamped at one
                             end or pulled out of a block: less is demanded of the places of its ends
                             and of its sizes */
-    int sign; /* of the motion of the upper end along the axis that strain and stress count positive
-               */
+    int sign; /* +1: the upper end moves along the axis where strain and stress are positive, -1:
+                 against it */
 
     /* The scene. */
-    unsigned takes;           /* GN_TAKES */
-    unsigned needs;           /* of these */
+    unsigned takes;           /* a set of GN_TAKES */
+    unsigned needs;           /* those of them that it requires */
     int dimension;            /* 2, 3; 0: either */
     const char *counterpart;  /* name of the kind that is this one in the other dimension */
     double peak_drop, strain; /* at which a run ends unless the scene says otherwise: share of the
@@ -128,8 +128,8 @@ typedef struct gn_test_descriptor {
     gn_test_figure figures[8];             /* the last one has no name */
 } gn_test_descriptor;
 
-/* Of GN_TEST_NONE as well: a descriptor of no capability, whose readings are absent as those of a
- * test that the scene does not have. */
+/* GN_TEST_NONE has a descriptor without capabilities, whose readings are absent because the scene
+ * has no test. */
 extern const gn_test_descriptor *const gn_test_kinds[GN_TEST_KINDS];
 
 static inline const gn_test_descriptor *gn_test_of(gn_test_kind kind) {
@@ -139,7 +139,7 @@ static inline const gn_test_descriptor *gn_test_of(gn_test_kind kind) {
 /* "brazilian and bending": the kinds of a set, a bit each. */
 const char *gn_test_names(unsigned kinds, char *text, size_t size);
 
-/* Shapes of several kinds: a prism, or what is sheared. */
+/* The shape of prisms and of sheared specimens. */
 gn_tested_shape gn_test_prism(const gn_test_sizes *given, const gn_tested_specimen *specimen);
 
 #endif

@@ -34,10 +34,10 @@ const char *gn_test_names(unsigned kinds, char *text, size_t size) {
     return text;
 }
 
-gn_tested_shape gn_test_prism(const gn_test_sizes *given, const gn_tested_specimen *x) {
+gn_tested_shape gn_test_prism(const gn_test_sizes *given, const gn_tested_specimen *specimen) {
     const bool known = given->area > 0.0 || given->diameter > 0.0;
-    return (gn_tested_shape){.length = x->length,
-                             .area = x->section,
-                             .section = x->section,
-                             .volume = known ? x->height * x->section : 0.0};
+    return (gn_tested_shape){.length = specimen->length,
+                             .area = specimen->section,
+                             .section = specimen->section,
+                             .volume = known ? specimen->height * specimen->section : 0.0};
 }
