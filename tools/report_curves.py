@@ -117,7 +117,7 @@ def plot_stress(results, path):
         if end is not None:
             axes.plot(100 * strain, end / factor, style, color=GREY, lw=1,
                       label=name.replace("stress_", "at the ") + " end")
-    axes.plot(100 * strain, stress / factor, color=INK, label="in the specimen" if results.test_kind == "hydrostatic" else "mean of both ends", **style_for(stress))
+    axes.plot(100 * strain, stress / factor, color=INK, label="mean of both ends" if "stress_lower" in results.history else "in the specimen", **style_for(stress))
     peak = int(np.nanargmax(stress))
     line = fit_line(results, strain, stress)
     if line:

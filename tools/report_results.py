@@ -48,17 +48,6 @@ def _without_free_overlaps(bonds):
     return bonds
 
 
-WORDS = {
-    "brazilian": ("closing over the diameter", "2P/(πDt)"),
-    "bending": ("strain of the fibre by beam theory", "stress in the fibre by beam theory"),
-    "triaxial": ("axial strain", "deviator"), "biaxial": ("axial strain", "deviator"),
-    "hydrostatic": ("loss of volume", "mean pressure"),
-    "shear": ("shear strain", "shear stress"), "simple_shear": ("shear strain", "shear stress"),
-}
-
-
-STANDING = ("compression", "tension", "triaxial", "biaxial", "oedometer", "brazilian", "bending")
-
 # Counted since the start of the run in the history, since that of the last stage in readings and in what is drawn of it.
 FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "deflection", "opening")
 
@@ -209,7 +198,7 @@ class Results:
     @property
     def words(self):
         """What the strain and the stress of the test are called."""
-        return WORDS.get(self.test_kind, ("axial strain", "axial stress"))
+        return self.attribute("test_strain", "axial strain"), self.attribute("test_stress", "axial stress")
 
     def test_axis(self):
         """0, 1, 2: the axis of the test as the scene says, else what is up."""
@@ -223,7 +212,8 @@ class Results:
         pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
         if max(pull) > 0:
             return pull.index(max(pull))
-        return self.test_axis() if self.test_kind in STANDING else min(2, self.dimension - 1)
+        stands = "stress_lower" in self.history and "normal_stress" not in self.history
+        return self.test_axis() if stands else min(2, self.dimension - 1)
 
 
 # --- numbers for people --------------------------------------------------------------------------------

@@ -503,7 +503,8 @@ static void print_section(const gn_world *w) {
                100.0 * x->spread);
     const gn_test *t = &w->scene.test;
     const double mean = w->volume / gn_world_side(w, t->axis < 0 ? 0 : (int)t->axis);
-    const bool given = gn_test_in(t->kind, GN_TESTS_PRISMS) && (t->area > 0.0 || t->diameter > 0.0);
+    const bool given =
+        gn_scene_test(&w->scene)->prism && (t->given.area > 0.0 || t->given.diameter > 0.0);
     if (given && !w->scene.has_couple && fabs(w->test_area / mean - 1.0) > 0.02)
         printf("  area             %.4g m2 is given, where volume over length is %.4g m2\n",
                w->test_area, mean);
@@ -518,7 +519,7 @@ static void print_volume(const gn_world *w) {
     bool space = w->scene.dimension == 3;
     printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", w->volume,
            space ? "" : " (1 m thick)", gn_world_volume_source(w), gn_world_mass(w));
-    if (w->scene.test.kind == GN_TEST_NONE) return;
+    if (!gn_scene_tested(&w->scene)) return;
     const char *source = gn_test_area_source(w);
     printf("  test             length %.6g m, area %.6g %s%s%s\n", w->test_length, w->test_area,
            space ? "m2" : "m2 (1 m thick)", *source ? ", " : "", source);

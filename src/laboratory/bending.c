@@ -120,17 +120,17 @@ static void hold_spans(const gn_world *w, size_t along, const places *supports, 
     const gn_test *t = &w->scene.test;
     const places loads = places_of(w, &t->upper, along);
     if (supports->known)
-        hold(r, "span", t->span, supports->right_low - supports->left_high,
+        hold(r, "span", t->given.span, supports->right_low - supports->left_high,
              supports->high - supports->low, "the supports are apart by");
     if (!loads.known) return;
     const double apart = loads.right_low - loads.left_high;
-    if (t->load_span > 0.0 || (t->upper.count > 1 && apart > tolerance * t->span))
-        hold(r, "load_span", t->load_span, fmax(0.0, apart), loads.high - loads.low,
+    if (t->given.load_span > 0.0 || (t->upper.count > 1 && apart > tolerance * t->given.span))
+        hold(r, "load_span", t->given.load_span, fmax(0.0, apart), loads.high - loads.low,
              "the loads are apart by");
     if (!supports->known || r->used >= r->size) return;
     /* A single particle, node or body has all of itself on one side. */
     const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
-    const double slack = tolerance * t->span,
+    const double slack = tolerance * t->given.span,
                  low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
                  high = two ? 0.5 * (supports->left_high + supports->high) : supports->high;
     if (loads.low <= high + slack && loads.high >= low - slack) return;
@@ -202,19 +202,20 @@ bool gn_bending_outside(const gn_world *w) {
 
 bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {
     const gn_test *t = &w->scene.test;
-    if (t->kind != GN_TEST_BENDING) return false;
     const int place = snprintf(text, size, "%s: ", gn_scene_at(&w->scene, t->where, "test").text);
     const size_t before = place > 0 ? (size_t)place : 0;
     report r = {text, size, before, before};
     const size_t along = along_beam(w), axis = (size_t)t->axis;
     const places supports = places_of(w, &t->lower, along);
     hold_spans(w, along, &supports, &r);
-    hold_extent(w, "height", t->height, axis, &r);
-    if (w->scene.dimension == 3) hold_extent(w, "thickness", t->thickness, 3 - axis - along, &r);
+    hold_extent(w, "height", t->given.height, axis, &r);
+    if (w->scene.dimension == 3)
+        hold_extent(w, "thickness", t->given.thickness, 3 - axis - along, &r);
     const double notch = notch_of(w, along, &supports);
     /* A shape without one may have it cut otherwise, as by groups that do not bond. */
     const bool whole = notch == 0.0 && w->scene.has_elements && w->scene.elements.has_beam &&
                        !w->scene.has_specimen;
-    if (notch > 0.0 || whole) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
+    if (notch > 0.0 || whole)
+        hold(&r, "notch", t->given.notch, notch, notch, "the specimen has one of");
     return r.used > before;
 }

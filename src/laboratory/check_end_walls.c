@@ -70,9 +70,8 @@ bool gn_ends_doubts(const gn_world *w, char *text, size_t size) {
     const gn_test *t = &w->scene.test;
     const gn_test_end *ends[] = {&t->lower, &t->upper};
     char doubt[240];
-    if (!gn_test_in(t->kind, GN_TESTS(COMPRESSION) | GN_TESTS(BRAZILIAN) | GN_TESTS(OEDOMETER) |
-                                 GN_TESTS_CONFINED))
-        return false;
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
+    if (!d->ends || d->sign > 0 || d->beam) return false;
     /* What begins loose is another specimen once stages have settled and bonded it. */
     if (w->given.stage_count && w->given.bonds != GN_SWITCH_ON) return false;
     /* Of particles beside elements either may be what is tested. */

@@ -172,20 +172,17 @@ static bool on_one_face(const gn_world *w, int way) {
     return faces != 0;
 }
 
-/* A test of compression or tension may be a beam that its ends bend across themselves, clamped here
- * and pushed there, or something that is pulled out of what it sits in: these are only refused
- * where they are upside down, at one face or press from one side alone. */
+/* The ends of a general test may bend a beam across themselves, which is clamped here and pushed
+ * there, or pull something out of what it sits in: these are only refused where they are upside
+ * down, at one face or press from one side alone. */
 static const char *wrong(const gn_world *w, int way, const reach *lower, const reach *upper) {
-    const gn_test_kind kind = w->scene.test.kind;
-    const bool opposite =
-        gn_test_in(kind, GN_TESTS_SHEARED | GN_TESTS_CONFINED | GN_TESTS(OEDOMETER) |
-                             GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING));
-    if (kind == GN_TEST_BENDING && at_one_height(w, way, lower, upper) && gn_bending_outside(w))
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
+    if (d->beam && at_one_height(w, way, lower, upper) && gn_bending_outside(w))
         return "supports and load side by side along the beam";
     if (upper->high < lower->low) return "them the other way round";
-    if (opposite && on_one_side(w, way, lower, upper)) return "both on one side of the specimen";
+    if (!d->general && on_one_side(w, way, lower, upper)) return "both on one side of the specimen";
     if (on_one_face(w, way)) return "both at one face of the specimen";
-    const bool pressed = gn_test_sign(kind) < 0 && beside(w, way, lower) && beside(w, way, upper);
+    const bool pressed = d->sign < 0 && beside(w, way, lower) && beside(w, way, upper);
     if (pressed && (middle(lower) > w->lower[way]) == (middle(upper) > w->lower[way]))
         return "both on one side of the specimen";
     return NULL;
@@ -225,8 +222,9 @@ bool gn_shear_is_loose(const gn_world *w, char *text, size_t size) {
 
 gneiss_status gn_ends_check(const gn_world *w, gneiss_error *error) {
     const gn_test *t = &w->scene.test;
-    const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
-    if (t->kind == GN_TEST_NONE || t->kind == GN_TEST_HYDROSTATIC) return GNEISS_OK;
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
+    const int way = (int)(d->sheared ? t->normal : t->axis);
+    if (!d->ends) return GNEISS_OK;
     for (size_t k = 0; k < t->lower.count; k++)
         for (size_t m = 0; m < t->upper.count; m++)
             GN_TRY(check_shared(w, t->lower.name[k], t->upper.name[m], error));

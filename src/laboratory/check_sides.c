@@ -91,7 +91,7 @@ static bool held_beside(const gn_world *w, int a, int sense) {
 gneiss_status gn_sides_check(const gn_world *w, gneiss_error *error) {
     const gn_scene *s = &w->scene;
     /* Stages may bring sides closer; elements beside particles may be what holds them. */
-    if (s->test.kind != GN_TEST_OEDOMETER || s->stage_count || s->source_count ||
+    if (!gn_scene_test(s)->sides_stand || s->stage_count || s->source_count ||
         (s->has_specimen && w->element_count))
         return GNEISS_OK;
     for (int a = 0; a < (int)s->dimension; a++)
@@ -99,10 +99,10 @@ gneiss_status gn_sides_check(const gn_world *w, gneiss_error *error) {
             if (a == s->test.axis || gn_scene_periodic_along(s, a) || held_beside(w, a, sense))
                 continue;
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: expected something that stands beside the specimen of an oedometer "
+                           "%s: expected something that stands beside the specimen of an %s "
                            "test at its %s side along %c, %.4g m (a wall, a body, a set that is "
                            "held there), found none within %.2g m",
-                           gn_scene_at(s, s->test.where, "test.kind").text,
+                           gn_scene_at(s, s->test.where, "test.kind").text, gn_scene_test(s)->name,
                            sense < 0 ? "lower" : "upper", "xyz"[a],
                            gn_point_out(s->origin[a], face(w, a, sense)), reach_beside(w, a));
         }

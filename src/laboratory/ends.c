@@ -30,7 +30,7 @@ static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
  * a servo does: it presses there and has no part in how far that went. */
 static bool only_presses(const gn_world *w, const char *name, int axis) {
     const int wall = gn_scene_find_wall(&w->scene, name);
-    if (wall < 0 || !gn_test_in(w->scene.test.kind, GN_TESTS_SHEARED)) return false;
+    if (wall < 0 || !gn_scene_test(&w->scene)->sheared) return false;
     const gn_wall_def *def = &w->scene.walls[wall];
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
@@ -71,7 +71,7 @@ static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
 }
 
 static double test_sign(const gn_world *w) {
-    return gn_test_sign(w->scene.test.kind);
+    return gn_scene_test(&w->scene)->sign;
 }
 
 double gn_ends_deflection(const gn_world *w) {

@@ -15,13 +15,15 @@ static double mean_section(const gn_world *w, int axis) {
     return section;
 }
 
-/* From the diameter; 0: not given. */
+/* m2: the section of the area or the diameter of the scene; 0: neither is given. */
 static double given_section(const gn_world *w) {
-    double d = w->scene.test.diameter;
+    const double area = w->scene.test.given.area, d = w->scene.test.given.diameter;
+    if (area > 0.0) return area;
     return w->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
-/* Of loose grains, which fill the space between their ends, the distance of these. */
+/* m: the extent along the axis; the distance of the ends for loose grains, which fill the space
+ * between them. */
 static double prism_length(const gn_world *w) {
     double lower, upper;
     bool away[2];
@@ -31,132 +33,42 @@ static double prism_length(const gn_world *w) {
     return length + (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
 }
 
-/* A prism, loaded along its axis. */
-static gn_tested_shape prism(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : prism_length(w);
-    if (t->area > 0.0)
-        s.area = t->area;
-    else if (t->diameter > 0.0)
-        s.area = given_section(w);
-    else
-        s.area = w->scene.has_couple ? mean_section(w, (int)t->axis) : w->volume / s.length;
-    s.section = s.area;
-    if (t->area > 0.0 || t->diameter > 0.0) s.volume = s.length * s.area;
-    return s;
+static void add_prism(const gn_world *w, gn_tested_specimen *x) {
+    if (!(x->length > 0.0)) x->length = prism_length(w);
+    x->height = x->length;
+    if (x->section > 0.0) return;
+    x->section = w->scene.has_couple ? mean_section(w, x->axis) : w->volume / x->length;
 }
 
-/* Across the load, in the middle of a disc under two opposite line loads P there is the tension
- * 2 P/(pi D t) (Hondros 1959, Aust. J. Appl. Sci. 10, 243-268; ISRM 1978). */
-static gn_tested_shape disc(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    gn_tested_shape s = {0};
-    s.diameter = t->diameter > 0.0 ? t->diameter : gn_world_side(w, (int)t->axis);
-    s.thickness = w->scene.dimension == 2 ? 1.0
-                  : t->thickness > 0.0    ? t->thickness
-                                          : gn_world_side(w, 2);
-    s.length = s.diameter;
-    s.area = 0.5 * M_PI * s.diameter * s.thickness;
-    s.section = s.diameter * s.thickness;
-    if (t->diameter > 0.0 && (w->scene.dimension == 2 || t->thickness > 0.0))
-        s.volume = 0.25 * M_PI * s.diameter * s.diameter * s.thickness;
-    return s;
-}
-
-/* The shorter of the sides that the load is not along. */
-static double beam_thickness(const gn_world *w) {
-    int axis = (int)w->scene.test.axis;
-    return fmin(gn_world_side(w, (axis + 1) % 3), gn_world_side(w, (axis + 2) % 3));
-}
-
-/* A beam of width b on supports S apart, F shared by loads a = (S - s)/2 from them. In the fibre
- * below mid-span the stress is M (h/2)/I = 3 F a/(b h^2), with what the notch leaves of the height;
- * loads that went down by d strain it by 3 h d/(a (3 S - 4 a)) without a notch. With one load that
- * is 3 F S/(2 b h^2) and 6 h d/S^2. */
-static gn_tested_shape beam(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    gn_tested_shape s = {0};
-    s.height = t->height > 0.0 ? t->height : gn_world_side(w, (int)t->axis);
-    s.thickness = w->scene.dimension == 2 ? 1.0
-                  : t->thickness > 0.0    ? t->thickness
-                                          : beam_thickness(w);
-    double arm = 0.5 * (t->span - t->load_span), left = s.height - t->notch;
-    s.length = arm * (3.0 * t->span - 4.0 * arm) / (3.0 * s.height);
-    s.area = s.thickness * left * left / (3.0 * arm);
-    s.section = s.thickness * left;
-    return s;
-}
-
-/* Sheared between its ends: the section is across the normal, the strain that angle. Ends may hold
- * most of the height, of which the section is the mean all the same. */
-static gn_tested_shape sheared(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    const double height = gn_world_side(w, (int)t->normal);
-    gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : gn_ends_free(w);
-    s.area = t->area > 0.0 ? t->area : given_section(w);
-    if (s.area > 0.0) s.volume = (t->length > 0.0 ? t->length : height) * s.area;
-    if (!(s.area > 0.0)) s.area = mean_section(w, (int)t->normal);
-    s.section = s.area;
-    return s;
-}
-
-/* The same between periodic sides: what is sheared is what ends that are moved leave between them,
- * over all of the box. */
-static gn_tested_shape simply_sheared(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    double length = t->length > 0.0 ? t->length : gn_ends_gap(w), area = gn_box_section(w);
-    return (gn_tested_shape){.length = length, .area = area, .section = area};
+/* Between periodic sides the ends leave what is sheared between them, over all of the box. Other
+ * ends may hold most of the height, of which the section is the mean all the same. */
+static void add_sheared(const gn_world *w, gn_tested_specimen *x) {
+    const int normal = (int)w->scene.test.normal;
+    const bool periodic = gn_scene_test(&w->scene)->periodic_sides;
+    x->height = x->length > 0.0 ? x->length : x->side[normal];
+    if (!(x->length > 0.0)) x->length = periodic ? gn_ends_gap(w) : gn_ends_free(w);
+    if (!(x->section > 0.0)) x->section = periodic ? gn_box_section(w) : mean_section(w, normal);
 }
 
 gn_tested_shape gn_test_shape(const gn_world *w) {
-    switch (w->scene.test.kind) {
-    case GN_TEST_BRAZILIAN:
-        return disc(w);
-    case GN_TEST_BENDING:
-        return beam(w);
-    case GN_TEST_SHEAR:
-        return sheared(w);
-    case GN_TEST_SIMPLE_SHEAR:
-        return simply_sheared(w);
-    case GN_TEST_HYDROSTATIC: /* of stresses and strains, not of forces and ways */
-        return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};
-    case GN_TEST_NONE:
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_TENSION:
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-    case GN_TEST_OEDOMETER:
-    case GN_TEST_KINDS:
-        break;
-    }
-    return prism(w);
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
+    const gn_test *t = &w->scene.test;
+    double lower[3], upper[3];
+    gn_tested_specimen x = {.dimension = (int)w->scene.dimension,
+                            .axis = (int)t->axis,
+                            .length = t->given.length,
+                            .section = given_section(w)};
+    gn_world_body(w, lower, upper);
+    for (int a = 0; a < 3; a++) x.side[a] = upper[a] - lower[a];
+    if (d->prism) add_prism(w, &x);
+    if (d->sheared) add_sheared(w, &x);
+    return d->shape(&t->given, &x);
 }
 
 const char *gn_test_area_source(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    switch (t->kind) {
-    case GN_TEST_BRAZILIAN:
-        return "pi/2 times diameter and thickness: the force over it is 2 P/(pi D t)";
-    case GN_TEST_BENDING:
-        return "the force over it is the stress in the fibre below mid-span";
-    case GN_TEST_SIMPLE_SHEAR:
-        return "the section of the periodic box";
-    case GN_TEST_HYDROSTATIC:
-    case GN_TEST_NONE:
-        return "";
-    case GN_TEST_SHEAR:
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_TENSION:
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-    case GN_TEST_OEDOMETER:
-    case GN_TEST_KINDS:
-        break;
-    }
-    if (t->area > 0.0 || t->diameter > 0.0) return "";
-    return t->kind == GN_TEST_SHEAR ? "that volume over the height" : "that volume over the length";
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
+    const bool given = d->takes & GN_TAKES(area) && given_section(w) > 0.0;
+    return given ? "" : d->area_source;
 }
 
 /* --- the stress in the middle of a disc --- */

@@ -4,6 +4,7 @@
  * which the stress is uniform over every section. */
 #include "laboratory/section.h"
 
+#include "test_kinds/readings.h"
 #include "world/internal.h"
 
 #include <math.h>
@@ -147,11 +148,13 @@ static double spread_of(const slabs *s, int dimension, double solid, double spre
     return real / slender - 1.0;
 }
 
+/* The section matters to tests that read the modulus of a prism. */
 static bool is_known(const gn_world *w) {
-    const unsigned prisms = GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED;
+    const bool read = gn_scene_tested(&w->scene) &&
+                      gn_reading_belongs(GN_READING_young_modulus, w->scene.test.kind, false);
     const bool both = w->scene.has_specimen && w->element_count;
-    return gn_test_in(w->scene.test.kind, prisms) && !both && !w->scene.has_couple &&
-           !(w->effects & GN_FX_PERIODIC) && !gn_scene_flows(&w->scene);
+    return read && !both && !w->scene.has_couple && !(w->effects & GN_FX_PERIODIC) &&
+           !gn_scene_flows(&w->scene);
 }
 
 gn_bar_section gn_section_of(const gn_world *w) {

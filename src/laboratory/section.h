@@ -4,7 +4,7 @@
 
 #include "world/world.h"
 
-/* Of prisms, which are all that moduli are read of. At the start, after all parts are made. */
+/* The section of a prism whose modulus is read, at the start; after all parts are made. */
 gn_bar_section gn_section_of(const gn_world *world);
 
 /* Young's modulus over the slope of the stress of the test over its strain, and over the mean

@@ -221,7 +221,7 @@ static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) 
     gn_particles *q = &w->dem.particles;
     const double none[3] = {0}, d = (double)w->scene.dimension;
     const bool shaped = w->scene.specimen.pack.shape != GN_SHAPE_NONE;
-    const bool tested = !body.group && !shaped && w->scene.test.kind != GN_TEST_NONE;
+    const bool tested = !body.group && !shaped && gn_scene_tested(&w->scene);
     const double given = tested ? gn_test_shape(w).volume : 0.0;
     const body_space space = space_of(w, v, body);
     double at_centres = 0.0, ways = 0.0;

@@ -79,8 +79,8 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
     return (gn_tested){.kind = t->kind,
                        .dimension = (int)w->scene.dimension,
                        .axis = (int)t->axis,
-                       .sign = gn_test_sign(t->kind),
-                       .notched = t->notch > 0.0,
+                       .sign = gn_scene_test(&w->scene)->sign,
+                       .notched = t->given.notch > 0.0,
                        .by_ends = by_ends(w),
                        .by_mean = gn_section_by_mean(w),
                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
@@ -89,7 +89,7 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
                        .largest_fragment = pieces.largest,
                        .zones = w->scene.couple.zone_count > 0,
                        .returned = returned(w, rows, over),
-                       .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
+                       .section = gn_scene_tested(&w->scene) ? gn_test_shape(w).section : NAN,
                        .elastic = !w->scene.has_specimen,
                        .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
                                   !gn_scene_end_drives(&w->scene, &t->upper),
@@ -163,7 +163,7 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        const bool volume = run->world.scene.test.kind == GN_TEST_HYDROSTATIC &&
+        const bool volume = gn_scene_test(&run->world.scene)->isotropic &&
                             strcmp(all->columns[c].name, "strain") == 0;
         const double left = volume ? 1.0 - from[0] : 1.0; /* of which it is the share lost */
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;

@@ -21,7 +21,7 @@ bool gn_run_may_end_early(const gn_run *run) {
                e->held > 0.0;
     }
     const gn_stops stops = gn_scene_stops(s);
-    const bool tested = s->test.kind != GN_TEST_NONE;
+    const bool tested = gn_scene_tested(s);
     return stops.peak_drop > 0.0 || (tested && stops.strain > 0.0) || s->stop_unbalanced > 0.0;
 }
 

@@ -112,7 +112,7 @@ static void reason(const gn_world *w, const file_size *f, char *text, size_t siz
                  across = f->part > 0.0 ? f->longest / (2.0 * f->part) : 0.0;
     const bool solid = f->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
     *text = '\0';
-    if (s->test.kind != GN_TEST_NONE)
+    if (gn_scene_tested(s))
         snprintf(text, size, "it is tested as in a laboratory");
     else if (speed > 0.0 && way < next_to_nothing * f->longest)
         snprintf(
@@ -177,7 +177,7 @@ static bool body_doubts(const gn_world *w, char *text, size_t size) {
 }
 
 static bool is_tested(const gn_scene *s) {
-    return s->test.kind != GN_TEST_NONE && s->test.kind != GN_TEST_BENDING;
+    return gn_scene_tested(s) && !gn_scene_test(s)->beam;
 }
 
 bool gn_scale_doubts(const gn_world *w, char *text, size_t size) {

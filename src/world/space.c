@@ -98,17 +98,17 @@ double gn_space_volume(const gn_world *w) {
     if (is_periodic_all_round(w) || !w->scene.has_specimen) return w->volume;
     if (gn_space_closed(w, &now, &start))
         return w->effects & GN_FX_BONDS ? w->volume * now / start : now;
-    if (w->scene.test.kind == GN_TEST_OEDOMETER)
+    if (gn_scene_test(&w->scene)->sides_stand)
         return w->volume * (1.0 - gn_ends_shortening(w) / w->test_length);
     return w->volume;
 }
 
 double gn_space_area(const gn_world *w) {
     const gn_test *t = &w->scene.test;
+    const gn_test_descriptor *d = gn_scene_test(&w->scene);
     double now, start;
-    if (t->kind == GN_TEST_SIMPLE_SHEAR) return gn_box_section(w);
-    if (!gn_test_in(t->kind, GN_TESTS_PRISMS) || t->area > 0.0 || t->diameter > 0.0)
-        return w->test_area;
+    if (d->periodic_sides) return gn_box_section(w);
+    if (!d->prism || t->given.area > 0.0 || t->given.diameter > 0.0) return w->test_area;
     if (w->dem.membrane || !gn_space_closed(w, &now, &start)) return w->test_area;
     const span along = span_along(w, (int)t->axis);
     if (!(w->effects & GN_FX_BONDS)) return now / along.now;

@@ -66,18 +66,18 @@ static void measure_extent(gn_world *w) {
 
 static gneiss_status measure_test(gn_world *w, gneiss_error *error) {
     const gn_scene *s = &w->scene;
-    if (s->test.kind == GN_TEST_NONE) return GNEISS_OK;
+    if (!gn_scene_tested(s)) return GNEISS_OK;
     gn_tested_shape shape = gn_test_shape(w);
     w->test_length = shape.length;
     w->test_area = shape.area;
-    if (s->test.kind == GN_TEST_BENDING && s->test.notch >= shape.height)
+    if (gn_scene_test(s)->beam && s->test.given.notch >= shape.height)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,
             "%s: expected a notch that is less deep than the beam, which is %.6g m high, "
             "found %.6g m",
-            gn_scene_at(s, s->test.where, "test.notch").text, shape.height, s->test.notch);
+            gn_scene_at(s, s->test.where, "test.notch").text, shape.height, s->test.given.notch);
     bool sound = shape.length > 0.0 && isfinite(shape.length);
-    if (s->test.kind != GN_TEST_SIMPLE_SHEAR || sound) return GNEISS_OK;
+    if (!gn_scene_test(s)->periodic_sides || sound) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected an upper end above the lower one along %c, with "
                    "something to shear between them, found %s",
@@ -101,7 +101,7 @@ static volume_source source_of_volume(const gn_world *w) {
     if (!w->scene.specimen_given) return FROM_SOURCES;
     if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
     if (gn_scene_from_packing(&w->scene)) return FROM_PACKING;
-    bool given = w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0;
+    bool given = gn_scene_tested(&w->scene) && gn_test_shape(w).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
 }
 
@@ -122,8 +122,7 @@ const char *gn_world_volume_source(const gn_world *w) {
                                         "length times area of the test",
                                         "the convex hull of the particles"};
     volume_source source = source_of_volume(w);
-    if (source == FROM_TEST && w->scene.test.kind == GN_TEST_BRAZILIAN)
-        return "the disc of the test";
+    if (source == FROM_TEST && gn_scene_test(&w->scene)->disc) return "the disc of the test";
     return names[source];
 }
 
@@ -291,7 +290,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(w, error));
     /* What bodies leave free to be sheared. */
-    if (w->scene.test.kind == GN_TEST_SHEAR) GN_TRY(measure_test(w, error));
+    if (gn_scene_test(&w->scene)->sheared) GN_TRY(measure_test(w, error));
     GN_TRY(gn_element_contact_create(w, error));
     GN_TRY(gn_flow_arrive(w, true, error));
     GN_TRY(gn_dem_arrange(w, error));
