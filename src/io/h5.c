@@ -1,3 +1,4 @@
+#include "base/resident.h"
 #include "io/files.h"
 #include "io/h5_private.h"
 
@@ -108,10 +109,13 @@ void gn_h5_omit_digests(gn_h5 *file) {
     file->digested = false;
 }
 
+/* HDF5 crashes where it has no memory to open a file, for which it takes 0.9 MB. */
+enum { OPENING_BYTES = 2 << 20 };
+
 static gn_h5 *new_handle(const char *path, gneiss_error *error) {
     gn_h5 *file = calloc(1, sizeof *file);
     char *copy = strdup(path);
-    if (!file || !copy) {
+    if (!file || !copy || !gn_memory_is_left(OPENING_BYTES)) {
         gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to open it", path);
         free(file);
         free(copy);
