@@ -825,6 +825,12 @@ def processor_seconds_are_those_of_the_threads(folder):
 
 
 @fact
+def one_thread_waits_for_no_other(folder):
+    run(LATTICE, folder, "--threads", 1)
+    assert summary(folder)["seconds"]["waiting"] == 0
+
+
+@fact
 def the_most_memory_of_a_run_holds_at_least_its_particles(folder):
     run(LATTICE, folder)
     s = summary(folder)
