@@ -199,8 +199,11 @@ def plan_names_the_memory_that_a_run_takes(folder):
         raise Skip("sanitizers take memory of their own")
     kinds = {"lattice": BONDED % "", "jitter": BONDED % ", jitter: 0.05", "grains": GRAINS, "packing": PACKED,
              "elements": CELLS % "displacement", "mixed form": CELLS % "mixed"}
-    for name, scene in kinds.items():
-        file = write_scene(folder, scene + SHORT)
+    texts = {name: scene + SHORT for name, scene in kinds.items()}
+    texts["contacts"] = GRAINS.replace("1.2", "0.999") + SHORT.replace("snapshots: 1", "snapshots: 1, contacts: true")
+    texts["history"] = LOOSE.replace("STEP", "auto").replace("1e-4}", "0.1}") + "output: {history_rows: 8000}\n"
+    for name, text in texts.items():
+        file = write_scene(folder, text)
         said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
         run(file, os.path.join(folder, name))
         taken = summary(os.path.join(folder, name))["peak_memory"] / 1e6

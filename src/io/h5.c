@@ -152,6 +152,23 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+void gn_h5_load(void) {
+    const double values[256] = {0};
+    gn_h5_quiet();
+    gn_h5 *file = new_handle("/dev/null/image", NULL);
+    hid_t access = file ? image_access(&file->image) : -1;
+    if (access >= 0) {
+        file->writing = file->digested = true;
+        file->id = H5Fcreate(file->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        H5Pclose(access);
+    }
+    if (access >= 0 && file->id >= 0 &&
+        gn_h5_put(file, "group/set", GN_F64, 256, 1, 0, values, "m", "text", NULL) == GNEISS_OK &&
+        gn_h5_seal(file, NULL) == GNEISS_OK)
+        (void)H5Fflush(file->id, H5F_SCOPE_GLOBAL);
+    gn_h5_close(file);
+}
+
 /* Only the checksummed format is taken: a damaged header of an older one can crash the library. */
 static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
     static const unsigned char expected[9] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n', 3};
