@@ -221,9 +221,10 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
     errno = 0;
     if (!units->system)
         *reason = "the unit database of UDUNITS-2 cannot be read";
-    else if (!gn_memory_is_left(PARSER_BYTES))
-        units->exhausted = true, *reason = "no memory to read it";
-    else
+    else if (!gn_memory_is_left(PARSER_BYTES)) {
+        units->exhausted = true;
+        *reason = "no memory to read it";
+    } else
         ok = find_factor(units->system, from, to, factor, reason);
     units->exhausted = units->exhausted || (!ok && errno == ENOMEM);
     ut_set_error_message_handler(previous);
