@@ -230,7 +230,8 @@ static gneiss_status find_start(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
+static gneiss_status print_all_but_memory(gn_world *w, gn_plan_growth *growth,
+                                          gneiss_error *error) {
     char text[32];
     double seconds;
     print_effects(w);
@@ -248,8 +249,11 @@ static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
     GN_TRY(find_start(w, error));
     if (w->scene.source_count) {
         gn_plan_flow flow;
+        const double first = w->dt;
         GN_TRY(gn_plan_flow_try(w, &flow, error));
         gn_print_plan_flow(w, &flow);
+        *growth = (gn_plan_growth){fmax(0.0, flow.most - (double)flow.present),
+                                   fmax(1.0, first / flow.step)};
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(w), per_step = 0.0;
@@ -276,8 +280,9 @@ static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
-    GN_TRY(print_all_but_memory(w, error));
-    gn_print_plan_memory(w);
+    gn_plan_growth growth = {0.0, 1.0};
+    GN_TRY(print_all_but_memory(w, &growth, error));
+    gn_print_plan_memory(w, &growth);
     return GNEISS_OK;
 }
 

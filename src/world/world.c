@@ -241,7 +241,7 @@ static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     GN_TRY(check_built(&w->scene, error));
     w->effects = gn_scene_effects(&w->scene);
-    w->threads = gn_threads_of(w->scene.threads);
+    GN_TRY(gn_threads_find(w->scene.threads, &w->threads, error));
     for (int a = 0; a < 3; a++)
         w->period[a] =
             a == w->scene.periodic_open ? 0.0 : w->scene.periodic_max[a] - w->scene.periodic_min[a];
