@@ -68,7 +68,7 @@ def place_legend(results, axes, loc="best"):
 
 
 def style_for(values):
-    """One or two rows are points, not a line that nobody would see."""
+    """One or two rows are drawn as points, since their line would be invisible."""
     return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
 
 
@@ -284,7 +284,7 @@ def plot_energy(results, path):
 
 
 def plot_flow(results, path):
-    """What came in and went out, and how fast."""
+    """Masses that sources added and sinks removed, and their rates."""
     x, label = abscissa(results)
     time = results.column("time")
     names = [n for n in results.history if re.fullmatch(r"(source|sink)_.*_mass", n)]

@@ -1,4 +1,4 @@
-"""What `report.py` knows of results.h5 (the layout is in docs/results.md), read at once and checked."""
+"""The contents of results.h5 (layout: docs/results.md), read at once and checked."""
 import json
 import re
 
@@ -147,7 +147,7 @@ class Results:
         return column.value
 
     def in_last_stage(self, name):
-        """The same of the last stage alone, ways and strains from its start."""
+        """Values of a column in the last stage alone; displacements and strains count from its start."""
         stage, rows = self.last_stage
         values = self.column(name)
         if values is None or not np.isfinite(values[rows]).any():
@@ -174,7 +174,7 @@ class Results:
 
     @property
     def asleep(self):
-        """Of the particles: prepared, in an element that is there; with those, not with their bonds."""
+        """True for dormant particles, those of elements that are still there. Their bonds are not included."""
         value = self.particle("asleep")
         return np.zeros(self.particle_count, bool) if value is None else np.asarray(value).reshape(-1) != 0
 
@@ -197,7 +197,7 @@ class Results:
 
     @property
     def words(self):
-        """What the strain and the stress of the test are called."""
+        """Names of the strain and of the stress of the test."""
         return self.attribute("test_strain", "axial strain"), self.attribute("test_stress", "axial stress")
 
     def test_axis(self):

@@ -1,5 +1,5 @@
-"""What a laboratory test by name shows in its report: the readings that belong to it as tiles, its curves, when and where
-bonds broke, the specimen before, at and after the peak."""
+"""The part of a report that belongs to a laboratory test: readings as tiles, curves, times and places of broken bonds,
+the specimen before, at and after the peak."""
 import io
 import json
 import os
@@ -48,7 +48,7 @@ def plot_confined(results, path):
 
 
 def plot_lateral(results, path):
-    """Of an oedometer test: axial stress and the mean stress across, compression positive, over the strain."""
+    """Draws an oedometer test: axial stress and the mean stress across, compression positive, over the strain."""
     strain, stress = results.in_last_stage("strain"), results.in_last_stage("stress")
     across = [results.in_last_stage("stress_" + 2 * a) for k, a in enumerate("xyz"[: results.dimension]) if k != results.test_axis()]
     if "lateral_stress_ratio" not in results.readings or strain is None or stress is None or any(a is None for a in across):
@@ -306,7 +306,7 @@ def _above(scene, path):
     return any(float(v) > 0 for p, v in scene.items() if p.split("/")[0] + "/" + p.split("/")[-1] == path and re.fullmatch(r"[-+.\de]+", v))
 
 
-# What a key needs to do anything, by its place; those that are not listed always do.
+# Conditions under which a key has an effect, by its place; keys not listed always have one.
 NEEDS = {
     "materials/alpha": lambda s: _is(s, "law/stiffness", *BY_AREA), "materials/beta": lambda s: _is(s, "law/stiffness", *BY_AREA),
     "materials/young": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA), "materials/poisson": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA),
@@ -326,7 +326,7 @@ NEEDS = {
     "damping/background/velocity": lambda s: _is(s, "damping/background/model", "nonviscous_component"),
     "test/centre": lambda s: _is(s, "test/kind", "brazilian"),
 }
-# Of these 0 is the same as nothing.
+# For these keys 0 is equivalent to leaving them out.
 ZEROS = ("friction", "rolling_friction", "twisting_friction", "bond_friction", "radius_multiplier", "interaction_range")
 
 
