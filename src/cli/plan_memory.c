@@ -5,7 +5,6 @@
 #include "cli/plan_memory.h"
 
 #include "base/resident.h"
-#include "base/test_kind.h"
 #include "io/h5.h"
 #include "run/history_rows.h"
 #include "run/spacing.h"
@@ -36,9 +35,9 @@ static double bytes_of_history(const gn_world *w, double growth) {
  * to four tenths). */
 static double bytes_of_failure(const gn_world *w) {
     static const double broken = 330.0, share = 0.2;
-    const unsigned whole = GN_TESTS(NONE) | GN_TESTS(TENSION) | GN_TESTS(BENDING) |
-                           GN_TESTS(HYDROSTATIC) | GN_TESTS(OEDOMETER);
-    const bool fails = !gn_test_in(w->scene.test.kind, whole);
+    const gn_test_descriptor *test = gn_scene_test(&w->scene);
+    const bool crushed = test->prism && test->sign < 0 && !test->sides_stand;
+    const bool fails = crushed || test->confined || test->disc || test->sheared;
     return fails ? share * broken * (double)w->dem.bonds.soa.count : 0.0;
 }
 
