@@ -27,7 +27,7 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test; --checked: on the build of `check gcc`
-  check [steps]                format layers links gcc clang cppcheck tidy sanitizers python (all of them); on request
+  check [steps]                format layers links words gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
                                and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
@@ -321,6 +321,10 @@ check_links() { # pages against what they lead to
     "$python" "$root/tools/links.py"
 }
 
+check_words() { # comments and pages against the rules of language
+    "$python" "$root/tools/words.py"
+}
+
 configure_gcc() {
     CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true
 }
@@ -447,7 +451,7 @@ command_check() {
     need "${packages_build[@]}" "${packages_check[@]}"
     git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
         die "check: $root is not a git work tree; the list of files comes from git"
-    local steps=(format layers links gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    local steps=(format layers links words gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
     (($#)) && steps=("$@")
     for step in "${steps[@]}"; do
         declare -F "check_$step" >/dev/null || die "check: no such step: $step"

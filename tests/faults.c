@@ -1,16 +1,21 @@
 /* Loaded before the C library (LD_PRELOAD) by tests: calls fail on demand, and what reaches the
- * disk is recorded. GNEISS_FAULT_ALLOC=N          allocation N (counted from 1) of the program
- * itself fails GNEISS_FAULT_ALLOC=N+         it and all after it GNEISS_FAULT_COUNT=FILE their
- * number is written to FILE at exit GNEISS_FAULT_ALL=1          those of libraries count and fail
- * as well GNEISS_FAULT_OPEN=TEXT:ERRNO  opening a file fails whose name holds TEXT
- * GNEISS_FAULT_READ, _WRITE     the same for reading from it, writing into it GNEISS_RECORD=FILE
- * opens, writes, syncs, renames, removals, in order */
+ * disk is recorded.
+ *
+ *   GNEISS_FAULT_ALLOC=N          allocation N (counted from 1) of the program itself fails
+ *   GNEISS_FAULT_ALLOC=N+         it and all after it
+ *   GNEISS_FAULT_COUNT=FILE       their number is written to FILE at exit
+ *   GNEISS_FAULT_ALL=1            those of libraries count and fail as well
+ *   GNEISS_FAULT_THREAD=N         thread N and all after it cannot be created
+ *   GNEISS_FAULT_OPEN=TEXT:ERRNO  opening a file fails whose name holds TEXT
+ *   GNEISS_FAULT_READ, _WRITE     the same for reading from it, writing into it
+ *   GNEISS_RECORD=FILE            opens, writes, syncs, renames, removals, in order */
 #define _GNU_SOURCE
 #undef _FILE_OFFSET_BITS /* both open and open64 are defined here */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -224,6 +229,18 @@ int mkdir(const char *path, mode_t mode) {
     int result = (int)syscall(SYS_mkdir, path, mode);
     if (result == 0) note("mkdir\t%s\n", path);
     return result;
+}
+
+/* --- threads --- */
+
+int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*start)(void *),
+                   void *argument) {
+    static atomic_long created;
+    int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *) = NULL;
+    const char *limit = getenv("GNEISS_FAULT_THREAD");
+    if (limit && atomic_fetch_add(&created, 1) + 1 >= atol(limit)) return EAGAIN;
+    *(void **)&next = dlsym(RTLD_NEXT, "pthread_create");
+    return next(thread, how, start, argument);
 }
 
 /* --- beginning and end --- */

@@ -197,6 +197,8 @@ def make(kind, path, packing=None):
                       dimension=dimension, volume=1.9e-5, volume_of="the <shape>", warnings=WARNINGS.get(kind, ""))
     for name, value in attributes.items():
         writer.file.attrs[name] = value
+    if test:
+        writer.file.attrs["test_figures"] = "young_modulus: Young's modulus\npoisson_ratio: Poisson's ratio\npeak_stress: peak stress\npeak_strain: strain at the peak"
     axis = "y" if dimension == 2 else "z"
     scene = f"title: made-up <&>\ndimension: {dimension}\n"
     writer.file["scene"] = scene + (f"test:\n  kind: compression\n  axis: {axis}\nseed: 1\n" if test else "")

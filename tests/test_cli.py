@@ -199,8 +199,11 @@ def plan_names_the_memory_that_a_run_takes(folder):
         raise Skip("sanitizers take memory of their own")
     kinds = {"lattice": BONDED % "", "jitter": BONDED % ", jitter: 0.05", "grains": GRAINS, "packing": PACKED,
              "elements": CELLS % "displacement", "mixed form": CELLS % "mixed"}
-    for name, scene in kinds.items():
-        file = write_scene(folder, scene + SHORT)
+    texts = {name: scene + SHORT for name, scene in kinds.items()}
+    texts["contacts"] = GRAINS.replace("1.2", "0.999") + SHORT.replace("snapshots: 1", "snapshots: 1, contacts: true")
+    texts["history"] = LOOSE.replace("STEP", "auto").replace("1e-4}", "0.1}") + "output: {history_rows: 8000}\n"
+    for name, text in texts.items():
+        file = write_scene(folder, text)
         said = float(re.search(r"in all ([\d.]+) MB", expect(gneiss("plan", file), 0).stdout).group(1))
         run(file, os.path.join(folder, name))
         taken = summary(os.path.join(folder, name))["peak_memory"] / 1e6
@@ -822,6 +825,12 @@ def processor_seconds_are_those_of_the_threads(folder):
     assert 0 < s["seconds"]["cpu"] < wall + 0.01, (s["seconds"], wall)
     with results(folder) as file:
         assert 0 < file.attrs["cpu_seconds"] <= s["seconds"]["cpu"]
+
+
+@fact
+def one_thread_waits_for_no_other(folder):
+    run(LATTICE, folder, "--threads", 1)
+    assert summary(folder)["seconds"]["waiting"] == 0
 
 
 @fact

@@ -6,6 +6,7 @@ from program import *  # noqa: F403
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 COUNT = os.path.join(ROOT, "tools", "count_tests.py")
 LINKS = os.path.join(ROOT, "tools", "links.py")
+WORDS = os.path.join(ROOT, "tools", "words.py")
 
 # As meson's, but for what is compiled: nothing.
 NINJA = """
@@ -153,6 +154,27 @@ def links_and_pictures_that_are_not_there_are_named(folder):
 @fact
 def every_page_leads_to_what_is_there(folder):
     done = subprocess.run([sys.executable, LINKS], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
+
+
+@fact
+def words_of_comments_and_pages_are_checked_and_code_is_not(folder):
+    os.makedirs(os.path.join(folder, "src"))
+    write_scene(folder, 'int who; /* Told\n * by hand. */\n/* A grain that was put\n * by. */\nf("asleep"); // What it is\n', "src/a.c")
+    write_scene(folder, 'def who():\n    """Of a body."""\n    return "told"  # nobody\n', "src/b.py")
+    write_scene(folder, "A page. `told` [told](awake.md)\n\n    code is told\n\n" + "long " * 40 + "\n", "src/c.md")
+    done = subprocess.run([sys.executable, WORDS, "--root", folder, "src"], capture_output=True, text=True)
+    found = [line.split(": ")[:2] for line in done.stdout.splitlines()]
+    assert found == [["src/a.c:1", "Told"], ["src/a.c:3", "put by"], ["src/a.c:5", "What"], ["src/b.py:2", "Of"],
+                     ["src/b.py:3", "nobody"], ["src/c.md:1", "told"], ["src/c.md:5", "200 characters"]], done.stdout
+    assert done.returncode == 1
+    counts = subprocess.run([sys.executable, WORDS, "--root", folder, "--count"], capture_output=True, text=True)
+    assert (counts.returncode, counts.stdout.split()) == (0, ["7", "src", "7"]), counts.stdout
+
+
+@fact
+def places_that_are_clean_stay_clean(_):
+    done = subprocess.run([sys.executable, WORDS], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
 
 

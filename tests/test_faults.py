@@ -1,9 +1,11 @@
 """Calls of the system that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
 import random
+import resource
 
 from program import *  # noqa: F403
 
 SHIM = os.path.abspath(sys.argv[2])
+MB = 1 << 20
 
 
 def faulty(*arguments, **faults):
@@ -227,6 +229,52 @@ def a_library_that_reads_the_scene_or_units_may_lack_memory(folder):
         codes.setdefault(done.returncode, []).append(number)
         assert done.returncode != 2, (number, done.stderr)
     assert len(codes.get(4, ())) > 10, codes
+
+
+@fact
+def memory_that_runs_out_within_a_library_is_an_error_and_no_crash(folder):
+    if "detect_leaks=1" in LEAK_OPTIONS:
+        raise Skip("sanitizers take memory of their own")
+
+    def code_within(limit):
+        out = os.path.join(folder, "out")
+        shutil.rmtree(out, ignore_errors=True)
+        return gneiss(*SMALL, "--out", out, "--quiet", "--threads", 1, environment={"GNEISS_CACHE": "off"},
+                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit))).returncode
+
+    enough = 20 * MB
+    while code_within(enough):
+        enough += 4 * MB
+    for least in range(enough - 4 * MB, enough, MB // 2):
+        if not code_within(least):
+            break
+    codes = {limit: code_within(limit) for limit in range(least - 2 * MB, least, MB // 32)}
+    assert set(codes.values()) <= {0, 4}, codes
+
+
+# --- threads -------------------------------------------------------------------------------------------------
+
+@fact
+def more_threads_than_the_system_gives_are_refused_with_their_number(folder):
+    few = dict(thread=3)
+    done = faulty(*SMALL, "--out", folder, "--quiet", "--threads", 8, **few)
+    expect(done, 2, "at most 3 threads.*found 8.*--threads")
+    expect(faulty(*SMALL, "--out", folder, "--quiet", "--threads", 2, **few), 0)
+    body = write_scene(folder, "specimen: {cylinder: {diameter: 20 mm, height: 30 mm}, particles: 60}\n")
+    done = faulty("pack", body, "--out", os.path.join(folder, "pack"), "--threads", 8, **few)
+    expect(done, 2, "at most 3 threads.*found 8.*--threads")
+
+
+@fact
+def threads_without_memory_for_their_stacks_are_refused_as_a_lack_of_memory(folder):
+    if "detect_leaks=1" in LEAK_OPTIONS:
+        raise Skip("sanitizers take memory of their own")
+
+    def limited():
+        resource.setrlimit(resource.RLIMIT_STACK, (256 * MB, 256 * MB))
+        resource.setrlimit(resource.RLIMIT_AS, (1000 * MB, 1000 * MB))
+
+    expect(gneiss(*SMALL, "--out", folder, "--quiet", "--threads", 8, preexec_fn=limited), 4, "--threads")
 
 
 # --- power loss ----------------------------------------------------------------------------------------------

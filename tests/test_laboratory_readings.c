@@ -1,9 +1,8 @@
 /* Readings of tests by name and of the course of a test, from curves whose answers are known. */
 #include "test.h"
 
-#include "base/test_kind.h"
-#include "measure/beginning.h"
-#include "measure/measure.h"
+#include "test_kinds/beginning.h"
+#include "test_kinds/readings.h"
 
 /* Columns by name, filled row by row. */
 enum { MOST = 16 };
@@ -27,7 +26,7 @@ static void put(table *t) {
 static gn_readings read_as(table *t, gn_tested tested) {
     gn_readings r;
     if (!tested.dimension) tested.dimension = 3;
-    if (!tested.sign) tested.sign = gn_test_sign(tested.kind);
+    if (!tested.sign) tested.sign = gn_test_of(tested.kind)->sign;
     tested.axis = tested.dimension - 1;
     gn_readings_compute(&t->h, &tested, &r);
     gn_history_free(&t->h);
@@ -563,8 +562,29 @@ static void ends_that_do_not_move_or_hold_a_load_have_no_strength(void **state) 
     }
 }
 
+static void descriptors_of_kinds_do_not_contradict_themselves(void **state) {
+    (void)state;
+    for (int k = GN_TEST_NONE + 1; k < GN_TEST_KINDS; k++) {
+        const gn_test_descriptor *d = gn_test_kinds[k];
+        const bool along = d->prism || d->disc || d->beam || d->sheared;
+        assert_true(d->shape && d->area_source && (d->sign == 1 || d->sign == -1));
+        assert_true(d->ends != d->isotropic && d->ends == along);
+        assert_int_equal(d->needs & ~d->takes, 0);
+        assert_true(d->sheared == (d->takes & GN_TAKES(normal) && true));
+        assert_true(!d->dimension == !d->counterpart);
+        assert_non_null(d->figures[0].name);
+        for (int f = 0; f < 8 && d->figures[f].name; f++)
+            assert_true(
+                gn_reading_belongs((gn_reading)d->figures[f].reading, (gn_test_kind)k, false));
+        for (int other = 0; other < k; other++)
+            assert_string_not_equal(gn_test_kinds[other]->name, d->name);
+    }
+    assert_false(gn_test_of(GN_TEST_NONE)->ends || gn_test_of(GN_TEST_NONE)->isotropic);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(descriptors_of_kinds_do_not_contradict_themselves),
         cmocka_unit_test(ends_that_do_not_move_or_hold_a_load_have_no_strength),
         cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
         cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),

@@ -6,7 +6,7 @@
 #include "run/output_table.h"
 #include "run/parts.h"
 #include "run/quantities.h"
-#include "scene/manifest.h"
+#include "test_kinds/readings.h"
 
 #include <unistd.h>
 
@@ -14,9 +14,10 @@ static void history_row(FILE *file, const gn_quantity_group *group, const gn_qua
     gn_shape_component part[GN_SHAPE_MOST];
     gn_shape_components(q->shape, 3, part);
     bool more = q->shape != GN_SCALAR;
+    char when[256];
     fprintf(file, "| `%s%s%s%s`%s | %s | %s | %s |\n", group->kind ? group->kind : "",
             group->kind ? "_<name>_" : "", q->name, part[0].suffix, more ? " .." : "", q->unit,
-            q->text, q->when->text);
+            q->text, gn_condition_text(q->when, when, sizeof when));
 }
 
 static void field_rows(FILE *file, const gn_output_table *table) {
@@ -47,7 +48,6 @@ static void owner_rows(FILE *file, const char *ends) {
 
 /* The kinds of tests that have a reading. */
 static const char *tests_of(gn_reading which, char *of, size_t size) {
-    const gn_choice *names = gn_scene_key_at("test.kind")->choices;
     if (gn_reading_belongs(which, GN_TEST_NONE, true) &&
         !gn_reading_belongs(which, GN_TEST_NONE, false))
         return "scenes with couple.zones";
@@ -56,7 +56,7 @@ static const char *tests_of(gn_reading which, char *of, size_t size) {
     for (int k = 1; k < GN_TEST_KINDS; k++)
         if (gn_reading_belongs(which, (gn_test_kind)k, false)) {
             used += (size_t)snprintf(of + used, size - used, "%s%s", count ? ", " : "",
-                                     gn_choice_name(names, k));
+                                     gn_test_of((gn_test_kind)k)->name);
             count++;
         }
     if (count == GN_TEST_KINDS - 1) snprintf(of, size, "all tests");
@@ -75,7 +75,7 @@ static char *page(void) {
         "src/run/output_fields.c, output_contacts.c, events.c, output_fragments.c, "
         "output_elements.c, output_bodies.c, "
         "src/measure/energy.h, "
-        "src/measure/measure.h). Where they "
+        "src/test_kinds/readings.h). Where they "
         "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
         "step starts. `_x ..` stands for the components that the dimension has: `_x _y _z`,\nof "
         "moments in 2D `_z`; `_xx ..` for `_xx _yy _zz _xy _yz _xz`.\n\n| column | unit | is | "

@@ -2,6 +2,7 @@
 
 #include "measure/energy.h"
 #include "measure/measure.h"
+#include "test_kinds/readings.h"
 
 static double random_unit(void) {
     return rand() / (RAND_MAX + 1.0);

@@ -228,6 +228,7 @@ TRIAXIAL = {
     "columns": {"volumetric_strain": 0.004, "lateral_strain": -0.006},
     "readings": {"axial_strength": (250e6, "Pa"), "confinement": (10e6, "Pa"), "crack_initiation_stress": (110e6, "Pa"),
                  "crack_damage_stress": (210e6, "Pa")},
+    "figures": "axial_strength peak_stress confinement young_modulus poisson_ratio crack_initiation_stress crack_damage_stress",
     "tiles": [("axial strength", "250 MPa"), ("deviator at the peak", "240 MPa"), ("confinement", "10 MPa"), ("Young's modulus", "18.1 GPa"),
               ("Poisson's ratio", "0.17"), ("stress at which cracks begin", "110 MPa"), ("stress at which damage begins", "210 MPa")],
     "curves": {"confined": ("deviator", "axial strain [%]")}, "marks": 2,
@@ -235,6 +236,7 @@ TRIAXIAL = {
 SHEAR = {
     "columns": {"normal_stress": 5e6, "dilation": 2e-5},
     "readings": {"shear_strength": (12e6, "Pa"), "normal_stress_at_peak": (5e6, "Pa"), "shear_modulus": (4.5e9, "Pa"), "dilation_at_peak": (-3.2e-6, "m")},
+    "figures": "shear_strength normal_stress_at_peak shear_modulus dilation_at_peak",
     "tiles": [("shear strength", "12 MPa"), ("normal stress at the peak", "5 MPa"), ("shear modulus", "4.5 GPa"), ("dilation at the peak", "-3.2 µm")],
     "curves": {"shear": ("normal stress", "shear strain [%]")}, "marks": 0,
 }
@@ -242,11 +244,13 @@ TESTS = {
     "compression": {
         "columns": {"deflection": 7e-4, "force": 1e4},
         "readings": {"crack_initiation_stress": (94e6, "Pa"), "crack_damage_stress": (132e6, "Pa")},
+        "figures": "young_modulus poisson_ratio peak_stress peak_strain crack_initiation_stress crack_damage_stress",
         "tiles": [("Young's modulus", "18.1 GPa"), ("Poisson's ratio", "0.17"), ("peak stress", "240 MPa"), ("strain at the peak", "1.44 %"),
                   ("stress at which cracks begin", "94 MPa"), ("stress at which damage begins", "132 MPa")],
         "curves": {"force_deflection": ("force", "deflection [µm]")}, "marks": 2},
     "tension": {
         "columns": {}, "readings": {"crack_initiation_stress": (np.nan, "Pa"), "fracture_energy": (44.65, "J/m2")},
+        "figures": "young_modulus poisson_ratio peak_stress peak_strain crack_initiation_stress fracture_energy",
         "tiles": [("Young's modulus", "18.1 GPa"), ("Poisson's ratio", "0.17"), ("peak stress", "240 MPa"), ("strain at the peak", "1.44 %"),
                   ("stress at which cracks begin", "–"), ("fracture energy", "44.65 J/m2")],
         "curves": {}, "marks": 0},
@@ -254,21 +258,25 @@ TESTS = {
         "columns": {"centre_stress_xx": 7e6, "centre_stress_yy": -2.1e7},
         "readings": {"indirect_tensile_strength": (8.06e6, "Pa"), "centre_tension": (6.2e6, "Pa"), "centre_ratio": (0.955, "1"),
                      "centre_compression_ratio": (3.006, "1")},
+        "figures": "indirect_tensile_strength centre_tension centre_ratio centre_compression_ratio",
         "tiles": [("indirect tensile strength", "8.06 MPa"), ("tension in the middle at the peak", "6.2 MPa"),
                   ("tension in the middle over 2P/πDt", "0.955"), ("pressure in the middle over 2P/πDt", "3.006")],
         "curves": {"centre": ("mean stress", "2P/(πDt) [MPa]")}, "marks": 0},
     "bending": {
         "columns": {"force": 24e3, "deflection": 3e-4, "opening": 2.5e-4},
         "readings": {"flexural_strength": (7.1e6, "Pa"), "flexural_modulus": (np.nan, "Pa"), "fracture_energy": (81.0, "J/m2"), "opening_at_peak": (12e-6, "m")},
+        "figures": "flexural_strength flexural_modulus fracture_energy opening_at_peak",
         "tiles": [("flexural strength", "7.1 MPa"), ("flexural modulus", "–"), ("fracture energy", "81 J/m2"), ("opening at the peak", "12 µm")],
         "curves": {"force_opening": ("force", "opening [µm]"), "force_deflection": ("force", "deflection [µm]")}, "marks": 0},
     "triaxial": TRIAXIAL, "biaxial": TRIAXIAL,
     "hydrostatic": {
         "columns": {"volumetric_strain": 0.01}, "readings": {"bulk_modulus": (11e9, "Pa")},
+        "figures": "bulk_modulus largest_stress",
         "tiles": [("bulk modulus", "11 GPa"), ("largest mean pressure", "241 MPa")], "curves": {}, "marks": 0},
     "oedometer": {
         "columns": {"stress_xx": -6e7, "stress_yy": -8e7, "stress_zz": -2.4e8},
         "readings": {"oedometric_modulus": (21e9, "Pa"), "lateral_stress_ratio": (0.29, "1")},
+        "figures": "oedometric_modulus lateral_stress_ratio largest_stress",
         "tiles": [("oedometric modulus", "21 GPa"), ("lateral over axial stress", "0.29"), ("largest stress", "241 MPa")],
         "curves": {"lateral": ("stress", "axial strain [%]")}, "marks": 0},
     "shear": SHEAR, "simple_shear": SHEAR,
@@ -284,6 +292,8 @@ def tested(kind, folder):
         scene = file["scene"][()].decode().replace("kind: compression", f"kind: {kind}")
         del file["scene"]
         file["scene"] = scene
+        file.attrs["test_figures"] = "\n".join(f"{name}: {title}" for name, (title, _) in zip(of["figures"].split(), of["tiles"], strict=True))
+        file.attrs["test_strain"], file.attrs["test_stress"] = f"strain of {kind}", f"stress of {kind}"
         for name, last in of["columns"].items():
             data = file.create_dataset("history/" + name, data=np.linspace(0, last, 800))
             data.attrs["unit"] = {"force": "N", "deflection": "m", "opening": "m", "dilation": "m"}.get(name, "Pa" if "stress" in name else "1")
@@ -673,15 +683,16 @@ def seen(scene, size, dimension=3, **given):
     columns = {"position": position, "radius": np.full(400, 0.01 * max(size)), **given}
     results.particles = {name: SimpleNamespace(value=value) for name, value in columns.items()}
     results.bodies, results.bonds, results.history, results.energy, results.scene = {}, {}, {}, {}, scene
-    results.attributes = {"dimension": str(dimension)}
+    results.attributes, results.readings = {"dimension": str(dimension)}, {}
     return results
 
 
 def gravity_or_z_is_up_unless_a_specimen_stands(folder):
     """The longest side says nothing."""
-    for scene, up in (("gravity: [0, 0, 0]\n", "z"), ("gravity: [0, -9.81, 0]\n", "y"), ("test:\n  kind: shear\n  axis: x\n", "z"),
-                      ("test:\n  kind: compression\n  axis: x\n", "x")):
+    ends, test = ("stress_lower", "stress_upper"), "test:\n  axis: x\n"
+    for scene, columns, up in (("gravity: [0, 0, 0]\n", (), "z"), ("gravity: [0, -9.81, 0]\n", (), "y"), (test, (*ends, "normal_stress"), "z"), (test, ends, "x")):
         results = seen(scene, (9.0, 1.0, 1.0))
+        results.history = dict.fromkeys(columns)
         assert "xyz"[results.up_axis()] == up, scene
     assert seen("", (9.0, 1.0, 0.0), dimension=2).up_axis() == 1
 

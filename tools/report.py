@@ -189,7 +189,7 @@ def in_unit_of(column):
 
 
 def cards_without_test(results):
-    """What a scene comes to that is no test: time, what moves, what broke."""
+    """Figures of a scene that is not a test: simulated time, moving bodies, broken bonds."""
     shown, time = [], results.column("time")
     if time is not None:
         shown.append(("simulated time", quantity(float(np.nanmax(time)), "s"), ""))
@@ -293,7 +293,7 @@ def main(arguments):
     except OSError as e:
         print(printable(f"report: cannot write: {e}"), file=sys.stderr)
         return 3
-    except Exception as e:  # a file made by somebody can hold anything: it is refused, not traced
+    except Exception as e:  # A foreign file can hold anything: it is refused without a traceback.
         print(printable(f"report: {arguments[0]}: the results cannot be drawn: {type(e).__name__}: {e}"), file=sys.stderr)
         return 2
     return 0

@@ -1,4 +1,4 @@
-"""What a specimen stands on and is hit by, in its pictures: rigid bodies and walls, as the viewer of report_pictures.py sees them."""
+"""Draws rigid bodies and walls into the pictures of a specimen, as seen by the viewer of report_pictures.py."""
 import os
 import re
 
@@ -154,11 +154,11 @@ class Beside:
         axes.add_collection(LineCollection(seen[edges][:, :, :2], colors=BODY, linewidths=1.0, capstyle="round", zorder=3))
 
     def text_seen(self, panes):
-        """The same of a picture in space."""
+        """Caption of the bodies and walls of a picture in space."""
         parts = [["rigid bodies (blue)"], []][not len(self.facet)] + [["walls (grey)"], []][not len(panes)]
         return f" Lines: {' and '.join(parts)}." if parts else ""
 
     def text(self):
-        """What the caption says of them."""
+        """Caption of the bodies and walls of a slice."""
         parts = [["rigid bodies (blue)"], []][not len(self.facet)] + [["walls (hatched behind)"], []][not self.walls]
         return f" Lines: {' and '.join(parts)}." if parts else ""

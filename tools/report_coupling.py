@@ -17,7 +17,7 @@ MIDDLE = 0.4987  # of the extent across the section, so that it runs through no 
 
 
 def largest_principal(stress, flat):
-    """Of rows xx yy zz xy yz xz; of a plane model in its plane."""
+    """Largest principal stress of rows xx yy zz xy yz xz; in the plane if the model is plane."""
     if flat:
         middle, half = 0.5 * (stress[:, 0] + stress[:, 1]), 0.5 * (stress[:, 0] - stress[:, 1])
         return middle + np.hypot(half, stress[:, 3])
@@ -42,7 +42,7 @@ def cut(start, place, element, level):
 
 
 class Section:
-    """What is drawn: faces of elements and discs of particles, displaced `factor` times, and whose they are."""
+    """Faces of elements and discs of particles to draw, displaced `factor` times, with the owner of each."""
 
     def __init__(self, results, mesh, factor):
         moved = np.asarray(results.particle("displacement"), float)

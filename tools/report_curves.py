@@ -68,7 +68,7 @@ def place_legend(results, axes, loc="best"):
 
 
 def style_for(values):
-    """One or two rows are points, not a line that nobody would see."""
+    """One or two rows are drawn as points, since their line would be invisible."""
     return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
 
 
@@ -117,7 +117,7 @@ def plot_stress(results, path):
         if end is not None:
             axes.plot(100 * strain, end / factor, style, color=GREY, lw=1,
                       label=name.replace("stress_", "at the ") + " end")
-    axes.plot(100 * strain, stress / factor, color=INK, label="in the specimen" if results.test_kind == "hydrostatic" else "mean of both ends", **style_for(stress))
+    axes.plot(100 * strain, stress / factor, color=INK, label="mean of both ends" if "stress_lower" in results.history else "in the specimen", **style_for(stress))
     peak = int(np.nanargmax(stress))
     line = fit_line(results, strain, stress)
     if line:
@@ -284,7 +284,7 @@ def plot_energy(results, path):
 
 
 def plot_flow(results, path):
-    """What came in and went out, and how fast."""
+    """Masses that sources added and sinks removed, and their rates."""
     x, label = abscissa(results)
     time = results.column("time")
     names = [n for n in results.history if re.fullmatch(r"(source|sink)_.*_mass", n)]

@@ -9,7 +9,7 @@ WORD = (1 << 64) - 1
 
 
 def mix(z):
-    """Of one integer, or of an array of them."""
+    """Mixes the bits of one integer or of each in an array."""
     if isinstance(z, int):
         z = ((z ^ (z >> 30)) * ODD[0]) & WORD
         z = ((z ^ (z >> 27)) * ODD[1]) & WORD
@@ -20,7 +20,7 @@ def mix(z):
 
 
 def digest(data, seed=0):
-    """Of bytes."""
+    """Digest of bytes."""
     words = np.frombuffer(data + bytes(-len(data) % 8), "<u8")
     with np.errstate(over="ignore"):
         places = np.arange(1, len(words) + 1, dtype=np.uint64) * np.uint64(GOLDEN)
@@ -79,8 +79,8 @@ def is_sealed(file):
 
 
 def changed(file):
-    """Names of data sets and objects whose values or attributes are not those that were written; "/" also where an
-    object came or went. Empty for a file of an earlier version, which has no digests."""
+    """Names of data sets and objects with values or attributes that differ from those written; "/" too if an object
+    was added or removed. Empty for a file of an earlier version, which has no digests."""
     if not is_sealed(file):
         return []
     names = [item.name for item in objects(file)

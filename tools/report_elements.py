@@ -11,7 +11,7 @@ from report_curves import GREY, save
 from report_pictures import color_bar, oblique, panels, scale_bar
 from report_results import scale_of
 
-LINES_UP_TO = 4000    # facets whose edges are drawn
+LINES_UP_TO = 4000    # Up to this number of facets their edges are drawn.
 SHOWN = 0.05          # of the body's size: how large the largest displacement looks at least
 FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 

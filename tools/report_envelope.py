@@ -18,7 +18,7 @@ TEXTS = {"friction_angle": "friction angle", "cohesion": "cohesion", "hoek_brown
 
 
 def read(group):
-    """Of the group `envelope` of sweep.h5 a list, one for each envelope: (what it is of, {name: (value, unit) or (None, why not)})."""
+    """Envelopes in the group `envelope` of sweep.h5: a list of (label, {name: (value, unit) or (None, reason)})."""
     values = {name: np.asarray(group[name][()], float).reshape(-1) for name in TEXTS}
     count = max(len(column) for column in values.values())
     labels = _text(group["of"][()]).split("\n") if "of" in group else []

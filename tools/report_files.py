@@ -1,5 +1,5 @@
-"""Reading and writing of the files of `report.py`. A folder may come from somebody else: what is read has to be whole and in
-the file itself, and no link in the folder is followed when something is written."""
+"""Reading and writing of the files of `report.py`. A folder may be foreign: only data that are
+complete and in the file itself are read, and no link in the folder is followed on writing."""
 import contextlib
 import os
 import stat
@@ -103,7 +103,7 @@ def opened(path, kind, remedy):
 
 
 def values(file, path):
-    """Of a data set in the file itself; KeyError: there is none."""
+    """Values of a data set in the file itself; KeyError if there is none."""
     item = file
     for name in path.split("/"):
         if not isinstance(item, h5py.Group) or not isinstance(item.get(name, getlink=True), h5py.HardLink):

@@ -1,4 +1,4 @@
-"""What the pages of `report.py` have in common: style, tables, figures, writing."""
+"""Style, tables, figures and writing, common to the pages of `report.py`."""
 import base64
 import html
 import os
@@ -34,7 +34,7 @@ def escape(text):
 
 
 def is_inside(path):
-    """Whether a path stays below the folder that it is relative to."""
+    """True if a path stays below the folder that it is relative to."""
     return not re.match(r"/|\w+:", path) and ".." not in path.split("/")
 
 

@@ -52,7 +52,7 @@ class Specimen:
         self.flat = results.dimension == 2
         up = 1 if self.flat else results.up_axis()
         right = 0 if self.flat else (up + 1) % 3
-        if not self.flat and results.test_kind == "brazilian" and up < 2:
+        if not self.flat and "indirect_tensile_strength" in results.readings and up < 2:
             right = 1 - up  # a disc is seen from its face
         toward = 3 - up - right
         self.names = "xyz"[right], "xyz"[up], "xyz"[toward]

@@ -1,4 +1,4 @@
-"""What `report.py` knows of results.h5 (the layout is in docs/results.md), read at once and checked."""
+"""The contents of results.h5 (layout: docs/results.md), read at once and checked."""
 import json
 import re
 
@@ -47,17 +47,6 @@ def _without_free_overlaps(bonds):
         column.value = np.asarray(column.value)[kept]
     return bonds
 
-
-WORDS = {
-    "brazilian": ("closing over the diameter", "2P/(πDt)"),
-    "bending": ("strain of the fibre by beam theory", "stress in the fibre by beam theory"),
-    "triaxial": ("axial strain", "deviator"), "biaxial": ("axial strain", "deviator"),
-    "hydrostatic": ("loss of volume", "mean pressure"),
-    "shear": ("shear strain", "shear stress"), "simple_shear": ("shear strain", "shear stress"),
-}
-
-
-STANDING = ("compression", "tension", "triaxial", "biaxial", "oedometer", "brazilian", "bending")
 
 # Counted since the start of the run in the history, since that of the last stage in readings and in what is drawn of it.
 FROM_START = ("strain", "volumetric_strain", "lateral_strain", "dilation", "deflection", "opening")
@@ -158,7 +147,7 @@ class Results:
         return column.value
 
     def in_last_stage(self, name):
-        """The same of the last stage alone, ways and strains from its start."""
+        """Values of a column in the last stage alone; displacements and strains count from its start."""
         stage, rows = self.last_stage
         values = self.column(name)
         if values is None or not np.isfinite(values[rows]).any():
@@ -185,7 +174,7 @@ class Results:
 
     @property
     def asleep(self):
-        """Of the particles: prepared, in an element that is there; with those, not with their bonds."""
+        """True for dormant particles, those of elements that are still there. Their bonds are not included."""
         value = self.particle("asleep")
         return np.zeros(self.particle_count, bool) if value is None else np.asarray(value).reshape(-1) != 0
 
@@ -208,8 +197,8 @@ class Results:
 
     @property
     def words(self):
-        """What the strain and the stress of the test are called."""
-        return WORDS.get(self.test_kind, ("axial strain", "axial stress"))
+        """Names of the strain and of the stress of the test."""
+        return self.attribute("test_strain", "axial strain"), self.attribute("test_stress", "axial stress")
 
     def test_axis(self):
         """0, 1, 2: the axis of the test as the scene says, else what is up."""
@@ -223,7 +212,8 @@ class Results:
         pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
         if max(pull) > 0:
             return pull.index(max(pull))
-        return self.test_axis() if self.test_kind in STANDING else min(2, self.dimension - 1)
+        stands = "stress_lower" in self.history and "normal_stress" not in self.history
+        return self.test_axis() if stands else min(2, self.dimension - 1)
 
 
 # --- numbers for people --------------------------------------------------------------------------------

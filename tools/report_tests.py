@@ -1,5 +1,5 @@
-"""What a laboratory test by name shows in its report: the readings that belong to it as tiles, its curves, when and where
-bonds broke, the specimen before, at and after the peak."""
+"""The part of a report that belongs to a laboratory test: readings as tiles, curves, times and places of broken bonds,
+the specimen before, at and after the peak."""
 import io
 import json
 import os
@@ -16,30 +16,10 @@ from report_files import opened, remove, values as values_of, write
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
 from report_results import quantity, scale_of
 
-MODULUS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"))
-PEAK = (("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
-BEGIN, DAMAGE = ("crack_initiation_stress", "stress at which cracks begin"), ("crack_damage_stress", "stress at which damage begins")
-CARDS = {
-    "compression": (*MODULUS, *PEAK, BEGIN, DAMAGE),
-    "tension": (*MODULUS, *PEAK, BEGIN, ("fracture_energy", "fracture energy")),
-    "brazilian": (("indirect_tensile_strength", "indirect tensile strength"), ("centre_tension", "tension in the middle at the peak"),
-                  ("centre_ratio", "tension in the middle over 2P/πDt"), ("centre_compression_ratio", "pressure in the middle over 2P/πDt")),
-    "bending": (("flexural_strength", "flexural strength"), ("flexural_modulus", "flexural modulus"),
-                ("fracture_energy", "fracture energy"), ("opening_at_peak", "opening at the peak")),
-    "triaxial": (("axial_strength", "axial strength"), ("peak_stress", "deviator at the peak"), ("confinement", "confinement"),
-                 *MODULUS, BEGIN, DAMAGE),
-    "hydrostatic": (("bulk_modulus", "bulk modulus"), ("largest_stress", "largest mean pressure")),
-    "oedometer": (("oedometric_modulus", "oedometric modulus"), ("lateral_stress_ratio", "lateral over axial stress"),
-                  ("largest_stress", "largest stress")),
-    "shear": (("shear_strength", "shear strength"), ("normal_stress_at_peak", "normal stress at the peak"),
-              ("shear_modulus", "shear modulus"), ("dilation_at_peak", "dilation at the peak")),
-}
-CARDS["biaxial"] = CARDS["triaxial"]
-CARDS["simple_shear"] = CARDS["shear"]
-
 
 def cards_of(results):
-    tested = CARDS.get(results.test_kind, MODULUS + PEAK) if results.test_kind else ()
+    """[(reading, title)]: what results of this test show first."""
+    tested = [tuple(line.split(": ", 1)) for line in results.attribute("test_figures").splitlines()]
     return (*tested, ("returned_energy", "energy returned by the zone"))
 
 
@@ -48,7 +28,8 @@ def cards_of(results):
 def plot_confined(results, path):
     """Deviator and loss of volume over the axial strain."""
     strain, stress, volume = (results.in_last_stage(n) for n in ("strain", "stress", "volumetric_strain"))
-    if strain is None or stress is None or volume is None or results.test_kind == "hydrostatic":
+    lateral = results.in_last_stage("lateral_strain")
+    if strain is None or stress is None or volume is None or lateral is None:
         return None
     factor, unit = scale_of(stress, "Pa")
     figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
@@ -57,9 +38,7 @@ def plot_confined(results, path):
     above.plot(100 * strain, stress / factor, color=INK, **style_for(stress))
     above.set_ylabel(f"deviator [{unit}]")
     below.plot(100 * strain, 100 * volume, color=BLUE, label="volumetric", **style_for(volume))
-    lateral = results.in_last_stage("lateral_strain")
-    if lateral is not None:
-        below.plot(100 * strain, 100 * lateral, color=RED, label="lateral", **style_for(lateral))
+    below.plot(100 * strain, 100 * lateral, color=RED, label="lateral", **style_for(lateral))
     below.set_xlabel("axial strain [%]")
     below.set_ylabel("strain [%]")
     below.legend(loc="best")
@@ -69,10 +48,10 @@ def plot_confined(results, path):
 
 
 def plot_lateral(results, path):
-    """Of an oedometer test: axial stress and the mean stress across, compression positive, over the strain."""
+    """Draws an oedometer test: axial stress and the mean stress across, compression positive, over the strain."""
     strain, stress = results.in_last_stage("strain"), results.in_last_stage("stress")
     across = [results.in_last_stage("stress_" + 2 * a) for k, a in enumerate("xyz"[: results.dimension]) if k != results.test_axis()]
-    if results.test_kind != "oedometer" or strain is None or stress is None or any(a is None for a in across):
+    if "lateral_stress_ratio" not in results.readings or strain is None or stress is None or any(a is None for a in across):
         return None
     lateral = -np.mean(across, axis=0)
     factor, unit = scale_of(np.concatenate([stress, lateral]), "Pa")
@@ -327,7 +306,7 @@ def _above(scene, path):
     return any(float(v) > 0 for p, v in scene.items() if p.split("/")[0] + "/" + p.split("/")[-1] == path and re.fullmatch(r"[-+.\de]+", v))
 
 
-# What a key needs to do anything, by its place; those that are not listed always do.
+# Conditions under which a key has an effect, by its place; keys not listed always have one.
 NEEDS = {
     "materials/alpha": lambda s: _is(s, "law/stiffness", *BY_AREA), "materials/beta": lambda s: _is(s, "law/stiffness", *BY_AREA),
     "materials/young": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA), "materials/poisson": lambda s: _is(s, "law/stiffness", "hertz", *BY_AREA),
@@ -347,7 +326,7 @@ NEEDS = {
     "damping/background/velocity": lambda s: _is(s, "damping/background/model", "nonviscous_component"),
     "test/centre": lambda s: _is(s, "test/kind", "brazilian"),
 }
-# Of these 0 is the same as nothing.
+# For these keys 0 is equivalent to leaving them out.
 ZEROS = ("friction", "rolling_friction", "twisting_friction", "bond_friction", "radius_multiplier", "interaction_range")
 
 

@@ -93,9 +93,9 @@ def particle_words(found):
         limit, _, order = fits.limit(sizes, v)
         orders.append(f"{name} {words.signed(v[last] / limit - 1)} at exponent {order:.2g}")
     own = "; ".join(f"{name} {words.signed(v[last] / v[0] / (fill[last] / fill[0]) - 1)}" for name, v in columns.items())
-    return (f"**Particles.** From {counts[0]} to {counts[last]} spheres change: {steps}. They rise still, and slower: against limit x (1 - b n^-p), n particles across, the largest "
-            f"specimen is at {', '.join(orders)}; a fit of three numbers to {len(counts)} points of one or three packings, so a guess. Sections of bonds add up to {fill[0]:.2f} of the body "
-            f"at first and {fill[last]:.2f} at last, as less of it lies at the surface. In proportion to that everything should grow by {words.signed(fill[last] / fill[0] - 1)}; what is beyond it: {own}.")
+    return (f"**Particles.** From {counts[0]} to {counts[last]} spheres change: {steps}. They still rise, but more slowly: against limit x (1 - b n^-p), n particles across, the largest "
+            f"specimen is at {', '.join(orders)}; a fit of three numbers to {len(counts)} points of one or three packings, hence uncertain. Sections of bonds add up to {fill[0]:.2f} of the body "
+            f"at first and {fill[last]:.2f} at last, as the fraction at the surface falls. In proportion all values should grow by {words.signed(fill[last] / fill[0] - 1)}; the deviations from that are: {own}.")
 
 
 # --- speed ------------------------------------------------------------------------------------------------------------
@@ -163,9 +163,9 @@ def speed_words(found, brittle):
         parts.append(f"{told(pressure)}, {count} spheres: {others}")
     fast, slow = brittle[max(brittle)], brittle[min(brittle)]
     return (f"**Speed**, strength against that at the slowest, {'; '.join(parts)}. g: closing speed over wave speed and strain at the peak. "
-            f"Bonds that break at once, as the source has them in this study: from {min(brittle):g} to {max(brittle):g} m/s E is {words.signed(fast.modulus / slow.modulus - 1)}, the strength "
-            f"{words.signed(fast.peak / slow.peak - 1)}. The source says of its own that the elastic part is right at any of these speeds, that fast loading gives more strength and a way down that looks ductile, "
-            "and that the slowest breaks at once: the column after the strain is how much further half of the strength is left.")
+            f"Bonds that break at once, as in this study of the source: from {min(brittle):g} to {max(brittle):g} m/s E is {words.signed(fast.modulus / slow.modulus - 1)}, the strength "
+            f"{words.signed(fast.peak / slow.peak - 1)}. According to the source the elastic part is correct at all of these speeds, fast loading increases the strength and makes the descending "
+            "branch look ductile, and the slowest loading is brittle: the column after the strain is the additional strain to half of the strength.")
 
 
 # --- step and round-off -----------------------------------------------------------------------------------------------
@@ -254,7 +254,7 @@ def step_words(found, copies, near, packings, many):
     return (f"**Step**, over the stable one {bounds}: {'; '.join(parts)}. The source's 1e-8 to 1e-7 s are stable and 5e-7 s is not, for spheres of the size of the 13 500: the automatic step of "
             f"{many.run.summary['counts']['particles']} spheres is {automatic_step(many):.0f} ns, where an undamped one would be more than twice as long: contact damping of 0.9 of the critical takes sqrt(1 + 0.9^2) - 0.9 = 0.445 of it.\n\n"
             f"**Floors** of the strength, standard deviations. Coordinates changed by a relative {SHAKEN:g} ({COPIES} runs each): {off}{bounded(copies)}. Steps of {NEARBY[0]:g} to {NEARBY[-1]:g} of "
-            f"the stable one ({len(NEARBY)}): {jitter}. Packings ({len(packings[0])} of 1500 spheres): {scatter}. What speed and step change is to be held against the second: "
+            f"the stable one ({len(NEARBY)}): {jitter}. Packings ({len(packings[0])} of 1500 spheres): {scatter}. Changes by speed and step are to be compared with the second: "
             f"{'; '.join(judged(told(p), [c.peak for c in found[p].values()], [c.peak for c in near[p]]) for p in PRESSURES)}.")
 
 
@@ -295,7 +295,7 @@ def brittle_picture(curves):
 INTRO = """## Concrete under pressure
 
 The cylinder of 150 x 300 mm of [laboratory](evidence/laboratory.md#concrete-what-is-computed), whose bonds soften and yield and contacts damp, closed between ends that hold it
-across, without pressure and under 9 MPa: largest deviator, and E and nu at the start of loading. What the source (Santasusana 2013, ch. 5) looks at: particles (its 107 to 71 852), speed, step. Speed, step and
+across, without pressure and under 9 MPa: largest deviator, and E and nu at the start of loading. The source (Santasusana 2013, ch. 5) studies the number of particles (107 to 71 852), the speed and the step. Speed, step and
 round-off with {count} spheres of one packing. Written by `validate/concrete_effects.py`."""
 
 

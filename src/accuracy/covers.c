@@ -20,7 +20,8 @@ static double end_of(const gn_scene *s, const gn_test_end *end, double time, boo
 }
 
 static double apart(const gn_scene *s, double time, bool path) {
-    double sign = s->test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    const gn_test_descriptor *d = gn_scene_test(s);
+    double sign = d->study ? d->sign : 1.0;
     return sign * (end_of(s, &s->test.upper, time, path) - end_of(s, &s->test.lower, time, path));
 }
 
@@ -104,22 +105,21 @@ static const char *bonds_of(const gn_scene *s) {
 static const char *cover_particles(const gn_step_context *ctx, const gn_dem *dem,
                                    gn_test_groups *g) {
     const gn_scene *s = &ctx->scene;
-    bool plane = s->dimension == 2;
+    const gn_test_descriptor *d = gn_scene_test(s);
+    const bool plane = s->dimension == 2, crushed = d->sign < 0;
     if (s->bonds != GN_SWITCH_ON || !dem->bonds_at_start)
         return "the study has no test of grains without bonds";
     if (ctx->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
         return "the study has no bonds that soften, yield or carry moments";
-    if (s->test.kind != GN_TEST_COMPRESSION && s->test.kind != GN_TEST_TENSION)
-        return "of tests of particles the study has compression and tension";
+    if (!d->study) return "of tests of particles the study has compression and tension";
     if (s->has_membrane) return "the study has no test under a membrane";
     if (s->has_elements) return "the study has no test of particles and elements together";
     if (s->body_count) return "the study has no test with bodies";
     if (s->has_periodic) return "the study has no periodic test";
-    if (plane && s->specimen.pack.shape == GN_SHAPE_DISC && s->test.kind == GN_TEST_COMPRESSION)
+    if (plane && s->specimen.pack.shape == GN_SHAPE_DISC && crushed)
         return "the study foretells no peak of a disc that is pressed across";
-    g->study = s->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
+    g->study = d->study;
     /* Discs scatter more than spheres, above all where they are crushed. */
-    bool crushed = s->test.kind == GN_TEST_COMPRESSION;
     g->floors = !plane ? g->study : crushed ? "compression-plane" : "brazilian";
     g->bonds = bonds_of(s);
     g->particles = (double)dem->particles.soa.count;
@@ -154,7 +154,7 @@ static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
 const char *gn_study_covers(const gn_step_context *ctx, const gn_dem *dem, gn_test_groups *g) {
     const gn_scene *s = &ctx->scene;
     *g = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
-    if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
+    if (!gn_scene_tested(s)) return "the scene has no test";
     if (s->stage_count) return "the study has no test in stages";
     const char *reason = s->has_specimen ? cover_particles(ctx, dem, g) : cover_elements(s, g);
     g->speed = NAN;

@@ -1,6 +1,7 @@
 #include "base/resident.h"
 
 #include <stdio.h>
+#include <sys/mman.h>
 
 /* Not by getrusage: its peak includes that of the process which this one was forked from. */
 bool gn_resident_read(gn_resident *r) {
@@ -15,4 +16,12 @@ bool gn_resident_read(gn_resident *r) {
     fclose(file);
     *r = (gn_resident){1024.0 * peak, 1024.0 * now};
     return peak > 0.0 && now > 0.0;
+}
+
+/* Not by malloc: freeing a large block changes from which size on glibc maps blocks one by one. */
+bool gn_memory_is_left(size_t bytes) {
+    void *block = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (block == MAP_FAILED) return false;
+    (void)munmap(block, bytes);
+    return true;
 }

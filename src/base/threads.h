@@ -2,6 +2,8 @@
 #ifndef GN_BASE_THREADS_H
 #define GN_BASE_THREADS_H
 
+#include "base/error.h"
+
 #include <stdint.h>
 
 /* More are not used by anything. */
@@ -10,5 +12,11 @@ enum { GN_THREADS_MAX = 1024 };
 /* Threads for a `run.threads` of `asked` (0: one for each processor): no more than the OpenMP
  * library gives to anybody (OMP_THREAD_LIMIT). A parallel region may get fewer. */
 int gn_threads_of(int64_t asked);
+
+/* The same, with those that the system lets this process have at once: the OpenMP library ends the
+ * program where one cannot be created. With `asked` 0 there are as many as can be had; it is an
+ * error if there are fewer than asked for: GNEISS_ERROR_MEMORY where there is no memory for their
+ * stacks, else GNEISS_ERROR_INPUT. To be called before the first parallel region. */
+gneiss_status gn_threads_find(int64_t asked, int *threads, gneiss_error *error);
 
 #endif

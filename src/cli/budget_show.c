@@ -25,7 +25,7 @@ static void print_notes(const gn_budget *b) {
 gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
     const gn_readings *r;
     const gn_budget *b;
-    if (run->world.ctx.scene.test.kind == GN_TEST_NONE) return GNEISS_OK;
+    if (!gn_scene_tested(&run->world.ctx.scene)) return GNEISS_OK;
     GN_TRY(gn_run_readings(run, &r, error));
     GN_TRY(gn_run_budget(run, &b, error));
     if (b->absent[0]) {

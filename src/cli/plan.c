@@ -234,7 +234,8 @@ static gneiss_status find_start(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
+static gneiss_status print_all_but_memory(gn_world *w, gn_plan_growth *growth,
+                                          gneiss_error *error) {
     char text[32];
     double seconds;
     print_effects(w);
@@ -252,8 +253,11 @@ static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
     GN_TRY(find_start(w, error));
     if (w->ctx.scene.source_count) {
         gn_plan_flow flow;
+        const double first = w->ctx.dt;
         GN_TRY(gn_plan_flow_try(w, &flow, error));
         gn_print_plan_flow(w, &flow);
+        *growth = (gn_plan_growth){fmax(0.0, flow.most - (double)flow.present),
+                                   fmax(1.0, first / flow.step)};
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(w), per_step = 0.0;
@@ -280,8 +284,9 @@ static gneiss_status print_all_but_memory(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
-    GN_TRY(print_all_but_memory(w, error));
-    gn_print_plan_memory(w);
+    gn_plan_growth growth = {0.0, 1.0};
+    GN_TRY(print_all_but_memory(w, &growth, error));
+    gn_print_plan_memory(w, &growth);
     return GNEISS_OK;
 }
 
@@ -510,7 +515,8 @@ static void print_section(const gn_world *w) {
     const gn_test *t = &w->ctx.scene.test;
     const double mean =
         w->ctx.volume / gn_world_side(&w->ctx, &w->solids, t->axis < 0 ? 0 : (int)t->axis);
-    const bool given = gn_test_in(t->kind, GN_TESTS_PRISMS) && (t->area > 0.0 || t->diameter > 0.0);
+    const bool given =
+        gn_scene_test(&w->ctx.scene)->prism && (t->given.area > 0.0 || t->given.diameter > 0.0);
     if (given && !w->ctx.scene.has_couple && fabs(w->ctx.test_area / mean - 1.0) > 0.02)
         printf("  area             %.4g m2 is given, where volume over length is %.4g m2\n",
                w->ctx.test_area, mean);
@@ -527,7 +533,7 @@ static void print_volume(const gn_world *w) {
            space ? "" : " (1 m thick)",
            gn_world_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids),
            gn_world_mass(&w->dem, &w->solids));
-    if (w->ctx.scene.test.kind == GN_TEST_NONE) return;
+    if (!gn_scene_tested(&w->ctx.scene)) return;
     const char *source = gn_test_area_source(&w->ctx);
     printf("  test             length %.6g m, area %.6g %s%s%s\n", w->ctx.test_length,
            w->ctx.test_area, space ? "m2" : "m2 (1 m thick)", *source ? ", " : "", source);

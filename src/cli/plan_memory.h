@@ -4,7 +4,13 @@
 
 #include "world/world.h"
 
+/* Beyond what the world holds after its trial steps. */
+typedef struct gn_plan_growth {
+    double particles; /* that sources will let in */
+    double rows;      /* of the history, over those that are expected with the first step */
+} gn_plan_growth;
+
 /* After the world was made and has taken its trial steps, in the process that did so. */
-void gn_print_plan_memory(const gn_world *world);
+void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth);
 
 #endif

@@ -73,8 +73,7 @@ static void progress_json(const gn_progress *p) {
 gneiss_status gn_expect_end(const gn_options *o, gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_estimate estimate;
-    if (o->quiet || w->ctx.step > 0 || w->ctx.scene.stage_count ||
-        w->ctx.scene.test.kind == GN_TEST_NONE)
+    if (o->quiet || w->ctx.step > 0 || w->ctx.scene.stage_count || !gn_scene_tested(&w->ctx.scene))
         return GNEISS_OK;
     GN_TRY(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &estimate, error));
     run->expected_end = gn_estimate_end(&w->ctx, &estimate);
@@ -263,12 +262,10 @@ static void print_scaled(const gn_readings *r, const char *label, const char *na
 
 /* Readings that only some kinds of tests have, and zones. */
 static void print_own_readings(const gn_run *run, const gn_readings *r) {
-    const bool own[GN_READING_COUNT] = {
-#define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
-        GN_READING_LIST(GN_READING_OWN, )};
     char label[64];
 #define X(name, unit, text)                                                                        \
-    if (own[GN_READING_##name] && gn_run_reads(run, GN_READING_##name))                            \
+    if (!gn_reading_belongs(GN_READING_##name, GN_TEST_NONE, false) &&                             \
+        gn_run_reads(run, GN_READING_##name))                                                      \
         print_scaled(r, words_of(#name, label, sizeof label), #name, unit, r->name, "",            \
                      r->reason[GN_READING_##name]);
     GN_READINGS(X)
@@ -302,7 +299,7 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
 
 static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
     const gn_readings *r;
-    const bool tested = run->world.ctx.scene.test.kind != GN_TEST_NONE;
+    const bool tested = gn_scene_tested(&run->world.ctx.scene);
     if (!tested && !gn_run_reads(run, GN_READING_returned_energy)) return GNEISS_OK;
     GN_TRY(gn_run_readings(run, &r, error));
     if (tested) print_test_readings(run, r);

@@ -1,3 +1,4 @@
+#include "base/resident.h"
 #include "io/files.h"
 #include "io/h5_private.h"
 
@@ -108,10 +109,13 @@ void gn_h5_omit_digests(gn_h5 *file) {
     file->digested = false;
 }
 
+/* HDF5 crashes where it has no memory to open a file, for which it takes 0.9 MB. */
+enum { OPENING_BYTES = 2 << 20 };
+
 static gn_h5 *new_handle(const char *path, gneiss_error *error) {
     gn_h5 *file = calloc(1, sizeof *file);
     char *copy = strdup(path);
-    if (!file || !copy) {
+    if (!file || !copy || !gn_memory_is_left(OPENING_BYTES)) {
         gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to open it", path);
         free(file);
         free(copy);
@@ -146,6 +150,23 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     }
     *out = file;
     return GNEISS_OK;
+}
+
+void gn_h5_load(void) {
+    const double values[256] = {0};
+    gn_h5_quiet();
+    gn_h5 *file = new_handle("/dev/null/image", NULL);
+    hid_t access = file ? image_access(&file->image) : -1;
+    if (access >= 0) {
+        file->writing = file->digested = true;
+        file->id = H5Fcreate(file->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        H5Pclose(access);
+    }
+    if (access >= 0 && file->id >= 0 &&
+        gn_h5_put(file, "group/set", GN_F64, 256, 1, 0, values, "m", "text", NULL) == GNEISS_OK &&
+        gn_h5_seal(file, NULL) == GNEISS_OK)
+        (void)H5Fflush(file->id, H5F_SCOPE_GLOBAL);
+    gn_h5_close(file);
 }
 
 /* Only the checksummed format is taken: a damaged header of an older one can crash the library. */

@@ -11,6 +11,8 @@ typedef struct gn_h5 gn_h5;
 /* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. The
  * contents are held in memory until then. */
 gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
+/* Makes a small file in memory and drops it: the library then has in use what it has for any. */
+void gn_h5_load(void);
 /* Leaves out the digests of the file (h5_digest.c): of one that programs of others read. */
 void gn_h5_omit_digests(gn_h5 *file);
 /* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that

@@ -3,10 +3,6 @@
 
 #include <math.h>
 
-/* Tests whose ends press on the specimen along the axis. */
-static const unsigned pressed = GN_TESTS(COMPRESSION) | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) |
-                                GN_TESTS(OEDOMETER) | GN_TESTS_CONFINED;
-
 /* Nearer than this share of a mean radius (without particles, of the length) an end touches. */
 static const double touching = 1e-3, touching_elements = 1e-6;
 
@@ -67,7 +63,8 @@ void gn_ends_gaps(const gn_step_context *ctx, const gn_dem *dem, const gn_bounda
     const gn_test *t = &ctx->scene.test;
     *lower = *upper = 0.0;
     away[0] = away[1] = false;
-    if (!gn_test_in(t->kind, pressed)) return;
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    if (!d->ends || d->sign > 0) return;
     const double allowed = allowed_gap(ctx, dem, solids);
     *lower = fmax(0.0, end_gap(ctx, boundary, solids, &t->lower, 1.0));
     *upper = fmax(0.0, end_gap(ctx, boundary, solids, &t->upper, -1.0));

@@ -125,17 +125,17 @@ static void hold_spans(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     const gn_test *t = &ctx->scene.test;
     const places loads = places_of(ctx, dem, boundary, solids, &t->upper, along);
     if (supports->known)
-        hold(r, "span", t->span, supports->right_low - supports->left_high,
+        hold(r, "span", t->given.span, supports->right_low - supports->left_high,
              supports->high - supports->low, "the supports are apart by");
     if (!loads.known) return;
     const double apart = loads.right_low - loads.left_high;
-    if (t->load_span > 0.0 || (t->upper.count > 1 && apart > tolerance * t->span))
-        hold(r, "load_span", t->load_span, fmax(0.0, apart), loads.high - loads.low,
+    if (t->given.load_span > 0.0 || (t->upper.count > 1 && apart > tolerance * t->given.span))
+        hold(r, "load_span", t->given.load_span, fmax(0.0, apart), loads.high - loads.low,
              "the loads are apart by");
     if (!supports->known || r->used >= r->size) return;
     /* A single particle, node or body has all of itself on one side. */
     const bool two = isfinite(supports->left_high) && isfinite(supports->right_low);
-    const double slack = tolerance * t->span,
+    const double slack = tolerance * t->given.span,
                  low = two ? 0.5 * (supports->low + supports->right_low) : supports->low,
                  high = two ? 0.5 * (supports->left_high + supports->high) : supports->high;
     if (loads.low <= high + slack && loads.high >= low - slack) return;
@@ -210,20 +210,20 @@ bool gn_bending_outside(const gn_step_context *ctx, const gn_dem *dem, const gn_
 bool gn_bending_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, char *text, size_t size) {
     const gn_test *t = &ctx->scene.test;
-    if (t->kind != GN_TEST_BENDING) return false;
     const int place = snprintf(text, size, "%s: ", gn_scene_at(&ctx->scene, t->where, "test").text);
     const size_t before = place > 0 ? (size_t)place : 0;
     report r = {text, size, before, before};
     const size_t along = along_beam(ctx, solids), axis = (size_t)t->axis;
     const places supports = places_of(ctx, dem, boundary, solids, &t->lower, along);
     hold_spans(ctx, dem, boundary, solids, along, &supports, &r);
-    hold_extent(ctx, dem, solids, "height", t->height, axis, &r);
+    hold_extent(ctx, dem, solids, "height", t->given.height, axis, &r);
     if (ctx->scene.dimension == 3)
-        hold_extent(ctx, dem, solids, "thickness", t->thickness, 3 - axis - along, &r);
+        hold_extent(ctx, dem, solids, "thickness", t->given.thickness, 3 - axis - along, &r);
     const double notch = notch_of(ctx, along, &supports);
     /* A shape without one may have it cut otherwise, as by groups that do not bond. */
     const bool whole = notch == 0.0 && ctx->scene.has_elements && ctx->scene.elements.has_beam &&
                        !ctx->scene.has_specimen;
-    if (notch > 0.0 || whole) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
+    if (notch > 0.0 || whole)
+        hold(&r, "notch", t->given.notch, notch, notch, "the specimen has one of");
     return r.used > before;
 }

@@ -73,9 +73,8 @@ bool gn_ends_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_soli
     const gn_test *t = &ctx->scene.test;
     const gn_test_end *ends[] = {&t->lower, &t->upper};
     char doubt[240];
-    if (!gn_test_in(t->kind, GN_TESTS(COMPRESSION) | GN_TESTS(BRAZILIAN) | GN_TESTS(OEDOMETER) |
-                                 GN_TESTS_CONFINED))
-        return false;
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    if (!d->ends || d->sign > 0 || d->beam) return false;
     /* What begins loose is another specimen once stages have settled and bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return false;
     /* Of particles beside elements either may be what is tested. */

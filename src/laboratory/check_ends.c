@@ -182,23 +182,20 @@ static bool on_one_face(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return faces != 0;
 }
 
-/* A test of compression or tension may be a beam that its ends bend across themselves, clamped here
- * and pushed there, or something that is pulled out of what it sits in: these are only refused
- * where they are upside down, at one face or press from one side alone. */
+/* The ends of a general test may bend a beam across themselves, which is clamped here and pushed
+ * there, or pull something out of what it sits in: these are only refused where they are upside
+ * down, at one face or press from one side alone. */
 static const char *wrong(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                          const gn_solids *solids, int way, const reach *lower, const reach *upper) {
-    const gn_test_kind kind = ctx->scene.test.kind;
-    const bool opposite =
-        gn_test_in(kind, GN_TESTS_SHEARED | GN_TESTS_CONFINED | GN_TESTS(OEDOMETER) |
-                             GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING));
-    if (kind == GN_TEST_BENDING && at_one_height(ctx, way, lower, upper) &&
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    if (d->beam && at_one_height(ctx, way, lower, upper) &&
         gn_bending_outside(ctx, dem, boundary, solids))
         return "supports and load side by side along the beam";
     if (upper->high < lower->low) return "them the other way round";
-    if (opposite && on_one_side(ctx, way, lower, upper)) return "both on one side of the specimen";
+    if (!d->general && on_one_side(ctx, way, lower, upper))
+        return "both on one side of the specimen";
     if (on_one_face(ctx, dem, boundary, solids, way)) return "both at one face of the specimen";
-    const bool pressed =
-        gn_test_sign(kind) < 0 && beside(ctx, way, lower) && beside(ctx, way, upper);
+    const bool pressed = d->sign < 0 && beside(ctx, way, lower) && beside(ctx, way, upper);
     if (pressed && (middle(lower) > ctx->lower[way]) == (middle(upper) > ctx->lower[way]))
         return "both on one side of the specimen";
     return NULL;
@@ -240,8 +237,9 @@ gneiss_status gn_ends_check(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             gneiss_error *error) {
     const gn_test *t = &ctx->scene.test;
-    const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
-    if (t->kind == GN_TEST_NONE || t->kind == GN_TEST_HYDROSTATIC) return GNEISS_OK;
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    const int way = (int)(d->sheared ? t->normal : t->axis);
+    if (!d->ends) return GNEISS_OK;
     for (size_t k = 0; k < t->lower.count; k++)
         for (size_t m = 0; m < t->upper.count; m++)
             GN_TRY(check_shared(ctx, dem, solids, t->lower.name[k], t->upper.name[m], error));

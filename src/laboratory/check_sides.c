@@ -101,7 +101,7 @@ gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                              gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     /* Stages may bring sides closer; elements beside particles may be what holds them. */
-    if (s->test.kind != GN_TEST_OEDOMETER || s->stage_count || s->source_count ||
+    if (!gn_scene_test(s)->sides_stand || s->stage_count || s->source_count ||
         (s->has_specimen && solids->count))
         return GNEISS_OK;
     for (int a = 0; a < (int)s->dimension; a++)
@@ -110,10 +110,10 @@ gneiss_status gn_sides_check(const gn_step_context *ctx, const gn_dem *dem,
                 held_beside(ctx, dem, boundary, solids, a, sense))
                 continue;
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: expected something that stands beside the specimen of an oedometer "
+                           "%s: expected something that stands beside the specimen of an %s "
                            "test at its %s side along %c, %.4g m (a wall, a body, a set that is "
                            "held there), found none within %.2g m",
-                           gn_scene_at(s, s->test.where, "test.kind").text,
+                           gn_scene_at(s, s->test.where, "test.kind").text, gn_scene_test(s)->name,
                            sense < 0 ? "lower" : "upper", "xyz"[a],
                            gn_point_out(s->origin[a], face(ctx, a, sense)),
                            reach_beside(ctx, dem, a));

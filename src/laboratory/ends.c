@@ -32,7 +32,7 @@ static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
  * a servo does: it presses there and has no part in how far that went. */
 static bool only_presses(const gn_step_context *ctx, const char *name, int axis) {
     const int wall = gn_scene_find_wall(&ctx->scene, name);
-    if (wall < 0 || !gn_test_in(ctx->scene.test.kind, GN_TESTS_SHEARED)) return false;
+    if (wall < 0 || !gn_scene_test(&ctx->scene)->sheared) return false;
     const gn_wall_def *def = &ctx->scene.walls[wall];
     return !def->motion.velocity[axis].count && fabs(def->normal[axis]) < 0.1;
 }
@@ -73,7 +73,7 @@ static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
 }
 
 static double test_sign(const gn_step_context *ctx) {
-    return gn_test_sign(ctx->scene.test.kind);
+    return gn_scene_test(&ctx->scene)->sign;
 }
 
 double gn_ends_deflection(const gn_world *w) {

@@ -56,10 +56,10 @@ static size_given section_across(const gn_step_context *ctx, const gn_dem *dem,
     const gn_test *t = &ctx->scene.test;
     const gn_shape_kind shape = ctx->scene.specimen.pack.shape;
     const bool space = ctx->scene.dimension == 3;
-    size_given s = {"area", "m2", t->area, 0.0, 1.0};
-    if (t->diameter > 0.0) {
+    size_given s = {"area", "m2", t->given.area, 0.0, 1.0};
+    if (t->given.diameter > 0.0) {
         s.key = space ? "the area of a circle of diameter" : "the area by diameter, 1 m thick,";
-        s.given = space ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
+        s.given = space ? 0.25 * M_PI * t->given.diameter * t->given.diameter : t->given.diameter;
     }
     for (int a = 0; a < (int)ctx->scene.dimension; a++)
         if (a != axis) s.high *= extent(ctx, a);
@@ -78,30 +78,29 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                        const gn_solids *solids, size_given sizes[SIZES_MOST]) {
     const gn_test *t = &ctx->scene.test;
     size_t count = 0;
-    const bool sheared = gn_test_in(t->kind, GN_TESTS_SHEARED);
-    const int way = (int)(sheared ? t->normal : t->axis);
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    const int way = (int)(d->sheared ? t->normal : t->axis);
     /* What begins loose is another specimen once stages have settled and bonded it. */
     if (ctx->given.stage_count && ctx->given.bonds != GN_SWITCH_ON) return 0;
     /* Of particles beside elements either may be what is tested. */
     if (!dem->particles.soa.count == !solids->count) return 0;
-    if (t->kind == GN_TEST_BRAZILIAN) {
-        if (t->diameter > 0.0)
-            sizes[count++] = length_along(ctx, dem, "diameter", t->diameter, way);
-        if (t->thickness > 0.0 && ctx->scene.dimension == 3)
-            sizes[count++] = length_along(ctx, dem, "thickness", t->thickness, 2);
+    if (d->disc) {
+        if (t->given.diameter > 0.0)
+            sizes[count++] = length_along(ctx, dem, "diameter", t->given.diameter, way);
+        if (t->given.thickness > 0.0 && ctx->scene.dimension == 3)
+            sizes[count++] = length_along(ctx, dem, "thickness", t->given.thickness, 2);
         return count;
     }
-    if (!gn_test_in(t->kind, GN_TESTS_PRISMS | GN_TESTS_SHEARED) || ctx->scene.source_count)
-        return 0;
-    if (t->length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
-        sizes[count] = length_along(ctx, dem, "length", t->length, way);
+    if (!(d->prism || d->sheared) || ctx->scene.source_count) return 0;
+    if (t->given.length > 0.0 && !gn_scene_periodic_along(&ctx->scene, way)) {
+        sizes[count] = length_along(ctx, dem, "length", t->given.length, way);
         /* Or what the ends leave between them, of sets to a radius at each side. */
-        const double gap = sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
+        const double gap = d->sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
                      sides = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
         count++;
     }
-    if ((t->area > 0.0 || t->diameter > 0.0) && !ctx->scene.has_periodic)
+    if ((t->given.area > 0.0 || t->given.diameter > 0.0) && !ctx->scene.has_periodic)
         sizes[count++] = section_across(ctx, dem, solids, way);
     return count;
 }
@@ -121,7 +120,7 @@ static int told(const size_given *s, char *text, size_t size) {
 bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                         const gn_solids *solids, char *text, size_t size) {
     size_given sizes[SIZES_MOST];
-    if (ctx->scene.test.kind == GN_TEST_BENDING)
+    if (gn_scene_test(&ctx->scene)->beam)
         return gn_bending_doubts(ctx, dem, boundary, solids, text, size);
     const size_t count = sizes_of(ctx, dem, boundary, solids, sizes);
     const gn_scene_place where = ctx->scene.test.where;
@@ -140,16 +139,16 @@ bool gn_geometry_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return any;
 }
 
-/* A bar that its ends bend, or something that is pulled out of a block, has lengths and areas of
- * its own: these are warned of alone. */
+/* A bar that the ends of a general test bend, or something that is pulled out of a block, has
+ * lengths and areas of its own, as a sheared specimen has: gn_geometry_doubts warns of these. */
 gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids,
                                 gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     size_given sizes[SIZES_MOST];
     char text[256];
-    if (!gn_test_in(s->test.kind, GN_TESTS_CONFINED | GN_TESTS(BRAZILIAN) | GN_TESTS(OEDOMETER)))
-        return GNEISS_OK;
+    const gn_test_descriptor *d = gn_scene_test(s);
+    if (d->general || d->sheared) return GNEISS_OK;
     const size_t count = sizes_of(ctx, dem, boundary, solids, sizes);
     for (size_t k = 0; k < count; k++) {
         if (!beyond(&sizes[k], nonsense - 1.0)) continue;

@@ -15,13 +15,15 @@ static double mean_section(const gn_step_context *ctx, const gn_solids *solids, 
     return section;
 }
 
-/* From the diameter; 0: not given. */
+/* m2: the section of the area or the diameter of the scene; 0: neither is given. */
 static double given_section(const gn_step_context *ctx) {
-    double d = ctx->scene.test.diameter;
+    const double area = ctx->scene.test.given.area, d = ctx->scene.test.given.diameter;
+    if (area > 0.0) return area;
     return ctx->effects & GN_FX_SPACE ? 0.25 * M_PI * d * d : d;
 }
 
-/* Of loose grains, which fill the space between their ends, the distance of these. */
+/* m: the extent along the axis; the distance of the ends for loose grains, which fill the space
+ * between them. */
 static double prism_length(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const gn_solids *solids) {
     double lower, upper;
@@ -32,139 +34,49 @@ static double prism_length(const gn_step_context *ctx, const gn_dem *dem,
     return length + (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
 }
 
-/* A prism, loaded along its axis. */
-static gn_tested_shape prism(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids) {
-    const gn_test *t = &ctx->scene.test;
-    gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : prism_length(ctx, dem, boundary, solids);
-    if (t->area > 0.0)
-        s.area = t->area;
-    else if (t->diameter > 0.0)
-        s.area = given_section(ctx);
-    else
-        s.area = ctx->scene.has_couple ? mean_section(ctx, solids, (int)t->axis)
-                                       : ctx->volume / s.length;
-    s.section = s.area;
-    if (t->area > 0.0 || t->diameter > 0.0) s.volume = s.length * s.area;
-    return s;
+static void add_prism(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      const gn_solids *solids, gn_tested_specimen *x) {
+    if (!(x->length > 0.0)) x->length = prism_length(ctx, dem, boundary, solids);
+    x->height = x->length;
+    if (x->section > 0.0) return;
+    x->section =
+        ctx->scene.has_couple ? mean_section(ctx, solids, x->axis) : ctx->volume / x->length;
 }
 
-/* Across the load, in the middle of a disc under two opposite line loads P there is the tension
- * 2 P/(pi D t) (Hondros 1959, Aust. J. Appl. Sci. 10, 243-268; ISRM 1978). */
-static gn_tested_shape disc(const gn_step_context *ctx, const gn_solids *solids) {
-    const gn_test *t = &ctx->scene.test;
-    gn_tested_shape s = {0};
-    s.diameter = t->diameter > 0.0 ? t->diameter : gn_world_side(ctx, solids, (int)t->axis);
-    s.thickness = ctx->scene.dimension == 2 ? 1.0
-                  : t->thickness > 0.0      ? t->thickness
-                                            : gn_world_side(ctx, solids, 2);
-    s.length = s.diameter;
-    s.area = 0.5 * M_PI * s.diameter * s.thickness;
-    s.section = s.diameter * s.thickness;
-    if (t->diameter > 0.0 && (ctx->scene.dimension == 2 || t->thickness > 0.0))
-        s.volume = 0.25 * M_PI * s.diameter * s.diameter * s.thickness;
-    return s;
-}
-
-/* The shorter of the sides that the load is not along. */
-static double beam_thickness(const gn_step_context *ctx, const gn_solids *solids) {
-    int axis = (int)ctx->scene.test.axis;
-    return fmin(gn_world_side(ctx, solids, (axis + 1) % 3),
-                gn_world_side(ctx, solids, (axis + 2) % 3));
-}
-
-/* A beam of width b on supports S apart, F shared by loads a = (S - s)/2 from them. In the fibre
- * below mid-span the stress is M (h/2)/I = 3 F a/(b h^2), with what the notch leaves of the height;
- * loads that went down by d strain it by 3 h d/(a (3 S - 4 a)) without a notch. With one load that
- * is 3 F S/(2 b h^2) and 6 h d/S^2. */
-static gn_tested_shape beam(const gn_step_context *ctx, const gn_solids *solids) {
-    const gn_test *t = &ctx->scene.test;
-    gn_tested_shape s = {0};
-    s.height = t->height > 0.0 ? t->height : gn_world_side(ctx, solids, (int)t->axis);
-    s.thickness = ctx->scene.dimension == 2 ? 1.0
-                  : t->thickness > 0.0      ? t->thickness
-                                            : beam_thickness(ctx, solids);
-    double arm = 0.5 * (t->span - t->load_span), left = s.height - t->notch;
-    s.length = arm * (3.0 * t->span - 4.0 * arm) / (3.0 * s.height);
-    s.area = s.thickness * left * left / (3.0 * arm);
-    s.section = s.thickness * left;
-    return s;
-}
-
-/* Sheared between its ends: the section is across the normal, the strain that angle. Ends may hold
- * most of the height, of which the section is the mean all the same. */
-static gn_tested_shape sheared(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids) {
-    const gn_test *t = &ctx->scene.test;
-    const double height = gn_world_side(ctx, solids, (int)t->normal);
-    gn_tested_shape s = {0};
-    s.length = t->length > 0.0 ? t->length : gn_ends_free(ctx, dem, boundary, solids);
-    s.area = t->area > 0.0 ? t->area : given_section(ctx);
-    if (s.area > 0.0) s.volume = (t->length > 0.0 ? t->length : height) * s.area;
-    if (!(s.area > 0.0)) s.area = mean_section(ctx, solids, (int)t->normal);
-    s.section = s.area;
-    return s;
-}
-
-/* The same between periodic sides: what is sheared is what ends that are moved leave between them,
- * over all of the box. */
-static gn_tested_shape simply_sheared(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids) {
-    const gn_test *t = &ctx->scene.test;
-    double length = t->length > 0.0 ? t->length : gn_ends_gap(ctx, dem, boundary, solids),
-           area = gn_box_section(ctx);
-    return (gn_tested_shape){.length = length, .area = area, .section = area};
+/* Between periodic sides the ends leave what is sheared between them, over all of the box. Other
+ * ends may hold most of the height, of which the section is the mean all the same. */
+static void add_sheared(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        const gn_solids *solids, gn_tested_specimen *x) {
+    const int normal = (int)ctx->scene.test.normal;
+    const bool periodic = gn_scene_test(&ctx->scene)->periodic_sides;
+    x->height = x->length > 0.0 ? x->length : x->side[normal];
+    if (!(x->length > 0.0))
+        x->length = periodic ? gn_ends_gap(ctx, dem, boundary, solids)
+                             : gn_ends_free(ctx, dem, boundary, solids);
+    if (!(x->section > 0.0))
+        x->section = periodic ? gn_box_section(ctx) : mean_section(ctx, solids, normal);
 }
 
 gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids) {
-    switch (ctx->scene.test.kind) {
-    case GN_TEST_BRAZILIAN:
-        return disc(ctx, solids);
-    case GN_TEST_BENDING:
-        return beam(ctx, solids);
-    case GN_TEST_SHEAR:
-        return sheared(ctx, dem, boundary, solids);
-    case GN_TEST_SIMPLE_SHEAR:
-        return simply_sheared(ctx, dem, boundary, solids);
-    case GN_TEST_HYDROSTATIC: /* of stresses and strains, not of forces and ways */
-        return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};
-    case GN_TEST_NONE:
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_TENSION:
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-    case GN_TEST_OEDOMETER:
-    case GN_TEST_KINDS:
-        break;
-    }
-    return prism(ctx, dem, boundary, solids);
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    const gn_test *t = &ctx->scene.test;
+    double lower[3], upper[3];
+    gn_tested_specimen x = {.dimension = (int)ctx->scene.dimension,
+                            .axis = (int)t->axis,
+                            .length = t->given.length,
+                            .section = given_section(ctx)};
+    gn_world_body(ctx, solids, lower, upper);
+    for (int a = 0; a < 3; a++) x.side[a] = upper[a] - lower[a];
+    if (d->prism) add_prism(ctx, dem, boundary, solids, &x);
+    if (d->sheared) add_sheared(ctx, dem, boundary, solids, &x);
+    return d->shape(&t->given, &x);
 }
 
 const char *gn_test_area_source(const gn_step_context *ctx) {
-    const gn_test *t = &ctx->scene.test;
-    switch (t->kind) {
-    case GN_TEST_BRAZILIAN:
-        return "pi/2 times diameter and thickness: the force over it is 2 P/(pi D t)";
-    case GN_TEST_BENDING:
-        return "the force over it is the stress in the fibre below mid-span";
-    case GN_TEST_SIMPLE_SHEAR:
-        return "the section of the periodic box";
-    case GN_TEST_HYDROSTATIC:
-    case GN_TEST_NONE:
-        return "";
-    case GN_TEST_SHEAR:
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_TENSION:
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-    case GN_TEST_OEDOMETER:
-    case GN_TEST_KINDS:
-        break;
-    }
-    if (t->area > 0.0 || t->diameter > 0.0) return "";
-    return t->kind == GN_TEST_SHEAR ? "that volume over the height" : "that volume over the length";
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
+    const bool given = d->takes & GN_TAKES(area) && given_section(ctx) > 0.0;
+    return given ? "" : d->area_source;
 }
 
 /* --- the stress in the middle of a disc --- */

@@ -4,17 +4,6 @@
 
 #include "world/world.h"
 
-typedef struct gn_tested_shape {
-    double length;   /* m: closing of the ends over the strain of the test */
-    double area;     /* m2: force over the stress of the test */
-    double section;  /* m2: of what breaks: across the axis, of a disc along it, of a beam above its
-                        notch */
-    double volume;   /* m3, from what the scene says of a body from a file; 0: it does not */
-    double diameter; /* m, of a disc */
-    double thickness; /* m, of a disc or a beam */
-    double height;    /* m, of a beam */
-} gn_tested_shape;
-
 /* From the scene, and where it does not say from the extent and the volume of the specimen, which
  * the world has. */
 gn_tested_shape gn_test_shape(const gn_step_context *ctx, const gn_dem *dem,

@@ -4,6 +4,7 @@
  * which the stress is uniform over every section. */
 #include "laboratory/section.h"
 
+#include "test_kinds/readings.h"
 #include "world/internal.h"
 
 #include <math.h>
@@ -148,11 +149,13 @@ static double spread_of(const slabs *s, int dimension, double solid, double spre
     return real / slender - 1.0;
 }
 
+/* The section matters to tests that read the modulus of a prism. */
 static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
-    const unsigned prisms = GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED;
+    const bool read = gn_scene_tested(&ctx->scene) &&
+                      gn_reading_belongs(GN_READING_young_modulus, ctx->scene.test.kind, false);
     const bool both = ctx->scene.has_specimen && solids->count;
-    return gn_test_in(ctx->scene.test.kind, prisms) && !both && !ctx->scene.has_couple &&
-           !(ctx->effects & GN_FX_PERIODIC) && !gn_scene_flows(&ctx->scene);
+    return read && !both && !ctx->scene.has_couple && !(ctx->effects & GN_FX_PERIODIC) &&
+           !gn_scene_flows(&ctx->scene);
 }
 
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,

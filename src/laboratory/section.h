@@ -4,7 +4,7 @@
 
 #include "world/world.h"
 
-/* Of prisms, which are all that moduli are read of. At the start, after all parts are made. */
+/* The section of a prism whose modulus is read, at the start; after all parts are made. */
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids);
 

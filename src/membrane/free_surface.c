@@ -225,7 +225,7 @@ static void finish(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *b
     gn_particles *q = &dem->particles;
     const double none[3] = {0}, d = (double)ctx->scene.dimension;
     const bool shaped = ctx->scene.specimen.pack.shape != GN_SHAPE_NONE;
-    const bool tested = !body.group && !shaped && ctx->scene.test.kind != GN_TEST_NONE;
+    const bool tested = !body.group && !shaped && gn_scene_tested(&ctx->scene);
     const double given = tested ? gn_test_shape(ctx, dem, boundary, solids).volume : 0.0;
     const body_space space = space_of(ctx, dem, v, body);
     double at_centres = 0.0, ways = 0.0;

@@ -291,7 +291,7 @@ static int planned_iterations(const job *j) {
 }
 
 static gneiss_status make(job *j, const gn_pack_shape *body, gneiss_error *error) {
-    j->threads = gn_threads_of(j->scene->threads);
+    GN_TRY(gn_threads_find(j->scene->threads, &j->threads, error));
     j->domain = body->domain;
     j->plan = schedule_of(j->def, j->dimension);
     j->planned = planned_iterations(j);

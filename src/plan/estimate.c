@@ -45,7 +45,7 @@ static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_est
 static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size_t c,
                              double poisson, double *tension, double *slip) {
     const gn_contacts *b = &dem->bonds;
-    double sign = ctx->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    double sign = gn_scene_test(&ctx->scene)->sign;
     double length, n = along(ctx, dem, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
     double shear = sqrt(fmax(0.0, square + poisson * poisson * rest - normal * normal));
@@ -68,7 +68,7 @@ static int by_size(const void *a, const void *b) {
  * can be at most so many times the other. */
 static double breaking_of(const gn_scene *s, double tension, double slip) {
     const double most = 4.0;
-    if (s->test.kind == GN_TEST_TENSION) return fmin(tension, slip);
+    if (gn_scene_test(s)->sign > 0) return fmin(tension, slip);
     return sqrt(fmin(tension, most * slip) * fmin(slip, most * tension));
 }
 

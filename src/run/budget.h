@@ -6,7 +6,7 @@
 #include "accuracy/causes.h"
 #include "io/files.h"
 #include "io/h5.h"
-#include "measure/measure.h"
+#include "test_kinds/readings.h"
 #include "world/world.h"
 
 typedef struct gn_budget {

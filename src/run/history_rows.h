@@ -2,6 +2,7 @@
 #ifndef GN_RUN_HISTORY_ROWS_H
 #define GN_RUN_HISTORY_ROWS_H
 
+#include "test_kinds/history.h"
 #include "world/world.h"
 
 /* Creates the columns that the scene has (docs/results.md). */

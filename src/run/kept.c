@@ -31,9 +31,7 @@ static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.25, GROWTH_FALLEN = 1.
 /* Tests that have a peak; of stages those that look at the test, and the last one. */
 static bool has_peak(const gn_run *run) {
     const gn_scene *s = &run->world.ctx.scene;
-    const gn_test_kind kind = s->test.kind;
-    if (kind == GN_TEST_NONE || kind == GN_TEST_HYDROSTATIC || kind == GN_TEST_OEDOMETER)
-        return false;
+    if (!(gn_scene_test(s)->peak_drop > 0.0)) return false;
     if (!gn_run_staged(run)) return true;
     const gn_stage *e = &s->stages[run->world.stages.now];
     return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 ||

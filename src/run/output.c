@@ -207,6 +207,23 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
+/* Writes what a report calls the strain and the stress of the test, and the readings that it shows
+ * first: a line each, "name: text". */
+static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const gn_test_descriptor *d = gn_scene_test(&w->ctx.scene);
+    char figures[512] = "";
+    if (!gn_scene_tested(&w->ctx.scene)) return GNEISS_OK;
+    for (size_t used = 0, k = 0; d->figures[k].name && used < sizeof figures; k++)
+        used += (size_t)snprintf(figures + used, sizeof figures - used, "%s%s: %s", k ? "\n" : "",
+                                 gn_reading_name((gn_reading)d->figures[k].reading),
+                                 d->figures[k].name);
+    const gn_h5_attribute list[] = {
+        {"test_strain", .text = d->strain_name ? d->strain_name : "axial strain"},
+        {"test_stress", .text = d->stress_name ? d->stress_name : "axial stress"},
+        {"test_figures", .text = figures}};
+    return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
+}
+
 /* What was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
@@ -268,6 +285,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
         {"origin", .number = w->ctx.scene.origin, .count = 3},
     };
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
+    GN_TRY(put_test(w, file, error));
     GN_TRY(put_mass_scaling(w, file, error));
     GN_TRY(put_space(w, file, error));
     GN_TRY(put_stages(run, file, error));

@@ -6,10 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static bool holds(const gn_quantity *q, const gn_world *w, size_t owner) {
-    return !q->when->holds || q->when->holds(w, owner);
-}
-
 /* The parts that it has in space, as all arrays of results.h5; their number. */
 static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, double *to) {
     gn_shape_component part[GN_SHAPE_MOST];
@@ -41,7 +37,7 @@ static gneiss_status put_each(const gn_world *w, const gn_quantity_group *g, con
     for (size_t k = 0; k < g->count(w); k++) {
         char path[160];
         double value[GN_SHAPE_MOST];
-        if (!holds(q, w, k)) continue;
+        if (!gn_condition_holds(q->when, w, k)) continue;
         size_t parts = read_parts(w, q, k, value);
         snprintf(path, sizeof path, "%s/%s/%s", g->ends, g->owner(w, k), q->name);
         GN_TRY(gn_h5_put(file, path, GN_F64, parts, 1, 0, value, q->unit, q->text, error));

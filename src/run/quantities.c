@@ -7,6 +7,7 @@
 #include "world/space.h"
 #include "zones/zones.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
@@ -21,66 +22,32 @@ static void difference3(double *to, const double *a, const double *b) {
 
 /* --- conditions --- */
 
-static bool has_stages(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.scene.stage_count > 0;
-}
-static bool has_test(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.scene.test.kind != GN_TEST_NONE;
-}
-static bool has_ends(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->ctx.scene.test.kind != GN_TEST_HYDROSTATIC;
-}
-static bool has_confinement(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_test_in(w->ctx.scene.test.kind, GN_TESTS_CONFINED);
-}
-static bool has_volume(const gn_world *w, size_t k) {
-    return has_confinement(w, k) || w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC;
-}
-static bool has_shear(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_test_in(w->ctx.scene.test.kind, GN_TESTS_SHEARED);
-}
-static bool has_membrane(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.effects & GN_FX_MEMBRANE;
-}
-static bool has_opening(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->ctx.scene.test.has_opening;
-}
-static bool has_control(const gn_world *w, size_t k) {
-    return has_test(w, k) && w->ctx.scene.test.has_control;
-}
-static bool has_centre(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.scene.test.kind == GN_TEST_BRAZILIAN && w->ctx.scene.has_specimen;
-}
-static bool has_bonds(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.effects & GN_FX_BONDS;
-}
-static bool has_ledger(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.effects & GN_FX_ENERGY;
-}
-static bool is_periodic(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.effects & GN_FX_PERIODIC;
-}
-static bool has_added_mass(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.effects & GN_FX_MASS_SCALING;
-}
-static bool is_counted(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_scene_flows(&w->ctx.scene) || gn_converts(&w->ctx);
-}
-static bool has_elements_beside_particles(const gn_world *w, size_t k) {
-    (void)k;
-    return w->solids.count && w->ctx.scene.has_specimen;
-}
+#define HOLDS(name, expression)                                                                    \
+    static bool name(const gn_world *w, size_t k) {                                                \
+        (void)k;                                                                                   \
+        return expression;                                                                         \
+    }
+
+HOLDS(has_stages, w->ctx.scene.stage_count > 0)
+HOLDS(has_test, gn_scene_tested(&w->ctx.scene))
+HOLDS(has_opening, gn_scene_tested(&w->ctx.scene) && w->ctx.scene.test.has_opening)
+HOLDS(has_control, gn_scene_tested(&w->ctx.scene) && w->ctx.scene.test.has_control)
+HOLDS(has_membrane, w->ctx.effects &GN_FX_MEMBRANE)
+HOLDS(has_specimen, w->ctx.scene.has_specimen)
+HOLDS(has_bonds, w->ctx.effects &GN_FX_BONDS)
+HOLDS(has_ledger, w->ctx.effects &GN_FX_ENERGY)
+HOLDS(is_periodic, w->ctx.effects &GN_FX_PERIODIC)
+HOLDS(has_added_mass, w->ctx.effects &GN_FX_MASS_SCALING)
+HOLDS(is_counted, gn_scene_flows(&w->ctx.scene) || gn_converts(&w->ctx))
+HOLDS(has_elements_beside_particles, w->solids.count && w->ctx.scene.has_specimen)
+HOLDS(has_zones, w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count)
+HOLDS(converts, gn_converts(&w->ctx))
+/* Particles that come and go have no places at the start. In a box all round the sides give the
+ * strain. */
+HOLDS(has_average_strain,
+      !gn_scene_flows(&w->ctx.scene) ||
+          (w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene)))
+
 static bool set_moves(const gn_world *w, size_t k) {
     const gn_set_def *s = &w->ctx.scene.sets[k];
     size_t points = 0;
@@ -91,42 +58,39 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(&w->solids, k);
 }
 
-/* What comes and goes has no places at the start. In a box all round the sides tell. */
-static bool has_average_strain(const gn_world *w, size_t k) {
-    return !gn_scene_flows(&w->ctx.scene) ||
-           (is_periodic(w, k) && !gn_scene_half_periodic(&w->ctx.scene));
-}
+#define OF_KIND(name, expression)                                                                  \
+    static bool name(const gn_test_descriptor *d) {                                                \
+        return expression;                                                                         \
+    }
 
-static bool has_zones(const gn_world *w, size_t k) {
-    (void)k;
-    return w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count;
-}
-static bool converts(const gn_world *w, size_t k) {
-    (void)k;
-    return gn_converts(&w->ctx);
-}
+OF_KIND(has_ends, d->ends)
+OF_KIND(is_confined, d->confined)
+OF_KIND(has_volume, d->confined || d->isotropic)
+OF_KIND(is_sheared, d->sheared)
+OF_KIND(is_disc, d->disc)
 
-static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
-                          ended = {"with a test that has ends", has_ends},
-                          confined = {"in triaxial and biaxial tests", has_confinement},
-                          voluminous = {"in triaxial, biaxial and hydrostatic tests", has_volume},
-                          sheared = {"in shear and simple shear tests", has_shear},
-                          pressed = {"with a membrane", has_membrane},
-                          gauged = {"with `test.opening`", has_opening},
-                          controlled = {"with `test.control`", has_control},
-                          strained = {"without sources and sinks", has_average_strain},
-                          central = {"in brazilian tests of particles", has_centre},
-                          staged = {"with stages", has_stages}, bonded = {"with bonds", has_bonds},
-                          booked = {"with the energy ledger", has_ledger},
-                          raised = {"with mass scaling", has_added_mass},
-                          boxed = {"in a periodic box", is_periodic},
-                          counted = {"with sources, sinks or couple.convert", is_counted},
+static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test", has_test, NULL},
+                          ended = {"with a test that has ends", NULL, has_ends},
+                          confined = {"in %s tests", NULL, is_confined},
+                          voluminous = {"in %s tests", NULL, has_volume},
+                          sheared = {"in %s tests", NULL, is_sheared},
+                          pressed = {"with a membrane", has_membrane, NULL},
+                          gauged = {"with `test.opening`", has_opening, NULL},
+                          controlled = {"with `test.control`", has_control, NULL},
+                          strained = {"without sources and sinks", has_average_strain, NULL},
+                          central = {"in %s tests of particles", has_specimen, is_disc},
+                          staged = {"with stages", has_stages, NULL},
+                          bonded = {"with bonds", has_bonds, NULL},
+                          booked = {"with the energy ledger", has_ledger, NULL},
+                          raised = {"with mass scaling", has_added_mass, NULL},
+                          boxed = {"in a periodic box", is_periodic, NULL},
+                          counted = {"with sources, sinks or couple.convert", is_counted, NULL},
                           beside = {"finite elements beside particles",
-                                    has_elements_beside_particles},
-                          zoned = {"with couple.zones", has_zones},
-                          converted = {"with couple.convert", converts},
-                          moving = {"unless the set has no motion", set_moves},
-                          driven = {"unless it is only watched", motion_drives};
+                                    has_elements_beside_particles, NULL},
+                          zoned = {"with couple.zones", has_zones, NULL},
+                          converted = {"with couple.convert", converts, NULL},
+                          moving = {"unless the set has no motion", set_moves, NULL},
+                          driven = {"unless it is only watched", motion_drives, NULL};
 
 /* --- of the whole model --- */
 
@@ -191,7 +155,7 @@ static double hydrostatic_strain(const gn_world *w) {
     return 1.0 - gn_dot3(stretch, cofactor);
 }
 
-READ(test_strain, w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC
+READ(test_strain, gn_scene_test(&w->ctx.scene)->isotropic
                       ? hydrostatic_strain(w)
                       : gn_ends_shortening(w) / w->ctx.test_length)
 
@@ -205,13 +169,14 @@ static double mean_pressure(const gn_world *w) {
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
     gn_ends_forces(w, &lower, &upper);
-    bool bare = has_confinement(w, 0) && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
+    bool bare =
+        gn_scene_test(&w->ctx.scene)->confined && w->ctx.scene.membrane.faces == GN_FACES_SIDES;
     return (upper_end ? upper : lower) / gn_space_area(&w->ctx, &w->dem, &w->boundary, &w->box) -
            (bare ? gn_membrane_pressure(&w->dem) : 0.0);
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
-READ(test_stress, w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC
+READ(test_stress, gn_scene_test(&w->ctx.scene)->isotropic
                       ? mean_pressure(w)
                       : 0.5 * (end_stress(w, false) + end_stress(w, true)))
 READ(membrane_pressure, gn_membrane_pressure(&w->dem))
@@ -262,7 +227,7 @@ static bool no_strain(const gn_world *w) {
 }
 static bool no_test_strain(const gn_world *w) {
     double now, start;
-    return w->ctx.scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w) &&
+    return gn_scene_test(&w->ctx.scene)->isotropic && no_strain(w) &&
            !gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start);
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
@@ -538,6 +503,27 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions),
      "motions", false}};
 
+bool gn_condition_holds(const gn_condition *when, const gn_world *w, size_t owner) {
+    return (!when->of_kind || when->of_kind(gn_scene_test(&w->ctx.scene))) &&
+           (!when->holds || when->holds(w, owner));
+}
+
+const char *gn_condition_text(const gn_condition *when, char *text, size_t size) {
+    char names[256];
+    unsigned kinds = 0;
+    for (unsigned k = 0; when->of_kind && k < GN_TEST_KINDS; k++)
+        kinds |= (unsigned)when->of_kind(gn_test_kinds[k]) << k;
+    gn_test_names(kinds, names, sizeof names);
+    for (char *c = names; *c; c++)
+        if (*c == '_') *c = ' ';
+    const char *place = strstr(when->text, "%s");
+    if (!place)
+        snprintf(text, size, "%s", when->text);
+    else
+        snprintf(text, size, "%.*s%s%s", (int)(place - when->text), when->text, names, place + 2);
+    return text;
+}
+
 bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
     while (p->next_group < GN_QUANTITY_GROUPS) {
         const gn_quantity_group *g = &gn_quantity_groups[p->next_group];
@@ -553,8 +539,7 @@ bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
             p->next_quantity = 0;
             p->next_owner++;
         }
-        const gn_condition *when = p->quantity->when;
-        if (!when->holds || when->holds(w, p->owner)) return true;
+        if (gn_condition_holds(p->quantity->when, w, p->owner)) return true;
     }
     return false;
 }

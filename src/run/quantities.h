@@ -14,9 +14,11 @@ typedef enum gn_shape { GN_SCALAR, GN_VECTOR, GN_TURN, GN_TENSOR } gn_shape;
  * energies once it is done. */
 typedef enum gn_instant { GN_BEFORE_STEP, GN_AFTER_STEP } gn_instant;
 
+/* A quantity is there where both functions hold. */
 typedef struct gn_condition {
-    const char *text;
+    const char *text;                                   /* %s: the kinds of tests */
     bool (*holds)(const gn_world *world, size_t owner); /* NULL: always */
+    bool (*of_kind)(const gn_test_descriptor *kind);    /* NULL: any, or no test */
 } gn_condition;
 
 typedef struct gn_quantity {
@@ -43,6 +45,10 @@ typedef struct gn_quantity_group {
 
 enum { GN_QUANTITY_GROUPS = 8 };
 extern const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS];
+
+bool gn_condition_holds(const gn_condition *when, const gn_world *world, size_t owner);
+/* "in triaxial and biaxial tests" */
+const char *gn_condition_text(const gn_condition *when, char *text, size_t size);
 
 /* Walks through what a world has, in the order of the columns. Starts from zeros; false at the end.
  */

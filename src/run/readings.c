@@ -81,8 +81,8 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
         .kind = t->kind,
         .dimension = (int)w->ctx.scene.dimension,
         .axis = (int)t->axis,
-        .sign = gn_test_sign(t->kind),
-        .notched = t->notch > 0.0,
+        .sign = gn_scene_test(&w->ctx.scene)->sign,
+        .notched = t->given.notch > 0.0,
         .by_ends = by_ends(w),
         .by_mean = gn_section_by_mean(&w->ctx, &w->dem, &w->solids, &w->section),
         .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
@@ -91,9 +91,9 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
         .largest_fragment = pieces.largest,
         .zones = w->ctx.scene.couple.zone_count > 0,
         .returned = returned(w, rows, over),
-        .section = t->kind == GN_TEST_NONE
-                       ? NAN
-                       : gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids).section,
+        .section = gn_scene_tested(&w->ctx.scene)
+                       ? gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids).section
+                       : NAN,
         .elastic = !w->ctx.scene.has_specimen,
         .watched = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
                    !gn_scene_end_drives(&w->ctx.scene, &t->upper),
@@ -167,7 +167,7 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         if (rows) part->columns[c].value += begin;
         if (!rows || !counts_from_start(all->columns[c].name)) continue;
         const double *from = part->columns[c].value;
-        const bool volume = run->world.ctx.scene.test.kind == GN_TEST_HYDROSTATIC &&
+        const bool volume = gn_scene_test(&run->world.ctx.scene)->isotropic &&
                             strcmp(all->columns[c].name, "strain") == 0;
         const double left = volume ? 1.0 - from[0] : 1.0; /* of which it is the share lost */
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;

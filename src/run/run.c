@@ -134,11 +134,10 @@ static void check_halt(gn_run *run) {
 }
 
 static void stop_by_kind(gn_run *run, const char *format, double value) {
-    const gn_test_kind kind = run->world.ctx.scene.test.kind;
     stop(run, format, value);
     const size_t used = strlen(run->stop_reason);
     snprintf(run->stop_reason + used, sizeof run->stop_reason - used, ", as %s tests end",
-             gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)kind));
+             gn_scene_test(&run->world.ctx.scene)->name);
 }
 
 static int64_t broken(const gn_run *run) {
@@ -217,7 +216,7 @@ static void check_stop_conditions(gn_run *run) {
         check_end_of_test(run, &stops);
     else if (stops.peak_drop > 0.0)
         check_fall(run, stops.peak_drop);
-    if (s->test.kind != GN_TEST_NONE && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
+    if (gn_scene_tested(s) && !(stops.by_kind && run->finished) && stops.strain > 0.0 &&
         last(run, "strain") >= stops.strain)
         (stops.strain_by_kind ? stop_by_kind : stop)(run, "strain reached %g", stops.strain);
     if (gn_run_balanced(run, run->looks.count, s->stop_unbalanced))
@@ -586,7 +585,7 @@ static double end_by_strain(const gn_run *run) {
     const double from = staged ? w->stages.state[w->stages.now].time : 0.0,
                  grown =
                      last(run, "strain") - (staged ? w->stages.state[w->stages.now].strain : 0.0);
-    if (w->ctx.scene.test.kind == GN_TEST_NONE || !(stop > 0.0) || !(grown > 0.0)) return INFINITY;
+    if (!gn_scene_tested(&w->ctx.scene) || !(stop > 0.0) || !(grown > 0.0)) return INFINITY;
     return from + (w->ctx.time - from) * stop / grown;
 }
 

@@ -4,9 +4,10 @@
 
 #include "base/version.h"
 #include "io/snapshot.h"
-#include "measure/beginning.h"
 #include "run/history_rows.h"
 #include "static/first_break.h"
+#include "test_kinds/beginning.h"
+#include "test_kinds/readings.h"
 
 #include <signal.h>
 

@@ -13,16 +13,19 @@
  * wanted. */
 enum { LEAST_STEPS = 5 };
 
-bool gn_run_may_end_early(const gn_run *run) {
-    const gn_scene *s = &run->world.ctx.scene;
-    if (gn_run_staged(run)) {
-        const gn_stage *e = &s->stages[run->world.stages.now];
+static bool may_end_early(const gn_scene *s, size_t stage) {
+    if (s->stage_count) {
+        const gn_stage *e = &s->stages[stage];
         return e->strain > 0.0 || e->stress > 0.0 || e->peak_drop > 0.0 || e->unbalanced > 0.0 ||
                e->held > 0.0;
     }
     const gn_stops stops = gn_scene_stops(s);
-    const bool tested = s->test.kind != GN_TEST_NONE;
+    const bool tested = gn_scene_tested(s);
     return stops.peak_drop > 0.0 || (tested && stops.strain > 0.0) || s->stop_unbalanced > 0.0;
+}
+
+bool gn_run_may_end_early(const gn_run *run) {
+    return may_end_early(&run->world.ctx.scene, run->world.stages.now);
 }
 
 int64_t gn_halvings(int64_t interval, int64_t least, int64_t most) {
@@ -38,16 +41,34 @@ int64_t gn_row_halvings(int64_t interval) {
 
 /* Rows that are apart in time, and rates of sinks, which are means from row to row, have no parts.
  */
-static bool adapts(const gn_run *run) {
-    const gn_world *w = &run->world;
+static bool adapts(const gn_world *w, size_t stage) {
     return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
-           !gn_scene_flows(&w->ctx.scene) && gn_run_may_end_early(run);
+           !gn_scene_flows(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
+}
+
+static double rows_expected(const gn_world *w, size_t stage) {
+    const gn_scene *s = &w->ctx.scene;
+    const gn_stage *e = s->stage_count ? &s->stages[stage] : NULL;
+    const double wanted = (double)s->history_rows;
+    double steps = fmin(1e15, (e && e->time >= 0.0 ? fmin(e->time, s->end) : s->end) / w->ctx.dt);
+    if (e && e->steps >= 0) steps = fmin(steps, (double)e->steps);
+    if (!(wanted > 0.0) || steps <= wanted || !adapts(w, stage)) return fmin(wanted, steps);
+    const int64_t interval = (int64_t)(steps / wanted);
+    const double closest = (double)(interval >> gn_row_halvings(interval));
+    return fmin(1.25 * wanted, steps / 8.0 / closest);
+}
+
+double gn_run_rows_expected(const gn_world *w) {
+    double rows = 1.0;
+    for (size_t k = 0; k < w->ctx.scene.stage_count || k == 0; k++) rows += rows_expected(w, k);
+    return rows;
 }
 
 void gn_run_space_rows(gn_run *run, int64_t interval) {
     run->history_interval = interval;
     run->history_begin = (int64_t)run->history.row_count;
-    run->history_halvings = adapts(run) ? gn_row_halvings(interval) : 0;
+    run->history_halvings =
+        adapts(&run->world, run->world.stages.now) ? gn_row_halvings(interval) : 0;
 }
 
 /* Steps from row to row after the halvings that are left: doubled from the closest on, so that rows
@@ -94,7 +115,8 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
 
 /* The first row of all, or of a stage, is one as well. */
 bool gn_run_is_look(const gn_run *run, size_t row) {
-    if (row <= (size_t)run->history_begin || !adapts(run)) return true;
+    if (row <= (size_t)run->history_begin || !adapts(&run->world, run->world.stages.now))
+        return true;
     const double step = gn_history_column(&run->history, "step")[row];
     return (int64_t)step % run->history_interval == 0;
 }

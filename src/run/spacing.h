@@ -12,8 +12,13 @@
 
 #include "run/run.h"
 
-/* Tells whether a condition that is not a time can end the run, or its stage. */
+/* Tells whether a condition that is not a time can end the run, or the stage that it is in. */
 bool gn_run_may_end_early(const gn_run *run);
+
+/* Rows of the history that are to be expected: those that are wanted, of the run or of each stage.
+ * A quarter more of what can end early, less where it ends, at an eighth of its time, before so
+ * many have come. */
+double gn_run_rows_expected(const gn_world *world);
 
 /* Halvings of the interval, at most. */
 enum { GN_ROW_HALVINGS = 5, GN_SNAPSHOT_HALVINGS = 7 };

@@ -136,12 +136,10 @@ static bool servos_hold(const gn_run *run, size_t rows) {
 }
 
 bool gn_run_loaded(const gn_run *run, double peak) {
-    const gn_test_kind kind = run->world.ctx.scene.test.kind;
+    const gn_test_descriptor *d = gn_scene_test(&run->world.ctx.scene);
     const size_t row = run->history.row_count - 1;
-    if (gn_test_in(kind, GN_TESTS_CONFINED))
-        return peak > 0.1 * in_row(run, "membrane_pressure", row);
-    return !gn_test_in(kind, GN_TESTS_SHEARED) ||
-           !(peak <= 0.05 * in_row(run, "normal_stress", row));
+    if (d->confined) return peak > 0.1 * in_row(run, "membrane_pressure", row);
+    return !d->sheared || !(peak <= 0.05 * in_row(run, "normal_stress", row));
 }
 
 static bool fell(const gn_run *run, size_t rows, double stress) {
@@ -166,7 +164,7 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     const gn_stage *e = stage_of(run);
     gn_stage_state *s = state_of(run);
     size_t row = run->history.row_count - 1, rows = gn_run_looks(run, (size_t)s->row, ROWS_MOST);
-    if (w->ctx.scene.test.kind != GN_TEST_NONE) {
+    if (gn_scene_tested(&w->ctx.scene)) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
         /* The first row is of the instant of the change, and has what stops ends that moved. */
         if (rows == 1)

@@ -86,17 +86,16 @@ static bool measured(const gn_run *run, const gn_readings *r) {
 }
 
 static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings *list) {
-    const gn_test_kind kind = run->world.ctx.scene.test.kind;
-    if (kind == GN_TEST_NONE || !run->finished || run->history.row_count < 2) return;
+    const gn_scene *s = &run->world.ctx.scene;
+    if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, r)) return;
     gn_warning *to = gn_warnings_add(list, "nothing_measured");
-    snprintf(
-        to->text, sizeof to->text, "the test has read no strength and no modulus: %s%s",
-        gn_run_staged(run) ? "the stress never had the sense of the test"
-                           : r->reason[GN_READING_largest_stress],
-        gn_test_in(kind, GN_TESTS(HYDROSTATIC))
-            ? ""
-            : " (do the ends move, in the sense of the test, and reach the specimen in time?)");
+    snprintf(to->text, sizeof to->text, "the test has read no strength and no modulus: %s%s",
+             gn_run_staged(run) ? "the stress never had the sense of the test"
+                                : r->reason[GN_READING_largest_stress],
+             gn_scene_test(s)->ends
+                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
+                 : "");
 }
 
 /* What the model ended (conversion/conversion.c) did not come to the end of the test. */

@@ -191,7 +191,7 @@ bool gn_scene_end_bears(const gn_scene *s, const gn_test_end *end) {
 }
 
 bool gn_scene_shears_loose(const gn_scene *s) {
-    if (!gn_test_in(s->test.kind, GN_TESTS_SHEARED) || s->has_membrane) return false;
+    if (!gn_scene_test(s)->sheared || s->has_membrane) return false;
     if (s->gravity[s->test.normal] != 0.0) return false;
     return !gn_scene_end_bears(s, &s->test.lower) || !gn_scene_end_bears(s, &s->test.upper);
 }

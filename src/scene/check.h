@@ -80,7 +80,7 @@ gneiss_status gn_check_test(const check *c, gn_scene *s);
  * it a stress (check_stages.c). */
 gneiss_status gn_check_parting(const check *c, const gn_scene *s);
 
-/* Of a hydrostatic test: whether anything presses, in any stage. */
+/* A test from all sides alike needs something that presses, in any stage. */
 gneiss_status gn_check_pressed(const check *c, bool presses);
 /* The section `membrane`. */
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s);

@@ -130,7 +130,7 @@ static gneiss_status check_convert_walls(const check *c, const gn_scene *s) {
                                  "expected no servo of walls beside couple.convert, as elements do "
                                  "not press on them, found that of '%s'",
                                  s->walls[k].name);
-    for (size_t e = 0; s->test.kind != GN_TEST_NONE && e < 2; e++)
+    for (size_t e = 0; gn_scene_tested(s) && e < 2; e++)
         for (size_t k = 0; k < ends[e]->count; k++)
             if (gn_scene_find_wall(s, ends[e]->name[k]) >= 0)
                 return gn_check_fail(c, e ? "test.upper" : "test.lower",

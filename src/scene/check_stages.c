@@ -37,7 +37,7 @@ static gneiss_status check_end(const check *c, const gn_scene *s, size_t stage) 
         return gn_check_fail(c, gn_check_given(c, "end") ? "end" : "name",
                              "expected a condition under end (time, steps, strain, stress, "
                              "peak_drop, unbalanced, held), found none: the stage would never end");
-    const bool tested = s->test.kind != GN_TEST_NONE;
+    const bool tested = gn_scene_tested(s);
     const char *reads = e->strain > 0      ? "end.strain"
                         : e->stress > 0    ? "end.stress"
                         : e->peak_drop > 0 ? "end.peak_drop"
@@ -185,15 +185,14 @@ static double fastest(const gn_scene *s, size_t stage, const gn_test_end *end, d
 /* Whether the strain of a test whose ends are moved as given can never grow. */
 static bool never_strains(const gn_scene *s, size_t stage) {
     const gn_test *t = &s->test;
-    if (t->kind == GN_TEST_NONE || t->kind == GN_TEST_HYDROSTATIC || t->has_control) return false;
-    const double sign = gn_test_sign(t->kind);
+    if (!gn_scene_test(s)->ends || t->has_control) return false;
+    const double sign = gn_scene_test(s)->sign;
     return fastest(s, stage, &t->upper, sign) + fastest(s, stage, &t->lower, -sign) <= 0.0;
 }
 
 static const char *strains_by(const gn_scene *s) {
-    return gn_test_in(s->test.kind, GN_TESTS_SHEARED) ? "shear the specimen"
-           : gn_test_sign(s->test.kind) < 0           ? "close"
-                                                      : "come apart";
+    const gn_test_descriptor *d = gn_scene_test(s);
+    return d->sheared ? "shear the specimen" : d->sign < 0 ? "close" : "come apart";
 }
 
 /* Whether each part of an end is moved as given, and none of them ever in the sense of `sign`; the
@@ -212,11 +211,10 @@ static bool only_against(const gn_scene *s, const gn_test_end *end, double sign,
 
 gneiss_status gn_check_parting(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    const double sign = gn_test_sign(t->kind);
+    const gn_test_descriptor *d = gn_scene_test(s);
+    const double sign = d->sign;
     int against = 0;
-    if (!gn_test_in(t->kind, GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS(BRAZILIAN) |
-                                 GN_TESTS(OEDOMETER)))
-        return GNEISS_OK;
+    if (d->beam || d->sheared || d->confined) return GNEISS_OK;
     if (s->has_elements || t->has_control || *s->specimen.from ||
         gn_scene_presses_beside(s, false) || anything_else_acts(s) || rows_overlap(s))
         return GNEISS_OK;
@@ -236,8 +234,7 @@ static double largest_pressure(const gn_scene *s) {
 /* A specimen on which nothing but a membrane presses has its pressure as mean stress, at most twice
  * that where it comes at once. */
 static bool never_so_pressed(const gn_scene *before, const gn_scene *s, double stress) {
-    if (s->test.kind != GN_TEST_HYDROSTATIC || gn_scene_presses_beside(s, true) ||
-        anything_else_acts(s))
+    if (!gn_scene_test(s)->isotropic || gn_scene_presses_beside(s, true) || anything_else_acts(s))
         return false;
     return stress > 2.0 * fmax(largest_pressure(before), largest_pressure(s));
 }

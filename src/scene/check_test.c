@@ -95,8 +95,9 @@ static gneiss_status check_across(const check *c, const gn_scene *s, const char 
 
 static gneiss_status check_walls_of_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    const int way = (int)(gn_test_in(t->kind, GN_TESTS_SHEARED) ? t->normal : t->axis);
-    if (!gn_test_in(t->kind, GN_TESTS_SHEARED)) {
+    const bool sheared = gn_scene_test(s)->sheared;
+    const int way = (int)(sheared ? t->normal : t->axis);
+    if (!sheared) {
         GN_TRY(check_across(c, s, "test.lower", &t->lower));
         GN_TRY(check_across(c, s, "test.upper", &t->upper));
     }
@@ -121,7 +122,8 @@ static bool only_walls(const gn_scene *s, const gn_test_end *end, double sense) 
 
 static gneiss_status check_pull(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    if (t->kind != GN_TEST_TENSION || !only_walls(s, &t->lower, 1.0) ||
+    const gn_test_descriptor *d = gn_scene_test(s);
+    if (d->sign < 0 || d->sheared || !only_walls(s, &t->lower, 1.0) ||
         !only_walls(s, &t->upper, -1.0))
         return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
@@ -154,87 +156,65 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
 
 /* ---- what a kind takes ---- */
 
-typedef struct test_key {
-    const char *key;
-    double value; /* above 0: given */
-    unsigned kinds;
-} test_key;
+#define X(name) "test." #name,
+static const char *const test_keys[] = {GN_TEST_KEYS(X)};
+#undef X
 
-static const char *name_of(gn_test_kind kind) {
-    const gn_key *key = gn_scene_key_at("test.kind");
-    return gn_choice_name(key->choices, kind);
+/* A value above 0 is given. */
+static void get_values(const gn_test *t, double value[GN_TEST_KEY_COUNT]) {
+#define X(name) value[GN_TEST_KEY_##name] = t->given.name;
+    GN_TEST_SIZES(X)
+#undef X
+    value[GN_TEST_KEY_centre] = t->centre != 0.2 ? t->centre : 0.0;
+    value[GN_TEST_KEY_normal] = (double)t->normal + 1.0;
 }
 
-/* "brazilian and bending". */
-static const char *names_of(unsigned kinds, char *text, size_t size) {
-    size_t used = 0;
-    unsigned left = kinds;
-    text[0] = '\0';
-    for (unsigned k = 0; k < GN_TEST_KINDS && used < size; k++) {
-        if (!(kinds >> k & 1)) continue;
-        left &= ~(1u << k);
-        int more = snprintf(text + used, size - used, "%s%s", used ? (left ? ", " : " and ") : "",
-                            name_of((gn_test_kind)k));
-        used += more > 0 ? (size_t)more : 0;
-    }
-    return text;
-}
-
-static gneiss_status check_keys(const check *c, const gn_test *t) {
-    const unsigned areas = GN_TESTS_PRISMS | GN_TESTS(SHEAR);
-    const test_key keys[] = {
-        {"test.length", t->length, areas | GN_TESTS(SIMPLE_SHEAR)},
-        {"test.area", t->area, areas},
-        {"test.diameter", t->diameter, areas | GN_TESTS(BRAZILIAN)},
-        {"test.thickness", t->thickness, GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING)},
-        {"test.span", t->span, GN_TESTS(BENDING)},
-        {"test.load_span", t->load_span, GN_TESTS(BENDING)},
-        {"test.height", t->height, GN_TESTS(BENDING)},
-        {"test.notch", t->notch, GN_TESTS(BENDING)},
-        {"test.centre", t->centre != 0.2 ? t->centre : 0.0, GN_TESTS(BRAZILIAN)},
-        {"test.normal", (double)t->normal + 1.0, GN_TESTS_SHEARED},
-    };
+static gneiss_status check_keys(const check *c, const gn_scene *s) {
+    const gn_test_descriptor *d = gn_scene_test(s);
+    double value[GN_TEST_KEY_COUNT];
     char text[256];
-    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-        if (keys[k].value > 0 && !(keys[k].kinds >> t->kind & 1))
-            return gn_check_fail(c, keys[k].key, "expected in tests of the kind %s, found %s",
-                                 names_of(keys[k].kinds, text, sizeof text), name_of(t->kind));
+    get_values(&s->test, value);
+    for (size_t k = 0; k < GN_TEST_KEY_COUNT; k++) {
+        unsigned kinds = 0;
+        if (!(value[k] > 0) || d->takes >> k & 1) continue;
+        for (unsigned n = 0; n < GN_TEST_KINDS; n++)
+            kinds |= (gn_test_kinds[n]->takes >> k & 1) << n;
+        return gn_check_fail(c, test_keys[k], "expected in tests of the kind %s, found %s",
+                             gn_test_names(kinds, text, sizeof text), d->name);
+    }
     return GNEISS_OK;
 }
 
-static gneiss_status check_plane_thickness(const check *c, const gn_scene *s) {
-    if (s->dimension != 2 || !(s->test.thickness > 0) || s->test.thickness == 1) return GNEISS_OK;
-    return gn_check_fail(c, "test.thickness", "expected 1 m in a 2D scene, found %g m",
-                         s->test.thickness);
+static gneiss_status check_needed_keys(const check *c, const gn_scene *s) {
+    const gn_test_descriptor *d = gn_scene_test(s);
+    double value[GN_TEST_KEY_COUNT];
+    get_values(&s->test, value);
+    for (size_t k = 0; k < GN_TEST_KEY_COUNT; k++)
+        if (d->needs >> k & 1 && !(value[k] > 0))
+            return gn_check_fail(c, test_keys[k], "required by a %s test, but not given", d->name);
+    return GNEISS_OK;
 }
 
-static gneiss_status check_brazilian(const check *c, const gn_scene *s) {
-    if (s->test.axis == 2)
-        return gn_check_fail(c, "test.axis",
-                             "expected x or y: the disc of a brazilian test stands across z, found "
-                             "z");
-    return check_plane_thickness(c, s);
-}
-
-static gneiss_status check_bending(const check *c, const gn_scene *s) {
-    const gn_test *t = &s->test;
-    GN_TRY(gn_check_need(c, t->span, "test.span", "by a bending test"));
-    if (t->load_span >= t->span)
+/* A size that is not given is 0 and passes. */
+static gneiss_status check_sizes(const check *c, const gn_scene *s) {
+    const gn_test_sizes *x = &s->test.given;
+    if (x->area > 0 && x->diameter > 0)
+        return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
+    GN_TRY(check_needed_keys(c, s));
+    if (x->load_span > 0 && x->load_span >= x->span)
         return gn_check_fail(c, "test.load_span", "expected less than the span of %g m, found %g m",
-                             t->span, t->load_span);
-    if (t->height > 0 && t->notch >= t->height)
+                             x->span, x->load_span);
+    if (x->height > 0 && x->notch >= x->height)
         return gn_check_fail(c, "test.notch", "expected less than the height of %g m, found %g m",
-                             t->height, t->notch);
-    return check_plane_thickness(c, s);
+                             x->height, x->notch);
+    if (s->dimension != 2 || !(x->thickness > 0) || x->thickness == 1) return GNEISS_OK;
+    return gn_check_fail(c, "test.thickness", "expected 1 m in a 2D scene, found %g m",
+                         x->thickness);
 }
 
-/* What presses on the sides is a membrane, of which the deviator is told. */
+/* The deviator is the stress less the pressure of a membrane. */
 static gneiss_status check_confined(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    if ((t->kind == GN_TEST_BIAXIAL) != (s->dimension == 2))
-        return gn_check_fail(c, "test.kind", "expected %s in a %dD scene, found %s",
-                             s->dimension == 2 ? "biaxial" : "triaxial", (int)s->dimension,
-                             name_of(t->kind));
     if (!s->has_membrane)
         return gn_check_fail(c, "test.kind",
                              "expected a membrane, whose pressure confines the specimen, found "
@@ -245,8 +225,8 @@ static gneiss_status check_confined(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-/* Without sides along the shear nothing has to keep them straight. */
-static gneiss_status check_simple_shear(const check *c, const gn_scene *s) {
+/* Any other sides along the shear would have to be kept straight. */
+static gneiss_status check_periodic_sides(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!s->has_periodic)
         return gn_check_fail(c, "test.kind",
@@ -255,26 +235,24 @@ static gneiss_status check_simple_shear(const check *c, const gn_scene *s) {
                              "xyz"[t->normal]);
     if (s->periodic_open == t->normal) return GNEISS_OK;
     return gn_check_fail(
-        c, "periodic.open", "expected %c, the normal of the simple_shear test, found %s",
-        "xyz"[t->normal],
+        c, "periodic.open", "expected %c, the normal of the %s test, found %s", "xyz"[t->normal],
+        gn_scene_test(s) -> name,
         gn_choice_name(gn_scene_key_at("periodic.open")->choices, (int)s->periodic_open));
 }
 
 static gneiss_status check_shear(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    if (t->normal < 0)
-        return gn_check_fail(c, "test.normal", "required by a %s test, but not given",
-                             name_of(t->kind));
     if (t->normal >= s->dimension)
         return gn_check_fail(c, "test.normal", "expected x or y in a 2D scene, found z");
     if (t->normal == t->axis)
         return gn_check_fail(c, "test.normal", "expected another direction than axis, found %c",
                              "xyz"[t->normal]);
-    return t->kind == GN_TEST_SIMPLE_SHEAR ? check_simple_shear(c, s) : GNEISS_OK;
+    return gn_scene_test(s)->periodic_sides ? check_periodic_sides(c, s) : GNEISS_OK;
 }
 
-/* Held at both sides across the axis, or its stress is that of a compression test. */
-static gneiss_status check_oedometer(const check *c, const gn_scene *s) {
+/* A specimen that is not held at both sides across the axis has the stress of a compression test.
+ */
+static gneiss_status check_sides_stand(const check *c, const gn_scene *s) {
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic"};
     for (int k = 0; k < 5; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
@@ -283,9 +261,9 @@ static gneiss_status check_oedometer(const check *c, const gn_scene *s) {
             return gn_check_fail(
                 c, "test.kind",
                 "expected sides of the specimen that stand along %c beside the ends of an "
-                "oedometer test (walls that face each other, bodies, sets that are held there, a "
+                "%s test (walls that face each other, bodies, sets that are held there, a "
                 "periodic box), found none",
-                "xyz"[a]);
+                "xyz"[a], gn_scene_test(s) -> name);
     return GNEISS_OK;
 }
 
@@ -327,16 +305,20 @@ static gneiss_status check_control(const check *c, const gn_scene *s) {
 }
 
 static gneiss_status check_kind(const check *c, const gn_scene *s) {
-    const gn_test *t = &s->test;
-    GN_TRY(check_keys(c, t));
+    const gn_test_descriptor *d = gn_scene_test(s);
+    GN_TRY(check_keys(c, s));
     GN_TRY(check_control(c, s));
-    if (t->area > 0 && t->diameter > 0)
-        return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
-    if (t->kind == GN_TEST_BRAZILIAN) return check_brazilian(c, s);
-    if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
-    if (gn_test_in(t->kind, GN_TESTS_SHEARED)) return check_shear(c, s);
-    if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
-    return t->kind == GN_TEST_OEDOMETER ? check_oedometer(c, s) : GNEISS_OK;
+    GN_TRY(check_sizes(c, s));
+    if (d->dimension && d->dimension != s->dimension)
+        return gn_check_fail(c, "test.kind", "expected %s in a %dD scene, found %s", d->counterpart,
+                             (int)s->dimension, d->name);
+    if (d->disc && s->test.axis == 2)
+        return gn_check_fail(c, "test.axis",
+                             "expected x or y: the disc of a %s test stands across z, found z",
+                             d->name);
+    if (d->sheared) GN_TRY(check_shear(c, s));
+    if (d->confined) GN_TRY(check_confined(c, s));
+    return d->sides_stand ? check_sides_stand(c, s) : GNEISS_OK;
 }
 
 /* As src/sweep/envelope.h asks for. */
@@ -365,7 +347,7 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
     s->test.has_confinement = false;
     s->test.confinement = NULL;
     if (!list) return GNEISS_OK;
-    if (!gn_test_in(s->test.kind, GN_TESTS_CONFINED))
+    if (!gn_scene_test(s)->confined)
         return gn_check_fail(c, "test.confinement",
                              "expected a triaxial or biaxial test beside it, found another");
     if (list->kind != GN_NODE_LIST || list->count < LEAST_CONFINEMENTS)
@@ -392,8 +374,7 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
                              "sides, found sides of a surface of particles");
     if (s->has_periodic)
         return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
-    if (m->faces == GN_FACES_SIDES && m->axis < 0 &&
-        (s->test.kind == GN_TEST_NONE || s->test.axis < 0))
+    if (m->faces == GN_FACES_SIDES && m->axis < 0 && (!gn_scene_tested(s) || s->test.axis < 0))
         return gn_check_fail(c, "membrane.axis",
                              "expected the axis that sides face across, or a test that has one, "
                              "found neither");
@@ -413,16 +394,18 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
 }
 
 gneiss_status gn_check_pressed(const check *c, bool presses) {
-    if (presses || c->reader->scene->test.kind != GN_TEST_HYDROSTATIC) return GNEISS_OK;
+    const gn_test_descriptor *d = gn_scene_test(c->reader->scene);
+    if (presses || !d->isotropic) return GNEISS_OK;
     return gn_check_fail(
         c, "test.kind",
-        "expected something that presses on the specimen of a hydrostatic test (a "
+        "expected something that presses on the specimen of a %s test (a "
         "membrane with a pressure, a servo of walls or of a periodic box, walls or "
-        "sides that come closer), found nothing");
+        "sides that come closer), found nothing",
+        d->name);
 }
 
-/* A hydrostatic test has none of them: it is the mean pressure over the change of volume. */
-static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
+/* The stress is the mean pressure and the strain the loss of volume, so that no end is needed. */
+static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *key = t->axis >= 0     ? "test.axis"
                       : t->lower.count ? "test.lower"
@@ -430,8 +413,10 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
                       : t->has_opening ? "test.opening"
                       : t->has_control ? "test.control"
                                        : NULL;
-    if (key) return gn_check_fail(c, key, "expected none: a hydrostatic test has no ends");
-    GN_TRY(gn_check_keep(c, check_keys(c, t)));
+    if (key)
+        return gn_check_fail(c, key, "expected none: a %s test has no ends",
+                             gn_scene_test(s)->name);
+    GN_TRY(gn_check_keep(c, check_keys(c, s)));
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
     for (int k = 0; k < 6; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
@@ -441,8 +426,8 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
 gneiss_status gn_check_test(const check *c, gn_scene *s) {
     const gn_test *t = &s->test;
     GN_TRY(check_confinements(c, s));
-    if (t->kind == GN_TEST_NONE) return check_no_test(c, s);
-    if (t->kind == GN_TEST_HYDROSTATIC) return check_hydrostatic(c, s);
+    if (!gn_scene_tested(s)) return check_no_test(c, s);
+    if (gn_scene_test(s)->isotropic) return check_isotropic(c, s);
     const char *missing = t->axis < 0       ? "test.axis"
                           : !t->lower.count ? "test.lower"
                           : !t->upper.count ? "test.upper"

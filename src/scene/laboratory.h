@@ -2,8 +2,8 @@
 #ifndef GN_SCENE_LABORATORY_H
 #define GN_SCENE_LABORATORY_H
 
-#include "base/test_kind.h"
 #include "scene/values.h"
+#include "test_kinds/test_kind.h"
 
 /* Walls, bodies, sets, motions of elements that load the specimen together. */
 typedef struct gn_test_end {
@@ -30,16 +30,9 @@ typedef struct gn_test {
     gn_test_kind kind;
     int64_t axis; /* 0 1 2 */
     gn_test_end lower, upper;
-    double length;    /* m; 0: extent of the specimen along the axis */
-    double area;      /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
-    double diameter;  /* m; 0: not given, of a disc: its extent along the axis */
-    double thickness; /* m, of a disc or a beam; 0: extent of the specimen, 1 m in 2D */
-    double span;      /* m between the supports of a beam; 0: not given */
-    double load_span; /* m between its two loads; 0: one load at mid-span */
-    double height;    /* m, of a beam; 0: its extent along the axis */
-    double notch;     /* m, depth of its notch */
-    double centre;    /* radius over that of the disc within which its centre stress is read */
-    int64_t normal;   /* of the plane that a shear test shears: 0 1 2, -1: not given */
+    gn_test_sizes given; /* a 0 follows from the specimen (docs/scene.md) */
+    double centre;       /* radius over that of the disc within which its centre stress is read */
+    int64_t normal;      /* of the plane that a shear test shears: 0 1 2, -1: not given */
     bool has_opening;
     gn_opening opening;
     bool has_control;

@@ -3,17 +3,11 @@
 
 static const gn_choice axes[] = {{"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 static const gn_choice axes_or_none[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
-static const gn_choice test_kinds[] = {{"compression", GN_TEST_COMPRESSION},
-                                       {"tension", GN_TEST_TENSION},
-                                       {"brazilian", GN_TEST_BRAZILIAN},
-                                       {"bending", GN_TEST_BENDING},
-                                       {"triaxial", GN_TEST_TRIAXIAL},
-                                       {"biaxial", GN_TEST_BIAXIAL},
-                                       {"hydrostatic", GN_TEST_HYDROSTATIC},
-                                       {"oedometer", GN_TEST_OEDOMETER},
-                                       {"shear", GN_TEST_SHEAR},
-                                       {"simple_shear", GN_TEST_SIMPLE_SHEAR},
-                                       {NULL, 0}};
+#define X(NAME, name, text) {#name, GN_TEST_##NAME},
+static const gn_choice test_kinds[] = {GN_TEST_KIND_LIST(X){NULL, 0}};
+#undef X
+#define KIND_TEXT(NAME, name, text) text
+#define KINDS_TEXT                  GN_TEST_KIND_LIST(KIND_TEXT)
 
 static const gn_key opening_keys[] = {
     KEY("axis", CHOICE, gn_opening, axis, .choices = axes, .required = true,
@@ -44,12 +38,7 @@ TABLE_OF(control);
 
 static const gn_key test_keys[] = {
     KEY("kind", CHOICE, gn_scene, test.kind, .choices = test_kinds, .required = true,
-        .text = "which test it is: how stress and strain are formed and what is read; brazilian: "
-                "a disc across its diameter, bending: a beam on two supports, triaxial (in 2D "
-                "biaxial): under a membrane, oedometer: between sides that stand, shear: one half "
-                "along the other, simple_shear: between periodic sides, hydrostatic: from all "
-                "sides alike, "
-                "which has no ends"),
+        .text = "which test it is: how stress and strain are formed and what is read" KINDS_TEXT),
     KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes_or_none, .fallback = "none",
         .text = "direction of loading; needed by all but hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
@@ -61,29 +50,30 @@ static const gn_key test_keys[] = {
           .text = "the same at the upper end"),
     KEY("normal", CHOICE, gn_scene, test.normal, .choices = axes_or_none, .fallback = "none",
         .text = "shear and simple_shear: across the plane that is sheared"),
-    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
-        .fallback = "auto",
+    KEY("length", REAL, gn_scene, test.given.length, .unit = "m", .range = GN_LENGTHS,
+        .word = "auto", .fallback = "auto",
         .text = "length of the specimen; auto: its extent along the axis, in shear what is free "
                 "between the ends along the normal"),
-    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
+    KEY("area", REAL, gn_scene, test.given.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
         .fallback = "auto",
         .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
                 "length (in shear its height)"),
-    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = GN_LENGTHS, .word = "none",
-        .fallback = "none",
+    KEY("diameter", REAL, gn_scene, test.given.diameter, .unit = "m", .range = GN_LENGTHS,
+        .word = "none", .fallback = "none",
         .text = "diameter of a cylinder; brazilian: of the disc, none: its extent along the axis"),
-    KEY("thickness", REAL, gn_scene, test.thickness, .unit = "m", .range = GN_LENGTHS,
+    KEY("thickness", REAL, gn_scene, test.given.thickness, .unit = "m", .range = GN_LENGTHS,
         .word = "auto", .fallback = "auto",
         .text = "of the disc of a brazilian, of the beam of a bending test; auto: its extent, in "
                 "2D 1 m"),
-    KEY("span", REAL, gn_scene, test.span, .unit = "m", .range = GN_LENGTHS, .word = "none",
+    KEY("span", REAL, gn_scene, test.given.span, .unit = "m", .range = GN_LENGTHS, .word = "none",
         .fallback = "none", .text = "bending: distance of the supports"),
-    KEY("load_span", REAL, gn_scene, test.load_span, .unit = "m", .range = GN_LENGTHS,
+    KEY("load_span", REAL, gn_scene, test.given.load_span, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none",
         .text = "bending: distance of two loads (four points); none: one load at mid-span"),
-    KEY("height", REAL, gn_scene, test.height, .unit = "m", .range = GN_LENGTHS, .word = "auto",
-        .fallback = "auto", .text = "bending: height of the beam; auto: its extent along the axis"),
-    KEY("notch", REAL, gn_scene, test.notch, .unit = "m", .range = GN_LENGTHS, .word = "none",
+    KEY("height", REAL, gn_scene, test.given.height, .unit = "m", .range = GN_LENGTHS,
+        .word = "auto", .fallback = "auto",
+        .text = "bending: height of the beam; auto: its extent along the axis"),
+    KEY("notch", REAL, gn_scene, test.given.notch, .unit = "m", .range = GN_LENGTHS, .word = "none",
         .fallback = "none", .text = "bending: depth of the notch at mid-span"),
     KEY("centre", REAL, gn_scene, test.centre, .unit = "1", .range = "(0, 1]", .fallback = "0.2",
         .text = "brazilian: radius, over that of the disc, of the region about its centre whose "

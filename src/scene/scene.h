@@ -613,6 +613,12 @@ int gn_scene_find_material(const gn_scene *scene, const char *name);
 const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
                                             const gn_material *b);
 /* Whether the membrane lies on the surface of a shape, and not where particles bear. */
+static inline bool gn_scene_tested(const gn_scene *scene) {
+    return scene->test.kind != GN_TEST_NONE;
+}
+static inline const gn_test_descriptor *gn_scene_test(const gn_scene *scene) {
+    return gn_test_of(scene->test.kind);
+}
 static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
     return scene->specimen.pack.shape != GN_SHAPE_NONE &&
            scene->membrane.surface == GN_SURFACE_SHAPE;

@@ -1,33 +1,6 @@
 #include "scene/stops.h"
 
-#include "scene/manifest.h"
-
 #include <stdio.h>
-
-/* Half the peak is past what a strength is read off. Fracture energy is read once a tenth of the
- * load is left; with what rings in broken parts besides. What is sheared may hold most of its peak
- * by friction for as long as it is pressed. Others have no peak that they end at. */
-static gn_stops stops_of(gn_test_kind kind) {
-    switch (kind) {
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_BRAZILIAN:
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-        return (gn_stops){.peak_drop = 0.5};
-    case GN_TEST_TENSION:
-    case GN_TEST_BENDING:
-        return (gn_stops){.peak_drop = 0.95};
-    case GN_TEST_SHEAR:
-    case GN_TEST_SIMPLE_SHEAR:
-        return (gn_stops){.peak_drop = 0.5, .strain = 0.2};
-    case GN_TEST_NONE:
-    case GN_TEST_HYDROSTATIC:
-    case GN_TEST_OEDOMETER:
-    case GN_TEST_KINDS:
-        break;
-    }
-    return (gn_stops){0};
-}
 
 gn_stops gn_scene_stops(const gn_scene *s) {
     gn_stops stops = {.peak_drop = s->stop_peak_drop > 0.0 ? s->stop_peak_drop : 0.0,
@@ -35,22 +8,18 @@ gn_stops gn_scene_stops(const gn_scene *s) {
     /* Read in rows of the history: without any nothing is. What is controlled is followed down. */
     if (s->stop_peak_drop >= 0.0 || s->stage_count || !s->history_rows || s->test.has_control)
         return stops;
-    const gn_stops by_kind = stops_of(s->test.kind);
+    const gn_test_descriptor *by_kind = gn_scene_test(s);
     const bool said = s->stop_strain > 0.0 || s->stop_unbalanced > 0.0;
-    stops.peak_drop = by_kind.peak_drop;
-    if (!said) stops.strain = by_kind.strain;
-    stops.by_kind = by_kind.peak_drop > 0.0;
-    stops.strain_by_kind = !said && by_kind.strain > 0.0;
+    stops.peak_drop = by_kind->peak_drop;
+    if (!said) stops.strain = by_kind->strain;
+    stops.by_kind = by_kind->peak_drop > 0.0;
+    stops.strain_by_kind = !said && by_kind->strain > 0.0;
     return stops;
 }
 
 double gn_scene_peak_drop(const gn_scene *s) {
-    const double asked = gn_scene_stops(s).peak_drop, by_kind = stops_of(s->test.kind).peak_drop;
+    const double asked = gn_scene_stops(s).peak_drop, by_kind = gn_scene_test(s)->peak_drop;
     return asked > 0.0 ? asked : by_kind > 0.0 ? by_kind : 0.5;
-}
-
-static const char *name_of(const gn_scene *s) {
-    return gn_choice_name(gn_scene_key_at("test.kind")->choices, (int)s->test.kind);
 }
 
 const char *gn_stops_text(const gn_scene *s, char *text, size_t size) {
@@ -61,7 +30,8 @@ const char *gn_stops_text(const gn_scene *s, char *text, size_t size) {
     if (stops.peak_drop > 0.0)
         used = snprintf(text, size, "stress %g below its peak", stops.peak_drop);
     if (stops.by_kind && said && (size_t)used < size)
-        used += snprintf(text + used, size - (size_t)used, ", as %s tests end,", name_of(s));
+        used += snprintf(text + used, size - (size_t)used, ", as %s tests end,",
+                         gn_scene_test(s)->name);
     if (stops.strain > 0.0 && (size_t)used < size)
         used += snprintf(text + used, size - (size_t)used, "%sstrain %g", used ? " or " : "",
                          stops.strain);
@@ -70,6 +40,6 @@ const char *gn_stops_text(const gn_scene *s, char *text, size_t size) {
                          s->stop_unbalanced);
     if (stops.by_kind && !said && (size_t)used < size)
         snprintf(text + used, size - (size_t)used, " (as %s tests end; time.stop says otherwise)",
-                 name_of(s));
+                 gn_scene_test(s)->name);
     return text;
 }

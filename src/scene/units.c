@@ -1,6 +1,7 @@
 #include "scene/units.h"
 
 #include "base/memory.h"
+#include "base/resident.h"
 
 #include <errno.h>
 #include <math.h>
@@ -187,9 +188,14 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
     return ok;
 }
 
+/* The library crashes without memory. Its database takes 0.6 MB. */
+enum { SYSTEM_BYTES = 2 << 20, PARSER_BYTES = 1 << 17 };
+
 /* The database has "degree" but not the "deg" that everybody writes. Without memory the library may
  * leave units out and call that a success: min would be a milli-inch. Only errno tells. */
 static ut_system *open_system(bool *exhausted) {
+    *exhausted = !gn_memory_is_left(SYSTEM_BYTES);
+    if (*exhausted) return NULL;
     errno = 0;
     ut_system *system = ut_read_xml(NULL);
     ut_unit *degree = system ? ut_parse(system, "degree", UT_ASCII) : NULL;
@@ -213,10 +219,13 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
     units->tried = true;
     bool ok = false;
     errno = 0;
-    if (units->system)
-        ok = find_factor(units->system, from, to, factor, reason);
-    else
+    if (!units->system)
         *reason = "the unit database of UDUNITS-2 cannot be read";
+    else if (!gn_memory_is_left(PARSER_BYTES)) {
+        units->exhausted = true;
+        *reason = "no memory to read it";
+    } else
+        ok = find_factor(units->system, from, to, factor, reason);
     units->exhausted = units->exhausted || (!ok && errno == ENOMEM);
     ut_set_error_message_handler(previous);
     if (ok && units->cached < CACHE_SIZE) {

@@ -1,7 +1,7 @@
 /* The names that readings of a sweep may have. */
+#include "test_kinds/readings.h"
 #include "base/names.h"
 #include "measure/energy.h"
-#include "measure/measure.h"
 #include "run/quantities.h"
 #include "sweep/sweep.h"
 

@@ -5,8 +5,8 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "measure/energy.h"
-#include "measure/measure.h"
 #include "run/folder.h"
+#include "test_kinds/readings.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -112,7 +112,7 @@ static void reason(const gn_step_context *ctx, const file_size *f, char *text, s
                  across = f->part > 0.0 ? f->longest / (2.0 * f->part) : 0.0;
     const bool solid = f->key[0] == 'e' || s->bonds == GN_SWITCH_ON;
     *text = '\0';
-    if (s->test.kind != GN_TEST_NONE)
+    if (gn_scene_tested(s))
         snprintf(text, size, "it is tested as in a laboratory");
     else if (speed > 0.0 && way < next_to_nothing * f->longest)
         snprintf(
@@ -179,7 +179,7 @@ static bool body_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_
 }
 
 static bool is_tested(const gn_scene *s) {
-    return s->test.kind != GN_TEST_NONE && s->test.kind != GN_TEST_BENDING;
+    return gn_scene_tested(s) && !gn_scene_test(s)->beam;
 }
 
 bool gn_scale_doubts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

@@ -101,7 +101,7 @@ double gn_space_volume(const gn_world *w) {
     if (is_periodic_all_round(&w->ctx) || !w->ctx.scene.has_specimen) return w->ctx.volume;
     if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
         return w->ctx.effects & GN_FX_BONDS ? w->ctx.volume * now / start : now;
-    if (w->ctx.scene.test.kind == GN_TEST_OEDOMETER)
+    if (gn_scene_test(&w->ctx.scene)->sides_stand)
         return w->ctx.volume * (1.0 - gn_ends_shortening(w) / w->ctx.test_length);
     return w->ctx.volume;
 }
@@ -109,10 +109,10 @@ double gn_space_volume(const gn_world *w) {
 double gn_space_area(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      const gn_periodic_box *box) {
     const gn_test *t = &ctx->scene.test;
+    const gn_test_descriptor *d = gn_scene_test(&ctx->scene);
     double now, start;
-    if (t->kind == GN_TEST_SIMPLE_SHEAR) return gn_box_section(ctx);
-    if (!gn_test_in(t->kind, GN_TESTS_PRISMS) || t->area > 0.0 || t->diameter > 0.0)
-        return ctx->test_area;
+    if (d->periodic_sides) return gn_box_section(ctx);
+    if (!d->prism || t->given.area > 0.0 || t->given.diameter > 0.0) return ctx->test_area;
     if (dem->membrane || !gn_space_closed(ctx, dem, boundary, box, &now, &start))
         return ctx->test_area;
     const span along = span_along(ctx, boundary, box, (int)t->axis);

@@ -86,7 +86,7 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
         work k = {w, bonds, pairs, motion, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
         gn_deal_sweep(&w->dem.deal, 0, &blocks, &k);
-        if (booked) {
+        if (booked && omp_get_num_threads() > 1) {
 #pragma omp barrier
             book(&k, GN_PHASE_waiting);
         }

@@ -68,18 +68,18 @@ static gneiss_status measure_test(gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
-    if (s->test.kind == GN_TEST_NONE) return GNEISS_OK;
+    if (!gn_scene_tested(s)) return GNEISS_OK;
     gn_tested_shape shape = gn_test_shape(ctx, dem, boundary, solids);
     ctx->test_length = shape.length;
     ctx->test_area = shape.area;
-    if (s->test.kind == GN_TEST_BENDING && s->test.notch >= shape.height)
+    if (gn_scene_test(s)->beam && s->test.given.notch >= shape.height)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,
             "%s: expected a notch that is less deep than the beam, which is %.6g m high, "
             "found %.6g m",
-            gn_scene_at(s, s->test.where, "test.notch").text, shape.height, s->test.notch);
+            gn_scene_at(s, s->test.where, "test.notch").text, shape.height, s->test.given.notch);
     bool sound = shape.length > 0.0 && isfinite(shape.length);
-    if (s->test.kind != GN_TEST_SIMPLE_SHEAR || sound) return GNEISS_OK;
+    if (!gn_scene_test(s)->periodic_sides || sound) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected an upper end above the lower one along %c, with "
                    "something to shear between them, found %s",
@@ -104,8 +104,8 @@ static volume_source source_of_volume(const gn_step_context *ctx, const gn_dem *
     if (!ctx->scene.specimen_given) return FROM_SOURCES;
     if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
     if (gn_scene_from_packing(&ctx->scene)) return FROM_PACKING;
-    bool given = ctx->scene.test.kind != GN_TEST_NONE &&
-                 gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
+    bool given =
+        gn_scene_tested(&ctx->scene) && gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
 }
 
@@ -129,8 +129,7 @@ const char *gn_world_volume_source(const gn_step_context *ctx, const gn_dem *dem
                                         "length times area of the test",
                                         "the convex hull of the particles"};
     volume_source source = source_of_volume(ctx, dem, boundary, solids);
-    if (source == FROM_TEST && ctx->scene.test.kind == GN_TEST_BRAZILIAN)
-        return "the disc of the test";
+    if (source == FROM_TEST && gn_scene_test(&ctx->scene)->disc) return "the disc of the test";
     return names[source];
 }
 
@@ -255,7 +254,7 @@ gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_bo
                                gneiss_error *error) {
     GN_TRY(check_built(&ctx->scene, error));
     ctx->effects = gn_scene_effects(&ctx->scene);
-    ctx->threads = gn_threads_of(ctx->scene.threads);
+    GN_TRY(gn_threads_find(ctx->scene.threads, &ctx->threads, error));
     for (int a = 0; a < 3; a++)
         ctx->period[a] = a == ctx->scene.periodic_open
                              ? 0.0
@@ -307,7 +306,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     /* What bodies leave free to be sheared. */
-    if (w->ctx.scene.test.kind == GN_TEST_SHEAR)
+    if (gn_scene_test(&w->ctx.scene)->sheared)
         GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));

@@ -51,7 +51,7 @@ def section(study, pictures):
     case = simple.Case(
         "bed", "A bed of grains",
         f"{SIDE} x {SIDE} grains in layers fall from {3 * R * 1e3:g} mm into a box and come to rest; friction 0.3, restitution 0.5, "
-        f"{STIFFNESS:g} N/m. The error is against the most steps, the stiffest grains, and what is given first of other axes.",
+        f"{STIFFNESS:g} N/m. The error is relative to the most steps, the stiffest grains, and the first value of other axes.",
         {"fall of the centre": drop, "dissipated": dissipated, "worst residual": lambda row: row["energy_residual"]}, rows,
         finest={"steps per contact": max(row.value for row in rows["steps per contact"]), "precision": "double", "round-off": 0.0},
         truth={"worst residual": lambda row: 0.0}, absolute=("worst residual",), models=("restitution",), units={"fall of the centre": (1, "radii")},

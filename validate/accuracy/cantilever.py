@@ -94,8 +94,8 @@ def others(study, truth):
 
 
 def beside(finest, truth, lines):
-    text = (f"Timoshenko's beam bends by {1e6 * deflection():.3f} um, without what the clamp keeps from bulging. The finest elements come to "
-            f"{1e6 * finest:.3f} um, their limit by Richardson's extrapolation of the two finest (order 2) is {1e6 * truth:.3f} um: against it is the error.")
+    text = (f"The deflection of Timoshenko's beam is {1e6 * deflection():.3f} um, without the effect of restrained lateral strain at the clamp. The finest elements give "
+            f"{1e6 * finest:.3f} um, their limit by Richardson's extrapolation of the two finest (order 2) is {1e6 * truth:.3f} um, the reference of the error.")
     if not lines:
         return text + " CalculiX is not installed here."
     return text + ("\n\nA static step of CalculiX solves one linear system, where explicit steps pass the whole motion to rest:\n\n" +
@@ -112,7 +112,7 @@ def section(study, pictures):
     case = simple.Case(
         "cantilever", "A cantilever of elements",
         f"{LENGTH} x {HEIGHT} m, plane strain, nu {POISSON}, a traction at its end, brought to rest by viscous damping that is critical for its slowest "
-        f"motion. Elements: layers over the height. The axes that leave the mesh alone ({LAYERS} layers) are against the same mesh at rest.",
+        f"motion. Elements: layers over the height. Axes with a fixed mesh ({LAYERS} layers) are relative to the same mesh at rest.",
         {"deflection": lambda row: -row[term]}, rows, truth={"deflection": lambda row: truth if "elements" in row.axis else found[LAYERS]},
         units={"deflection": (1e-6, "um")}, others=points,
         groups={"elements": ("1 / layers", lambda row: 1 / row.value), "elements, mixed form": ("1 / layers", lambda row: 1 / row.value[0]),

@@ -42,8 +42,8 @@ def wanted(row):
 def section(study, pictures):
     case = simple.Case(
         "collision", "Two grains colliding",
-        f"{PAIRS} pairs that meet at any moment of a step, restitution {RESTITUTION} but where it is varied. `rms`: root of the mean square of found minus "
-        f"asked; `worst`: the largest. The closed form is the restitution asked for.",
+        f"{PAIRS} pairs that collide at different moments of a step, restitution {RESTITUTION} except where it is varied. `rms`: root of the mean square "
+        f"of measured minus requested; `worst`: the largest. The exact value is the requested restitution.",
         {"rms": lambda row: float(np.sqrt(np.mean((parting(row) - wanted(row)) ** 2))),
          "worst": lambda row: float(np.max(np.abs(parting(row) - wanted(row))))},
         {axis.name: study.axis("collision", scene(), axis) for axis in AXES},

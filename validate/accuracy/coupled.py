@@ -78,7 +78,7 @@ def saved(truth, rows):
             text.append(f"within {words.percent(limit)} of its strength the cheapest takes {words.seconds(best.seconds)} s "
                         f"({best.axis} {words.plain(best.value)}), {best.seconds / whole:.2f} of it")
     return (f"The beam of particles alone takes {words.seconds(whole)} s. " + ("; ".join(text).capitalize() + ". " if text else "")
-            + "Runs without a strength ended where conversion would have left the packing or come to the load.")
+            + "Runs without a strength ended where conversion would have gone beyond the packing or reached the load.")
 
 
 def section(study, pictures):
@@ -97,8 +97,8 @@ def section(study, pictures):
     case = simple.Case(
         "coupled", "Notched beam of elements that turn into particles",
         f"{1e3 * LONG:g} x {1e3 * HEIGHT:g} mm, span {1e3 * SPAN:g} mm, notch {1e3 * DEPTH:g} mm, discs of {1e3 * radius:g} mm, pressed at {1e3 * v:g} mm/s; "
-        f"elements convert at 1 MPa, zones are {1e3 * ZONE:g} mm wide, cells {1e3 * CELL:g} mm. The error is against the same packing without elements, all of "
-        "which takes part from the start; stiffness carries the modulus that the elements were given as well.",
+        f"elements convert at 1 MPa, zones are {1e3 * ZONE:g} mm wide, cells {1e3 * CELL:g} mm. The error is relative to the same packing without elements, "
+        "all of which is active from the start; that of the stiffness includes the error of the modulus given to the elements.",
         {"strength": strength, "stiffness": lambda row: row["stiffness"]},
         {"particles alone": particles, **rows}, truth={"strength": lambda row: strength(truth), "stiffness": lambda row: truth["stiffness"]},
         units={"strength": (1e6, "MPa"), "stiffness": (1e6, "MN/m")}, scattered=("particles alone",), more=lambda m: saved(truth, rows))

@@ -374,12 +374,12 @@ def sentence_velocity(m):
     text = (f"**Velocity** {m.c.closing:g} m/s is g = {m.group(m.c.closing):.2g} (closing speed over wave speed, {m.wave:.0f} m/s, and strain at "
             f"the peak). ")
     still, changes, order = m.still["strength"]
-    reached = ("its value where halving the speed changes no more than round-off does" if order == 0 else
+    reached = ("the value at which halving the speed changes no more than round-off does" if order == 0 else
                f"Richardson's extrapolation of the slowest, of order {order:.1f}")
-    text += f"Slow loading comes to {still / 1e6:.2f} MPa ({reached}): the errors are "
+    text += f"The limit of slow loading is {still / 1e6:.2f} MPa ({reached}): the errors are "
     text += ", ".join(f"{words.signed(changes[v])} at {v:g} m/s (g = {m.group(v):.2g})" for v in sorted(changes)) + "."
     if row and row["exponent_error"]:
-        text += f" What is beyond round-off goes as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f})."
+        text += f" Errors above round-off scale as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f})."
     return text
 
 
@@ -395,8 +395,8 @@ def sentence_size(m):
     text = (f"**Particles.** At a constant contact strength the mean strength follows {law}; n: particles across the diameter, {n:.0f} with "
             f"{max(counts)}, which are {words.signed(gone)} from that limit. ")
     if abs(slope) <= 2 * slope_error:
-        return text + (f"From {min(counts)} to {max(counts)} particles it does not notice their number any more (it goes as n^{slope:.2f} +- "
-                       f"{slope_error:.2f}): contact strength is what to hold constant.")
+        return text + (f"From {min(counts)} to {max(counts)} particles it no longer depends on their number (it goes as n^{slope:.2f} +- "
+                       f"{slope_error:.2f}): keep contact strength constant.")
     text += (f"**It has not converged**: from {min(counts)} to {max(counts)} particles it still goes as n^{slope:.2f} (+- {slope_error:.2f}), so as r^"
              f"{-slope:.2f}. ")
     if abs(slope + 0.5) <= 2 * slope_error:
@@ -404,7 +404,7 @@ def sentence_size(m):
     worse = "and make the drift larger" if abs(slope + 0.5) > abs(slope) else "and make the drift smaller"
     return text + (f"Were it ruled by fracture toughness, contact strength times the root of the radius, it would go as n^-0.50: to hold that constant "
                    f"would give n^{slope + 0.5:.2f} {worse}. In a body without a notch calibrate with the number of particles that is used; "
-                   f"between these numbers hold contact strength times n^{slope:.2f}.")
+                   f"between these numbers keep contact strength times n^{slope:.2f} constant.")
 
 
 def sentence_floors(m):
@@ -412,8 +412,8 @@ def sentence_floors(m):
     count = m.c.count if m.c.count in packings["strength"] else max(packings["strength"])
     return (f"**Floors.** Coordinates changed by a relative 1e-12 ({len(m.found['round-off'])} runs): strength {words.percent(r['strength'])}, E "
             f"{words.percent(r['E'])}. Packings of {count} particles ({len(m.by_count[count])} seeds): strength "
-            f"{words.percent(packings['strength'][count])}, E {words.percent(packings['E'][count])} (standard deviations). Nothing "
-            f"below these means anything for a single run.")
+            f"{words.percent(packings['strength'][count])}, E {words.percent(packings['E'][count])} (standard deviations). Smaller differences between single "
+            f"runs are not significant.")
 
 
 def sentence_step(m):
@@ -427,7 +427,7 @@ def sentence_step(m):
     ends = (min(a), max(a))
     below = "no more than" if abs(mixed) < m.noise["strength"] else "more than"
     return (f"**Step and precision**: {words.trend(s, e, 'strength over safety')}, all within {words.percent(spread)}; mixed precision changes it by "
-            f"{words.signed(mixed)}, {below} round-off does to two runs. **Damping** is a choice of model, not an error that goes away: from "
+            f"{words.signed(mixed)}, {below} round-off does to two runs. **Damping** is a choice of model, not an error that converges to zero: from "
             f"{ends[0]:g} to {ends[1]:g} the strength goes from {a[ends[0]] / 1e6:.1f} to {a[ends[1]] / 1e6:.1f} MPa, E changes by "
             f"{words.signed(m.found['damping'][-1]['young_modulus_average'] / m.found['damping'][0]['young_modulus_average'] - 1)}.")
 
@@ -509,7 +509,7 @@ def section(study, pictures, kind):
     c, found, packing = runs(study, kind)
     m = Measured(kind, c, found, packing)
     parts = [f"## {kind.capitalize()} of a cylinder",
-             f"23 x 46 mm, {c.count} spheres of one packing (but where particles are varied), closing at {c.closing:g} m/s (both ends together), "
+             f"23 x 46 mm, {c.count} spheres of one packing (except where particles are varied), closing at {c.closing:g} m/s (both ends together), "
              f"`nonviscous_vector` damping {BASE['damping']}, safety {BASE['safety']}, bonds over gaps up to {100 * BASE['gap']:g} %, harmonic law, "
              f"contact strengths of 40 MPa. A run ends when the stress has fallen by a fifth; E is that over the average strain.",
              draw_axes(pictures, m)]

@@ -61,8 +61,8 @@ def section(study, pictures):
     case = simple.Case(
         "hopper", "A silo that empties",
         f"{GRAINS} grains of {RADIUS * 1e3:g} mm (Hertz-Mindlin, friction 0.5, restitution 0.5, {YOUNG / 1e6:g} MPa) fill a silo of {SILO * 1e3:g} mm with a flat "
-        f"bottom; at {OPENS:g} s a slide frees a hole of {HOLE * 1e3:g} mm. The error is against the most steps, the stiffest grains, the most sides, and what is "
-        "given first of other axes.",
+        f"bottom; at {OPENS:g} s a slide frees a hole of {HOLE * 1e3:g} mm. The error is relative to the most steps, the stiffest grains, "
+        "the most sides, and the first value of other axes.",
         {"rate": rate, "share that runs out": out, "dissipated": dissipated, "worst residual": lambda row: row["energy_residual"]}, rows,
         finest={"steps per contact": max((row.value for row in rows.get("steps per contact", [])), default=0), "precision": "double", "round-off": 0.0},
         truth={"worst residual": lambda row: 0.0}, absolute=("worst residual",), models=("restitution",), units={"rate": (1, "kg/s")},

@@ -97,8 +97,8 @@ def elements_section(study, pictures):
     rows = {axis.name: study.axis("notched-elements", beam(), axis, readings=TERMS) for axis in AXES}
     case = simple.Case(
         "notched-elements", "Notched beam in elements",
-        "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is against the limit of small cells; "
-        "cells stand for the largest side, at the notch they are as fine as half its width over `notch_cells`.",
+        "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is relative to the limit of small cells. "
+        "The cell is the largest side; at the notch cells are half its width over `notch_cells`.",
         {"stiffness": lambda row: row["history.force"] / row["history.deflection"],
          "opening": opening},
         rows, units={"stiffness": (1e6, "MN/m")}, finest={"safety": min(r.value for r in rows["safety"])},

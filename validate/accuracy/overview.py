@@ -14,16 +14,16 @@ def section(pictures, measured):
     return "\n\n".join([
         "## For an error, the cheapest settings",
         table,
-        "Contacts **calibrated**: their strength and stiffness are chosen for the number of particles that is used, so that only speed and packings err. "
-        "**Constant**: they are the same for every number, and the error is against the limit of many particles "
-        f"by the fits below ({limits}){distant(measured)} The error is that of the mean over so many packings: bias, and scatter over the root of their "
-        "number, as the root of the sum of squares; of the settings that were run, damping and bonds being those of the sections below. "
-        f"YADE's seconds are not measured here: particle-steps times its measured seconds for one "
+        "Contacts **calibrated**: their strength and stiffness are chosen for the number of particles that is used; only speed and packings cause errors. "
+        "**Constant**: they are the same for every number, and the error is relative to the limit "
+        f"of many particles from the fits below ({limits}){distant(measured)} The error is that of the mean over the given number of packings: "
+        "the root of the sum of squares of bias and of scatter over the root of their number. Only settings that were run are included, with damping and bonds of the sections below. "
+        f"YADE's seconds are computed, not measured: particle-steps times its measured seconds for one "
         f"({1e6 / yade['particle_steps']:.2f} us, one thread) and its {yade['longer']:.1f} times as many steps "
         f"([both on rock-a](evidence/performance.md#beside-other-codes)); its packing is not counted.",
         cylinder.draw_front(pictures, measured),
-        f"Crosses: runs of one packing, an axis each, against the finest of that axis (damping is a choice: against that of the base). "
-        f"Green: {min(counts)} to {max(counts)} particles at several speeds, calibrated. Black: what nothing cheaper is better than. Dotted: the floors."])
+        f"Crosses: runs of one packing, one axis at a time, relative to the finest run of that axis (for damping, which is a choice, to the base). "
+        f"Green: {min(counts)} to {max(counts)} particles at several speeds, calibrated. Black: the front, the smallest error at each cost. Dotted: the floors."])
 
 
 def distant(measured):
@@ -36,7 +36,7 @@ def distant(measured):
                 far.append(f"{reading} in {m.case} {words.signed(off)}")
     if not far:
         return "."
-    return f", from which {max(measured[0].by_count)} particles are still far: {', '.join(far)}. Such a limit is a guess; calibrate."
+    return f", from which {max(measured[0].by_count)} particles are still far: {', '.join(far)}. Such a limit is uncertain; calibrate."
 
 
 def slopes_section(rows):
@@ -44,7 +44,7 @@ def slopes_section(rows):
     first = [row for row in rows if row["case"] in ("compression", "tension") and row["reading"] in ("strength", "E")]
     return "\n\n".join([
         "## Slopes",
-        "What errors are made of, as laws over dimensionless groups; they hold within the range that was measured. The same as numbers is in "
+        "Contributions to the error, as laws over dimensionless groups that are valid in the measured range. They are available as numbers in "
         "`validate/accuracy/slopes.csv`. Bias: positive is too large; scatter: a standard deviation.",
         words.table(head, slopes.table_rows(first)),
         "<details><summary>All slopes</summary>", words.table(head, slopes.table_rows(rows)), "</details>"])

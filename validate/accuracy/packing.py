@@ -39,9 +39,9 @@ def section(study, pictures):
     rows = {name: same for name, same in rows.items() if same}
     case = simple.Case(
         "packing", "A packing itself",
-        f"The cylinder of the tests with {count} spheres but where varied. Filled: volume of the spheres over that of the body, overlaps twice; coordination: "
-        f"neighbours within a gap of 1 %. The error is against the limit of many particles (a layer at the "
-        f"surface, if the runs do not tell its power), and the finest of other axes; settings of the shape (overlap, size ratio) are choices.",
+        f"The cylinder of the tests with {count} spheres except where varied. Filled: volume of the spheres over that of the body, overlaps twice; coordination: "
+        f"neighbours within a gap of 1 %. The error is relative to the limit of many particles (with the exponent of a surface "
+        f"layer if the runs do not determine it), and to the finest of other axes; settings of the shape (overlap, size ratio) are choices.",
         {"filled": filled, "coordination": coordination}, rows, models=("overlap", "size ratio"),
         limits={"particles": lambda row: row.value ** (1 / 3)},
         groups={"particles": ("1 / particles^(1/3)", lambda row: row.value ** (-1 / 3)), "residual": ("residual", lambda row: row.value)})

@@ -61,10 +61,10 @@ def size_words(m, reading, notched):
     held = fits.scatter([np.nanmean([m.case.readings[reading](row) for row in same]) * n**0.25 for n, same in rows.items()])
     plain = fits.scatter([np.nanmean([m.case.readings[reading](row) for row in same]) for same in rows.values()])
     better = "contact strength times the root of the radius (fracture toughness)" if held < plain else "contact strength"
-    return text + (f"It has not converged over these numbers. Means scatter by {words.percent(plain)} over them when contact strength is held, and would by "
+    return text + (f"It has not converged over these numbers. Means scatter by {words.percent(plain)} over them at constant contact strength, and would by "
                    f"{words.percent(held)} if contact strength times the root of the radius were: hold {better}. "
-                   + ("Linear fracture mechanics has r^0.5 for a notch that is long against the particles." if notched else
-                      "Linear fracture mechanics has r^0.5 for a crack that is long against the particles, and there is none at the start."))
+                   + ("Linear fracture mechanics gives r^0.5 for a notch that is long compared with the particles." if notched else
+                      "Linear fracture mechanics gives r^0.5 for a crack that is long compared with the particles; there is none at the start."))
 
 
 def rate(row):

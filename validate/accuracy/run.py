@@ -28,8 +28,8 @@ from sections import Page  # noqa: E402
 HEAD = """# What accuracy costs
 
 Written by `./do accuracy` (`validate/accuracy/`); do not edit. Every time is in **CPU seconds of one thread**, packing included where
-packings are varied, and the start of the program (0.02 s): the wall seconds of a machine that others use say nothing. Sections say when
-and with what they were measured. The section on [concrete](#concrete-under-pressure), whose bonds soften and yield, is written by
+packings are varied, and the start of the program (0.02 s): wall times of a shared machine are not
+comparable. Each section states when and with what it was measured. The section on [concrete](#concrete-under-pressure), whose bonds soften and yield, is written by
 `validate/concrete_effects.py`.
 
 """

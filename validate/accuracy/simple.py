@@ -122,7 +122,7 @@ def chance_words(m, axis, reading):
         return ""
     apart = abs(least[2] - most[2])
     clear = "is no more than" if apart <= 2 * means else "is more than"
-    return (f"Grains choose other places after every change, so single runs scatter: {words.percent(most[3])} in the {reading} over {most[5]} seeds. "
+    return (f"Grains come to rest at other positions after every change, so single runs scatter: {words.percent(most[3])} in the {reading} over {most[5]} seeds. "
             f"Between {least[0]:g} and {most[0]:g} {axis} the means differ by {words.percent(apart)}, which {clear} their scatter allows "
             f"({words.percent(2 * means)} at two standard errors).")
 

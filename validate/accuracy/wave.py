@@ -95,8 +95,8 @@ def section(study, pictures):
     rows = {axis.name: study.axis("wave", chain(), axis) for axis in PARTICLES}
     rows.update({axis.name: study.axis("wave", strip(), axis) for axis in ELEMENTS})
     case = simple.Case(
-        "wave", "An elastic pulse", f"Half of a sine squared, {WIDTH} m wide, has run 0.7 m through a row of particles, and through a strip of elements "
-        f"without lateral strain ({COUNT} over 1 m but where varied). Shape: root of the mean square distance from d'Alembert's solution over the pulse's "
+        "wave", "An elastic pulse", f"Half of a sine squared, {WIDTH} m wide, has travelled 0.7 m through a row of particles, and through a strip of elements "
+        f"without lateral strain ({COUNT} over 1 m except where varied). Shape: root of the mean square distance from d'Alembert's solution over the pulse's "
         f"own; speed: of the middle of its energy. Velocities are those of the last half step, and are compared there.",
         {"shape": shape, "speed": speed}, rows, truth={"shape": lambda row: 0.0, "speed": lambda row: SPEED}, absolute=("shape",),
         units={"speed": (1, "m/s")},

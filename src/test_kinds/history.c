@@ -1,4 +1,4 @@
-#include "measure/history.h"
+#include "test_kinds/history.h"
 
 #include "base/memory.h"
 

@@ -1,85 +1,40 @@
-/* Readings of the tests that have their own. */
-#include "measure/readings.h"
+/* Readings of any loading along an axis, and those that several kinds of tests have. */
+#include "test_kinds/curves.h"
 
 #include <math.h>
 #include <stdio.h>
 
 /* At the peak, if there is one. */
-static void at_peak(const gn_curves *c, gn_reading which, const double *column, double factor,
-                    double *value, gn_readings *r) {
+void gn_read_at_peak(const gn_curves *c, gn_reading which, const double *column, double factor,
+                     double *value, gn_readings *r) {
     const char *reason = gn_no_peak(c);
     if (reason) gn_reading_absent(r, which, "%s", reason);
     if (column) *value = factor * column[c->largest];
 }
 
 /* One of the average strain. */
-static void strain_at_peak(const gn_curves *c, gn_reading which, const char *name, double *value,
-                           gn_readings *r) {
+void gn_read_strain_at_peak(const gn_curves *c, gn_reading which, const char *name, double *value,
+                            gn_readings *r) {
     const double *column = gn_history_column(c->history, name);
     const char *reason = column ? gn_no_average_strain(column, c->largest) : NULL;
-    at_peak(c, which, column, 1.0, value, r);
+    gn_read_at_peak(c, which, column, 1.0, value, r);
     if (reason) gn_reading_absent(r, which, "%s", reason);
 }
 
-static const double *tensor(const gn_curves *c, const char *name, int axis) {
+const double *gn_curves_tensor(const gn_curves *c, const char *name, int axis) {
     char full[32];
     snprintf(full, sizeof full, "%s_%c%c", name, "xyz"[axis], "xyz"[axis]);
     return gn_history_column(c->history, full);
 }
 
-/* --- brazilian --- */
-
-static void ratio_in_the_middle(const gn_curves *c, gn_reading which, const double *column,
-                                double sign, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->stress, column, c->elastic);
-    *value = sign * f.slope;
-    gn_need_elastic_rows(c, which, r);
-    if (f.error > gn_scatter_allowed * fmax(1.0, fabs(f.slope)))
-        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.2g", f.error);
-}
-
-static void read_brazilian(const gn_curves *c, gn_readings *r) {
-    static const char none[] = "the scene has no particles in the middle of the disc";
-    int axis = c->tested->axis;
-    const double *across = tensor(c, "centre_stress", 1 - axis),
-                 *along = tensor(c, "centre_stress", axis);
-    at_peak(c, GN_READING_indirect_tensile_strength, c->stress, 1.0, &r->indirect_tensile_strength,
-            r);
-    if (!across || !along) {
-        gn_reading_absent(r, GN_READING_centre_tension, "%s", none);
-        gn_reading_absent(r, GN_READING_centre_ratio, "%s", none);
-        gn_reading_absent(r, GN_READING_centre_compression_ratio, "%s", none);
-        return;
-    }
-    at_peak(c, GN_READING_centre_tension, across, 1.0, &r->centre_tension, r);
-    ratio_in_the_middle(c, GN_READING_centre_ratio, across, 1.0, &r->centre_ratio, r);
-    ratio_in_the_middle(c, GN_READING_centre_compression_ratio, along, -1.0,
-                        &r->centre_compression_ratio, r);
-}
-
-/* --- bending --- */
-
-static void read_bending(const gn_curves *c, gn_readings *r) {
-    const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
+void gn_read_slope(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
     gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    const double *gauge = gn_history_column(c->history, "opening");
-    const double *force = gn_history_column(c->history, "force"),
-                 *way = gn_history_column(c->history, "deflection");
-    at_peak(c, GN_READING_flexural_strength, c->stress, 1.0, &r->flexural_strength, r);
-    at_peak(c, GN_READING_peak_force, force, 1.0, &r->peak_force, r);
-    gn_need_elastic_rows(c, GN_READING_stiffness, r);
-    if (force && way) {
-        gn_line_fit s = gn_line(c, way, force, c->elastic);
-        r->stiffness = s.slope;
-        gn_need_modulus(s, GN_READING_stiffness, r);
-    }
-    r->flexural_modulus = f.slope;
-    gn_need_elastic_rows(c, modulus, r);
-    gn_need_modulus(f, modulus, r);
-    if (c->tested->notched)
-        gn_reading_absent(r, modulus, "a notch: the strain of the fibre above it is not known");
-    if (!gauge) gn_reading_absent(r, opening, "the test has no gauge (test.opening)");
-    at_peak(c, opening, gauge, 1.0, &r->opening_at_peak, r);
+    const char *none = gn_no_average_strain(c->strain, c->history->row_count - 1);
+    *value = f.slope;
+    gn_need_elastic_rows(c, which, r);
+    if (gn_test_of(c->tested->kind)->isotropic && isnan(f.slope) && none)
+        gn_reading_absent(r, which, "%s", none);
+    gn_need_modulus(f, which, r);
 }
 
 /* --- fracture energy --- */
@@ -88,7 +43,7 @@ static void read_bending(const gn_curves *c, gn_readings *r) {
 static const double broken_through = 0.1;
 
 /* Trapezoidal, from the first row to the last. */
-static void read_fracture_energy(const gn_curves *c, gn_readings *r) {
+void gn_read_fracture_energy(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_fracture_energy;
     const double *force = gn_history_column(c->history, "force"),
                  *way = gn_history_column(c->history, "deflection");
@@ -111,52 +66,6 @@ static void read_fracture_energy(const gn_curves *c, gn_readings *r) {
     for (size_t k = 1; k < rows; k++)
         work += 0.5 * (force[k] + force[k - 1]) * (way[k] - way[k - 1]);
     r->fracture_energy = work / c->tested->section;
-}
-
-/* --- confined, hydrostatic, oedometer, shear --- */
-
-static void read_confined(const gn_curves *c, gn_readings *r) {
-    const double *pressure = gn_history_column(c->history, "membrane_pressure");
-    at_peak(c, GN_READING_confinement, pressure, 1.0, &r->confinement, r);
-    at_peak(c, GN_READING_axial_strength, c->stress, 1.0, &r->axial_strength, r);
-    if (pressure) r->axial_strength += pressure[c->largest];
-    strain_at_peak(c, GN_READING_volumetric_strain_at_peak, "volumetric_strain",
-                   &r->volumetric_strain_at_peak, r);
-    strain_at_peak(c, GN_READING_lateral_strain_at_peak, "lateral_strain",
-                   &r->lateral_strain_at_peak, r);
-}
-
-static void slope_of_loading(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    const char *none = gn_no_average_strain(c->strain, c->history->row_count - 1);
-    *value = f.slope;
-    gn_need_elastic_rows(c, which, r);
-    if (c->tested->kind == GN_TEST_HYDROSTATIC && isnan(f.slope) && none)
-        gn_reading_absent(r, which, "%s", none);
-    gn_need_modulus(f, which, r);
-}
-
-static void read_oedometer(const gn_curves *c, gn_readings *r) {
-    const gn_reading which = GN_READING_lateral_stress_ratio;
-    int axis = c->tested->axis, dimension = c->tested->dimension;
-    double lateral = 0;
-    slope_of_loading(c, GN_READING_oedometric_modulus, &r->oedometric_modulus, r);
-    for (int a = 0; a < dimension; a++)
-        if (a != axis)
-            lateral +=
-                gn_line(c, c->stress, tensor(c, "stress", a), c->elastic).slope / (dimension - 1);
-    r->lateral_stress_ratio =
-        lateral / gn_line(c, c->stress, tensor(c, "stress", axis), c->elastic).slope;
-    gn_need_elastic_rows(c, which, r);
-}
-
-static void read_shear(const gn_curves *c, gn_readings *r) {
-    at_peak(c, GN_READING_shear_strength, c->stress, 1.0, &r->shear_strength, r);
-    at_peak(c, GN_READING_normal_stress_at_peak, gn_history_column(c->history, "normal_stress"),
-            1.0, &r->normal_stress_at_peak, r);
-    at_peak(c, GN_READING_dilation_at_peak, gn_history_column(c->history, "dilation"), 1.0,
-            &r->dilation_at_peak, r);
-    slope_of_loading(c, GN_READING_shear_modulus, &r->shear_modulus, r);
 }
 
 /* --- of any loading along an axis --- */
@@ -193,7 +102,8 @@ static void read_secant(const gn_curves *c, gn_readings *r) {
     r->secant_modulus =
         gn_modulus_by(c->tested->by_ends, (c->stress[s.last] - c->stress[s.first]) / way, which, r);
     if (!(way > 0)) gn_reading_absent(r, which, "the strain does not grow up to half the stress");
-    if (GN_OF_PRISMS >> c->tested->kind & 1) gn_need_axial(c, c->loading, which, r);
+    if (gn_reading_belongs(GN_READING_young_modulus, c->tested->kind, false))
+        gn_need_axial(c, c->loading, which, r);
 }
 
 static void read_initiation(const gn_curves *c, gn_readings *r) {
@@ -236,7 +146,7 @@ static void read_brittleness(const gn_curves *c, gn_readings *r) {
     if (reason) gn_reading_absent(r, GN_READING_brittleness, "%s", reason);
 }
 
-static void read_any(const gn_curves *c, gn_readings *r) {
+void gn_readings_of_loading(const gn_curves *c, gn_readings *r) {
     slope_between(c, GN_READING_tangent_modulus, 0.4, 0.6, &r->tangent_modulus, r);
     slope_between(c, GN_READING_average_modulus, 0.2, 0.8, &r->average_modulus, r);
     read_secant(c, r);
@@ -255,39 +165,5 @@ void gn_readings_of_breaks(const gn_tested *tested, gn_readings *r) {
     if (isnan(r->fragments)) {
         gn_reading_absent(r, GN_READING_fragments, "the scene has no bonds");
         gn_reading_absent(r, GN_READING_largest_fragment, "the scene has no bonds");
-    }
-}
-
-void gn_readings_by_kind(const gn_curves *c, gn_readings *r) {
-    read_any(c, r);
-    switch (c->tested->kind) {
-    case GN_TEST_BRAZILIAN:
-        read_brazilian(c, r);
-        break;
-    case GN_TEST_BENDING:
-        read_bending(c, r);
-        read_fracture_energy(c, r);
-        break;
-    case GN_TEST_TENSION:
-        read_fracture_energy(c, r);
-        break;
-    case GN_TEST_TRIAXIAL:
-    case GN_TEST_BIAXIAL:
-        read_confined(c, r);
-        break;
-    case GN_TEST_HYDROSTATIC:
-        slope_of_loading(c, GN_READING_bulk_modulus, &r->bulk_modulus, r);
-        break;
-    case GN_TEST_OEDOMETER:
-        read_oedometer(c, r);
-        break;
-    case GN_TEST_SHEAR:
-    case GN_TEST_SIMPLE_SHEAR:
-        read_shear(c, r);
-        break;
-    case GN_TEST_NONE:
-    case GN_TEST_COMPRESSION:
-    case GN_TEST_KINDS:
-        break;
     }
 }

@@ -1,4 +1,4 @@
-#include "measure/beginning.h"
+#include "test_kinds/beginning.h"
 
 #include <math.h>
 

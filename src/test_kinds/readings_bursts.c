@@ -1,6 +1,6 @@
 /* Bursts of breaking bonds, as they are heard in a laboratory: their number and the slope of their
  * sizes. */
-#include "measure/readings.h"
+#include "test_kinds/curves.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* A growing table of doubles with named columns: what is recorded while running. */
-#ifndef GN_MEASURE_HISTORY_H
-#define GN_MEASURE_HISTORY_H
+#ifndef GN_TEST_KINDS_HISTORY_H
+#define GN_TEST_KINDS_HISTORY_H
 
 #include "base/error.h"
 

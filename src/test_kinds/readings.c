@@ -1,7 +1,7 @@
 /* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
-#include "measure/readings.h"
+#include "test_kinds/curves.h"
 
-#include "measure/beginning.h"
+#include "test_kinds/beginning.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -31,12 +31,15 @@ static double *values_of(gn_readings *r) {
     return &r->young_modulus; /* the first of them */
 }
 
-static const unsigned tests_of[] = {
-#define GN_READING_TESTS(X, name, tests, unit, text) tests,
-    GN_READING_LIST(GN_READING_TESTS, )};
+const char *gn_reading_name(gn_reading which) {
+#define X(name, unit, text) #name,
+    static const char *const names[] = {GN_READINGS(X)};
+#undef X
+    return names[which];
+}
 
 bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones) {
-    return tests_of[which] == GN_OF_ZONES ? zones : tests_of[which] >> kind & 1;
+    return which == GN_READING_returned_energy ? zones : gn_test_of(kind)->readings >> which & 1;
 }
 
 static void leave_others(const gn_tested *of, gn_readings *r) {
@@ -378,7 +381,8 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
             read_plane(&c, r);
         }
         read_balance(&c, r);
-        gn_readings_by_kind(&c, r);
+        gn_readings_of_loading(&c, r);
+        if (gn_test_of(tested->kind)->read) gn_test_of(tested->kind)->read(&c, r);
     }
     if (c.stress && history->row_count) gn_readings_of_breaks(tested, r);
     read_zones(tested, r);

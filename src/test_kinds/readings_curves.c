@@ -1,5 +1,5 @@
 /* What the readings of all tests look at: slopes, peaks, and why there is none. */
-#include "measure/readings.h"
+#include "test_kinds/curves.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -191,7 +191,7 @@ static bool slides(const gn_curves *c) {
                  *force = gn_history_column(c->history, "force"),
                  *way = gn_history_column(c->history, "deflection");
     const size_t last = c->history->row_count - 1;
-    if (!gn_test_in(c->tested->kind, GN_TESTS_SHEARED) || !friction || !force || !way) return false;
+    if (!gn_test_of(c->tested->kind)->sheared || !friction || !force || !way) return false;
     size_t first = 0;
     while (first < c->largest && !(c->stress[first] >= (1 - fall) * c->stress[c->largest])) first++;
     double work = 0;

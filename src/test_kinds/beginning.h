@@ -1,6 +1,6 @@
 /* Where the test begins in a history. */
-#ifndef GN_MEASURE_BEGINNING_H
-#define GN_MEASURE_BEGINNING_H
+#ifndef GN_TEST_KINDS_BEGINNING_H
+#define GN_TEST_KINDS_BEGINNING_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,0 +1,33 @@
+/* Compression along an axis between sides that stand. */
+#include "test_kinds/curves.h"
+
+static void read_oedometer(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_lateral_stress_ratio;
+    int axis = c->tested->axis, dimension = c->tested->dimension;
+    double lateral = 0;
+    gn_read_slope(c, GN_READING_oedometric_modulus, &r->oedometric_modulus, r);
+    for (int a = 0; a < dimension; a++)
+        if (a != axis)
+            lateral += gn_line(c, c->stress, gn_curves_tensor(c, "stress", a), c->elastic).slope /
+                       (dimension - 1);
+    r->lateral_stress_ratio =
+        lateral / gn_line(c, c->stress, gn_curves_tensor(c, "stress", axis), c->elastic).slope;
+    gn_need_elastic_rows(c, which, r);
+}
+
+const gn_test_descriptor gn_test_oedometer = {
+    .name = "oedometer",
+    .ends = true,
+    .prism = true,
+    .sides_stand = true,
+    .sign = -1,
+    .takes = GN_TAKES_LENGTH,
+    .shape = gn_test_prism,
+    .area_source = "that volume over the length",
+    .readings = GN_READS_LOADED | GN_READS(oedometric_modulus) | GN_READS(lateral_stress_ratio) |
+                GN_READS(secant_modulus),
+    .read = read_oedometer,
+    .figures = {{GN_READING_oedometric_modulus, "oedometric modulus"},
+                {GN_READING_lateral_stress_ratio, "lateral over axial stress"},
+                {GN_READING_largest_stress, "largest stress"}},
+};

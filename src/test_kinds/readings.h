@@ -1,0 +1,161 @@
+/* Quantities that a laboratory reads off the curves of a test. Tension is positive in average
+ * stresses and strains; readings are positive in the sense of the test, as reported in the field.
+ */
+#ifndef GN_TEST_KINDS_READINGS_H
+#define GN_TEST_KINDS_READINGS_H
+
+#include "test_kinds/history.h"
+#include "test_kinds/test_kind.h"
+
+/* Final readings, SI: X(name, unit, text). */
+#define GN_READINGS(X)                                                                             \
+    X(young_modulus, "Pa",                                                                         \
+      "slope of stress over platen strain, least squares, from 1 % of the largest stress to "      \
+      "elastic_stress")                                                                            \
+    X(young_modulus_average, "Pa", "the same over the average (Bagi) axial strain")                \
+    X(poisson_ratio, "1", "lateral over axial average strain, slopes over the same range")         \
+    X(elastic_stress, "Pa",                                                                        \
+      "stress up to which elastic constants are read: that at which bonds begin to break, yield "  \
+      "or soften, at most 50 % of the largest")                                                    \
+    X(peak_stress, "Pa",                                                                           \
+      "strength: largest axial stress, after which it fell; positive in the sense of the test")    \
+    X(peak_strain, "1", "platen strain at the peak, positive in the sense of the test")            \
+    X(largest_stress, "Pa", "largest axial stress so far, whether it was a peak or not")           \
+    X(largest_strain, "1", "platen strain at the largest stress")                                  \
+    X(plane_young_modulus, "Pa", "2D: E = E'(1 - nu^2), the plane-strain correction")              \
+    X(plane_poisson_ratio, "1", "2D: nu = nu'/(1 + nu'), the plane-strain correction")             \
+    X(end_imbalance, "1",                                                                          \
+      "difference of the forces of both ends over their mean, each summed up to the largest "      \
+      "stress: waves between the ends cancel in it")                                               \
+    X(indirect_tensile_strength, "Pa", "2 P/(pi D t) at the peak of the load P (ISRM 1978)")       \
+    X(centre_tension, "Pa",                                                                        \
+      "mean stress across the load about the middle of the disc at the peak, tension positive")    \
+    X(centre_ratio, "1",                                                                           \
+      "the same over 2 P/(pi D t): slope from 1 % of the largest load to elastic_stress; 1 "       \
+      "between line loads")                                                                        \
+    X(centre_compression_ratio, "1",                                                               \
+      "stress along the load there, compression positive, over 2 P/(pi D t): 3 between line "      \
+      "loads (Hondros 1959)")                                                                      \
+    X(flexural_strength, "Pa",                                                                     \
+      "stress in the fibre below mid-span at the peak by beam theory, 3 F a/(b h^2): h above the " \
+      "notch, a from a support to the load next to it")                                            \
+    X(flexural_modulus, "Pa",                                                                      \
+      "slope of that stress over the strain of that fibre by beam theory, from 1 % of the "        \
+      "largest stress to elastic_stress; shear and what gives way at supports are in it")          \
+    X(peak_force, "N", "largest mean of both ends' force, after which it fell")                    \
+    X(stiffness, "N/m",                                                                            \
+      "slope of that force over the deflection, from 1 % of the largest stress to "                \
+      "elastic_stress")                                                                            \
+    X(opening_at_peak, "m", "opening of the gauge at the peak")                                    \
+    X(fracture_energy, "J/m2",                                                                     \
+      "area under force over deflection, over the section that broke (Hillerborg 1985, RILEM TC "  \
+      "50-FMC); damping is in it")                                                                 \
+    X(confinement, "Pa", "pressure of the membrane at the peak")                                   \
+    X(axial_strength, "Pa", "largest axial stress: the deviator at the peak and the confinement")  \
+    X(volumetric_strain_at_peak, "1",                                                              \
+      "volumetric_strain at the peak: the trace of the average strain, compression positive")      \
+    X(lateral_strain_at_peak, "1", "average lateral strain at the peak, compression positive")     \
+    X(bulk_modulus, "Pa",                                                                          \
+      "slope of the mean pressure over the loss of volume, from 1 % of the largest to "            \
+      "elastic_stress; 2D: of area")                                                               \
+    X(oedometric_modulus, "Pa",                                                                    \
+      "slope of stress over platen strain between sides that stand, from 1 % of the largest to "   \
+      "elastic_stress")                                                                            \
+    X(lateral_stress_ratio, "1",                                                                   \
+      "mean lateral over axial stress of the specimen, slopes over the same range (K_0)")          \
+    X(shear_strength, "Pa", "largest shear stress, after which it fell")                           \
+    X(normal_stress_at_peak, "Pa",                                                                 \
+      "stress across the sheared plane at the peak, compression positive")                         \
+    X(shear_modulus, "Pa",                                                                         \
+      "slope of shear stress over the way of the ends over the length, from 1 % of the largest "   \
+      "to elastic_stress")                                                                         \
+    X(dilation_at_peak, "m", "way across the sheared plane at the peak")                           \
+    X(tangent_modulus, "Pa",                                                                       \
+      "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
+      "the strength)")                                                                             \
+    X(secant_modulus, "Pa",                                                                        \
+      "stress over strain of the test from the first row with 1 % of the largest stress to the "   \
+      "one with 50 % of it (ISRM 1979), whatever breaks or yields between them")                   \
+    X(secant_poisson_ratio, "1",                                                                   \
+      "lateral over axial average strain from the one of these rows to the other")                 \
+    X(average_modulus, "Pa",                                                                       \
+      "slope of stress over platen strain, 20 to 80 % of the largest stress, where it is about "   \
+      "straight (ISRM 1979)")                                                                      \
+    X(crack_initiation_stress, "Pa",                                                               \
+      "stress at which 1 % of the bonds that are broken at the peak have broken (Potyondy & "      \
+      "Cundall 2004)")                                                                             \
+    X(crack_damage_stress, "Pa",                                                                   \
+      "stress at which the specimen ceases to lose volume before the peak (Martin & Chandler "     \
+      "1994)")                                                                                     \
+    X(brittleness, "1",                                                                            \
+      "share of the peak that the stress lost by the end of the run (Bishop 1967); what falls "    \
+      "below 0 lost all: at most 1")                                                               \
+    X(events, "1",                                                                                 \
+      "bursts of breaking bonds: breaks near each other in place and time (output.burst_reach)")   \
+    X(b_value, "1",                                                                                \
+      "slope of log N over log10 of the bonds that a burst breaks, N as many or more: maximum "    \
+      "likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")                        \
+    X(fragments, "1", "pieces of two or more particles that bonds hold together at the end")       \
+    X(largest_fragment, "1", "share of the particles' volume that the largest of them has")        \
+    X(returned_energy, "1",                                                                        \
+      "energy of plane waves in elements outside of zones that run away from the particles of "    \
+      "the first zone at the end, over the energy that was there or has come in")
+
+#define X(name, unit, text) GN_READING_##name,
+typedef enum gn_reading { GN_READINGS(X) GN_READING_COUNT } gn_reading;
+#undef X
+
+enum { GN_REASON_SIZE = 160 };
+
+typedef struct gn_readings {
+#define X(name, unit, text) double name;
+    GN_READINGS(X)
+#undef X
+    char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
+    /* By how much of itself the largest stress is above that of the row before, at most 1; the
+     * strains of the rows before and after it. */
+    double peak_rise, peak_strain_least, peak_strain_most;
+    /* By which share of itself a slope differs over the first and the second half of its rows, from
+     * what it is over all of them; 0: not known. */
+    double nonlinearity[GN_READING_COUNT];
+    double peak_fall;      /* share of the largest stress by which the last row is below it */
+    double initial_stress; /* Pa, that the ends bore before they moved; 0: they never did */
+    double initial_fall;   /* Pa, of which so much went before the test began (beginning.h) */
+} gn_readings;
+
+const char *gn_reading_name(gn_reading which);
+
+/* True if a reading belongs to tests of a kind, in a scene with zones or without: results and
+ * summaries hold only those that do. */
+bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones);
+
+/* The test that readings are taken of. */
+typedef struct gn_tested {
+    gn_test_kind kind;
+    int dimension, axis;                /* axis 0 1 2 */
+    int sign;                           /* -1 compression, +1 tension */
+    bool elastic;                       /* nothing in it can fail */
+    bool watched;                       /* one end has the force of the other by definition */
+    bool notched;                       /* a beam */
+    bool falls;                         /* under gravity */
+    bool halted;                        /* conversion ended the run */
+    double section;                     /* m2, of what breaks */
+    double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
+    const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
+    size_t burst_count;
+    const char *no_bursts; /* why there are none */
+    /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
+     * as the section varies; 0: as 1; NaN: none follows from it. */
+    double by_ends, by_mean;
+    bool zones;      /* particles and elements share some */
+    double returned; /* at the end, found elsewhere; NaN: of nothing */
+} gn_tested;
+
+/* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of
+ * the test), `strain_xx` .. and `stress_xx` .. (averages, tension positive), `broken_tension`,
+ * `broken_shear`, and what tests of the kind have besides; what is not there is not looked at. In
+ * 2D the lateral strain is that of the one other in-plane axis. A reading that the curves cannot
+ * give is NaN and has a reason. */
+void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *readings);
+
+#endif

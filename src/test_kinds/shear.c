@@ -1,0 +1,38 @@
+/* One half of a specimen moved along the other: shear between two ends, simple_shear throughout
+ * the space between them in a periodic box. */
+#include "test_kinds/curves.h"
+
+static void read_shear(const gn_curves *c, gn_readings *r) {
+    gn_read_at_peak(c, GN_READING_shear_strength, c->stress, 1.0, &r->shear_strength, r);
+    gn_read_at_peak(c, GN_READING_normal_stress_at_peak,
+                    gn_history_column(c->history, "normal_stress"), 1.0, &r->normal_stress_at_peak,
+                    r);
+    gn_read_at_peak(c, GN_READING_dilation_at_peak, gn_history_column(c->history, "dilation"), 1.0,
+                    &r->dilation_at_peak, r);
+    gn_read_slope(c, GN_READING_shear_modulus, &r->shear_modulus, r);
+}
+
+/* A sheared specimen may hold most of its peak by friction for as long as it is pressed, so that a
+ * run ends at a strain as well. */
+#define SHEARED                                                                                    \
+    .ends = true, .sheared = true, .sign = 1, .needs = GN_TAKES(normal), .peak_drop = 0.5,         \
+    .strain = 0.2, .shape = gn_test_prism,                                                         \
+    .readings = GN_READS_LOADED | GN_READS(shear_strength) | GN_READS(normal_stress_at_peak) |     \
+                GN_READS(shear_modulus) | GN_READS(dilation_at_peak) | GN_READS(secant_modulus) |  \
+                GN_READS(brittleness),                                                             \
+    .read = read_shear, .strain_name = "shear strain", .stress_name = "shear stress",              \
+    .figures = {{GN_READING_shear_strength, "shear strength"},                                     \
+                {GN_READING_normal_stress_at_peak, "normal stress at the peak"},                   \
+                {GN_READING_shear_modulus, "shear modulus"},                                       \
+                {GN_READING_dilation_at_peak, "dilation at the peak"}}
+
+const gn_test_descriptor gn_test_shear = {.name = "shear",
+                                          .takes = GN_TAKES_LENGTH | GN_TAKES(normal),
+                                          .area_source = "that volume over the height",
+                                          SHEARED};
+
+const gn_test_descriptor gn_test_simple_shear = {.name = "simple_shear",
+                                                 .periodic_sides = true,
+                                                 .takes = GN_TAKES(length) | GN_TAKES(normal),
+                                                 .area_source = "the section of the periodic box",
+                                                 SHEARED};

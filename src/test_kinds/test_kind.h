@@ -1,0 +1,145 @@
+/* Laboratory tests that are known by name. A kind is one file of this folder, <kind>.c: its
+ * descriptor says which keys it takes, how its scenes are checked, how the length and the area of
+ * strain and stress follow from the specimen, what is read off its curves and what a report shows.
+ * All other code asks the descriptor and names no kind. */
+#ifndef GN_TEST_KINDS_TEST_KIND_H
+#define GN_TEST_KINDS_TEST_KIND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* X(NAME, name, text): GN_TEST_<NAME>, its name in scene files, its part of the text of test.kind.
+ * The descriptor is gn_test_<name>. */
+#define GN_TEST_KIND_LIST(X)                                                                       \
+    X(COMPRESSION, compression, "")                                                                \
+    X(TENSION, tension, "")                                                                        \
+    X(BRAZILIAN, brazilian, "; brazilian: a disc across its diameter")                             \
+    X(BENDING, bending, ", bending: a beam on two supports")                                       \
+    X(TRIAXIAL, triaxial, ", triaxial (in 2D biaxial): under a membrane")                          \
+    X(BIAXIAL, biaxial, "")                                                                        \
+    X(HYDROSTATIC, hydrostatic, ", hydrostatic: without ends, from all sides alike")               \
+    X(OEDOMETER, oedometer, ", oedometer: between sides that stand")                               \
+    X(SHEAR, shear, ", shear: one half along the other")                                           \
+    X(SIMPLE_SHEAR, simple_shear, ", simple_shear: between periodic sides")
+
+#define X(NAME, name, text) GN_TEST_##NAME,
+typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_KIND_LIST(X) GN_TEST_KINDS } gn_test_kind;
+#undef X
+
+/* Lengths and areas that a scene gives: keys of the section `test`, m or m2; 0: not given. */
+#define GN_TEST_SIZES(X)                                                                           \
+    X(length)                                                                                      \
+    X(area)                                                                                        \
+    X(diameter)  /* of a cylinder or a disc */                                                     \
+    X(thickness) /* of a disc or a beam */                                                         \
+    X(span)      /* between the supports of a beam */                                              \
+    X(load_span) /* between its two loads; 0: one load at mid-span */                              \
+    X(height)    /* of a beam */                                                                   \
+    X(notch)     /* its depth */
+typedef struct gn_test_sizes {
+#define X(name) double name;
+    GN_TEST_SIZES(X)
+#undef X
+} gn_test_sizes;
+
+/* Keys of the section `test` that only some kinds take. */
+#define GN_TEST_KEYS(X) GN_TEST_SIZES(X) X(centre) X(normal)
+#define X(name)         GN_TEST_KEY_##name,
+typedef enum gn_test_key { GN_TEST_KEYS(X) GN_TEST_KEY_COUNT } gn_test_key;
+#undef X
+#define GN_TAKES(name)  (1u << GN_TEST_KEY_##name)
+#define GN_TAKES_LENGTH (GN_TAKES(length) | GN_TAKES(area) | GN_TAKES(diameter))
+
+/* Extents of the specimen at the start of a test. */
+typedef struct gn_tested_specimen {
+    int dimension, axis;
+    double side[3]; /* m */
+    /* These are known of prisms and of sheared specimens. */
+    double length;  /* m: given, else that of the strained part */
+    double height;  /* m: the given length, else that of the whole specimen: times the section it is
+                       the volume */
+    double section; /* m2: given, else the mean one, across the axis or the normal */
+} gn_tested_specimen;
+
+/* Sizes that stress and strain refer to. */
+typedef struct gn_tested_shape {
+    double length;   /* m: closing of the ends over the strain of the test */
+    double area;     /* m2: force over the stress of the test */
+    double section;  /* m2: of what breaks: across the axis, of a disc along it, of a beam above its
+                        notch */
+    double volume;   /* m3, from what the scene says of a body from a file; 0: it does not */
+    double diameter; /* m, of a disc */
+    double thickness; /* m, of a disc or a beam */
+    double height;    /* m, of a beam */
+} gn_tested_shape;
+
+/* A reading that a report shows first, and its name in the test. */
+typedef struct gn_test_figure {
+    int reading;      /* gn_reading */
+    const char *name; /* NULL: no more */
+} gn_test_figure;
+
+struct gn_curves;
+struct gn_readings;
+
+typedef struct gn_test_descriptor {
+    const char *name;
+
+    /* The specimen and how it is loaded. */
+    bool ends;      /* two of them load it along an axis */
+    bool isotropic; /* loaded from all sides alike, without ends: stress is the mean pressure,
+                       strain the loss of volume */
+    bool prism;     /* stress is the force of the ends over its section, strain their closing over
+                       its length */
+    bool disc;      /* loaded across its diameter, with its faces across z */
+    bool beam;      /* on two supports */
+    bool sheared;   /* the ends move along a plane, whose normal is a key; strain is their way over
+                       their distance along the normal */
+    bool periodic_sides; /* in a box that is open along the normal, whose section is the area */
+    bool sides_stand;    /* beside the specimen along all other directions */
+    bool confined;       /* under a membrane: stress is the deviator */
+    bool general;        /* scenes use it for other bodies as well, as beams that are clamped at one
+                            end or pulled out of a block: less is demanded of the places of its ends
+                            and of its sizes */
+    int sign; /* +1: the upper end moves along the axis where strain and stress are positive, -1:
+                 against it */
+
+    /* The scene. */
+    unsigned takes;           /* a set of GN_TAKES */
+    unsigned needs;           /* those of them that it requires */
+    int dimension;            /* 2, 3; 0: either */
+    const char *counterpart;  /* name of the kind that is this one in the other dimension */
+    double peak_drop, strain; /* at which a run ends unless the scene says otherwise: share of the
+                                 peak by which stress has fallen, strain; 0: not by it */
+    const char *study;        /* tests in the study of accuracy that are of this kind; NULL: none */
+
+    /* Stress and strain. */
+    gn_tested_shape (*shape)(const gn_test_sizes *given, const gn_tested_specimen *specimen);
+    const char *area_source; /* where the area comes from unless the scene gives it */
+
+    /* Readings: the set of those that belong to it (curves.h), and the function that reads those
+     * that not all kinds have, NULL: there are none. */
+    uint64_t readings;
+    void (*read)(const struct gn_curves *curves, struct gn_readings *readings);
+
+    /* The report. */
+    const char *strain_name, *stress_name; /* NULL: axial strain, axial stress */
+    gn_test_figure figures[8];             /* the last one has no name */
+} gn_test_descriptor;
+
+/* GN_TEST_NONE has a descriptor without capabilities, whose readings are absent because the scene
+ * has no test. */
+extern const gn_test_descriptor *const gn_test_kinds[GN_TEST_KINDS];
+
+static inline const gn_test_descriptor *gn_test_of(gn_test_kind kind) {
+    return gn_test_kinds[kind];
+}
+
+/* "brazilian and bending": the kinds of a set, a bit each. */
+const char *gn_test_names(unsigned kinds, char *text, size_t size);
+
+/* The shape of prisms and of sheared specimens. */
+gn_tested_shape gn_test_prism(const gn_test_sizes *given, const gn_tested_specimen *specimen);
+
+#endif
