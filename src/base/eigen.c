@@ -65,7 +65,7 @@ void gn_eigen_symmetric(int n, double *a, double *values, double *vectors) {
         norm += a[k * n + k] * a[k * n + k];
     }
     double enough = DBL_EPSILON * DBL_EPSILON * norm;
-    /* Convergence is quadratic: ten sweeps do for any matrix; the limit guards against NaN. */
+    /* Convergence is quadratic: ten sweeps suffice for any matrix. The limit guards against NaN. */
     for (int sweep = 0; sweep < 50 && off_diagonal(n, a) > enough; sweep++)
         for (int p = 0; p < n; p++)
             for (int q = p + 1; q < n; q++)
@@ -84,12 +84,13 @@ enum {
     CHECK_EVERY = 8,
     PRODUCTS_MAX = 4000,
 };
-static const size_t basis_bytes = (size_t)512 << 20; /* aim for the basis of a large problem */
+/* target size of the basis of a large problem */
+static const size_t basis_bytes = (size_t)512 << 20;
 
-/* What is added up by itself of a vector of n entries. */
+/* Blocks of a vector of n entries, each of which is summed separately. */
 typedef struct vector_blocks {
     size_t n, count;
-    size_t *start; /* [count + 1]; NULL: of BLOCK entries each */
+    size_t *start; /* [count + 1]; NULL: blocks of BLOCK entries */
 } vector_blocks;
 
 static size_t start_of(const vector_blocks *q, size_t b) {
@@ -100,7 +101,7 @@ static size_t size_of(const vector_blocks *q, size_t b) {
     return start_of(q, b + 1) - start_of(q, b);
 }
 
-/* Those of the longer vector, as far as something of them is there. */
+/* Finds the blocks of the longer vector that contain at least one entry of this one. */
 static bool find_blocks(const gn_eigen_system *y, vector_blocks *q) {
     *q = (vector_blocks){.n = y->n, .count = (y->n + BLOCK - 1) / BLOCK};
     if (!y->place) return true;
@@ -123,7 +124,7 @@ static double dot_block(size_t n, const double *x, const double *y) {
 }
 
 static double dot_of_blocks(const vector_blocks *q, const double *x, const double *y, int threads) {
-    enum { GROUP = 64 }; /* partial sums held at a time */
+    enum { GROUP = 64 }; /* partial sums stored at a time */
     double sum = 0.0, partial[GROUP];
     for (size_t first = 0; first < q->count; first += GROUP) {
         size_t count = q->count - first < GROUP ? q->count - first : GROUP;
@@ -146,20 +147,20 @@ typedef struct lanczos {
     const gn_eigen_system *system;
     size_t n;
     vector_blocks blocks;
-    int size; /* vectors the basis can hold besides the next one */
+    int size; /* capacity of the basis, without the next vector */
     int threads;
     double *weighed;                       /* [n] B w, with a metric */
     double *basis;                         /* [size + 1][n] */
     double *partial;                       /* [blocks][size + 1] */
-    uint8_t *used;                         /* [blocks] some vector has something in it */
+    uint8_t *used;                         /* [blocks] nonzero if some vector has an entry there */
     double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
     double values[BASIS_MAX];              /* Ritz values */
     double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
-/* Where nothing moves, as in most of a body that sleeps, vectors have nothing but zeros, which need
- * neither be multiplied nor taken away. */
+/* Where nothing moves, as in most of a body at rest, vectors are zero, and their blocks need
+ * neither products nor orthogonalisation. */
 static void note_used(const lanczos *l, const double *w) {
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (l->blocks.count > 4)
     for (size_t b = 0; b < l->blocks.count; b++) {
@@ -173,7 +174,7 @@ static void weigh(const lanczos *l, const double *w) {
     if (l->weighed) l->system->metric(l->system->context, w, l->weighed);
 }
 
-/* |w|; leaves B w in `weighed`. */
+/* Returns |w| and leaves B w in `weighed`. */
 static double length_of(const lanczos *l, const double *w) {
     weigh(l, w);
     return sqrt(dot_of_blocks(&l->blocks, w, l->weighed ? l->weighed : w, l->threads));
@@ -196,8 +197,8 @@ static void project(const lanczos *l, int from, int count, const double *w, doub
     }
 }
 
-/* w -= c[0] v[0] + c[1] v[1] + ..., one after the other, for `count` vectors that lie `stride`
- * apart; four at a time, as w would be read and written for each. */
+/* w -= c[0] v[0] + c[1] v[1] + ... in this order, for `count` vectors at distance `stride`. Four
+ * vectors are subtracted at a time, which saves reading and writing w for each. */
 static void subtract_block(size_t size, int count, const double *c, const double *v, size_t stride,
                            double *w) {
     int k = 0;
@@ -227,9 +228,10 @@ static void scale_vector(size_t n, double factor, double *w, int threads) {
     for (size_t i = 0; i < n; i++) w[i] *= factor;
 }
 
-/* Takes the basis out of w, stores the coefficients as column `count - 1` of h and returns |w|. The
- * first round is the three-term recurrence; full rounds follow until one of them takes out little,
- * so that the loss of orthogonality does not build up (Daniel, Gragg, Kaufman & Stewart 1976). */
+/* Orthogonalises w against the basis, stores the coefficients as column `count - 1` of h and
+ * returns |w|. The first round is the three-term recurrence. Full rounds follow until one changes w
+ * little, so that the loss of orthogonality does not accumulate (Daniel, Gragg, Kaufman & Stewart
+ * 1976). */
 static double orthogonalise(lanczos *l, int count, double *w) {
     double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
     const double *weighed = l->weighed ? l->weighed : w;
@@ -256,7 +258,7 @@ static void ritz(lanczos *l, int count) {
 
 /* basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
 static void combine(const lanczos *l, int keep, int count) {
-    enum { CHUNK = 32 }; /* stacks of threads may be small */
+    enum { CHUNK = 32 }; /* thread stacks may be small */
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (l->n > 4 * BLOCK)
     for (size_t start = 0; start < l->n; start += CHUNK) {
         double out[BASIS_MAX][CHUNK];
@@ -274,8 +276,7 @@ static void combine(const lanczos *l, int keep, int count) {
     }
 }
 
-/* Keeps the upper Ritz vectors and the direction of the residual, so that the search goes on from
- * there. */
+/* Restarts the search from the upper Ritz vectors and the direction of the residual. */
 static int restart(lanczos *l, int count) {
     int keep = 2 * count / 5;
     combine(l, keep, count);
@@ -285,7 +286,7 @@ static int restart(lanczos *l, int count) {
     return keep;
 }
 
-/* Returns the number of basis vectors that the last Ritz pairs are made of. */
+/* Returns the number of basis vectors of which the last Ritz pairs are combinations. */
 static int iterate(lanczos *l, double tolerance, gn_eigen_top *top) {
     for (int count = 0;;) {
         double *next = l->basis + (size_t)(count + 1) * l->n;
@@ -329,7 +330,7 @@ static gneiss_status search(lanczos *l, double tolerance, double *vector, gn_eig
         return gn_fail(error, GNEISS_ERROR_INTERNAL,
                        "Lanczos needs a start vector of positive length, found %g", length);
     scale_vector(l->n, 1.0 / length, l->basis, l->threads);
-    /* Below this the residual is round-off. */
+    /* A smaller residual is round-off. */
     int count = iterate(l, fmax(tolerance, 1e-13), top);
     combine(l, 1, count);
     memcpy(vector, l->basis, l->n * sizeof(double));

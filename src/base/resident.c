@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-/* Not by getrusage: its peak includes that of the process which this one was forked from. */
+/* getrusage does not serve: its peak includes that of the parent before the fork. */
 bool gn_resident_read(gn_resident *r) {
     char line[256];
     double peak = 0.0, now = 0.0;

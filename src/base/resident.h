@@ -1,4 +1,4 @@
-/* The memory that this process has in use. */
+/* Memory use of this process. */
 #ifndef GN_BASE_RESIDENT_H
 #define GN_BASE_RESIDENT_H
 
@@ -8,7 +8,7 @@ typedef struct gn_resident {
     double peak, now; /* bytes */
 } gn_resident;
 
-/* False where the system does not say (it has no /proc). */
+/* Reads both sizes; returns false where the system has no /proc. */
 bool gn_resident_read(gn_resident *resident);
 
 #endif

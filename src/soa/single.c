@@ -12,7 +12,7 @@ static void row_to_single(float *to, const double *from, const double *origin, d
 void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads) {
     const gn_particles *q = particles;
     if (!q->travel_f) return;
-    size_t count = q->soa.count + 2; /* with the null particles, whose origin is 0 */
+    size_t count = q->soa.count + 2; /* includes the null particles, whose origin is 0 */
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t p = 0; p < count; p++) {
         row_to_single(q->travel_f + 4 * p, q->pos + 4 * p, origin + 4 * p, q->pos[4 * p + 3]);
@@ -35,8 +35,8 @@ static void contact_to_single(gn_contacts *k, const gn_particles *q, const doubl
     k->stretch_f[c] = (float)(sqrt(square) - free);
 }
 
-/* A column in single precision and the double that it is made of; false if one of them is absent,
- * as the double is where the other has its place. */
+/* Finds a column in single precision and the double column from which it is converted; returns
+ * false if one is absent, as the double is where the single replaces it. */
 static bool find_twins(const gn_record *record, const gn_field *field, const void *single_holder,
                        const void *double_holder, float **single, double **wide) {
     if (!field->single_of) return false;
@@ -52,7 +52,7 @@ static void columns_to_single(const gn_record *record, const void *soa, int thre
     const gn_soa *head = soa;
     for (size_t f = 0; f < record->field_count; f++) {
         const gn_field *field = &record->fields[f];
-        size_t count = (size_t)field->components * head->capacity; /* with padding */
+        size_t count = (size_t)field->components * head->capacity; /* includes the padding */
         float *to;
         double *from;
         if (!find_twins(record, field, soa, soa, &to, &from)) continue;
@@ -69,7 +69,7 @@ void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
     for (size_t c = 0; c < contacts->soa.count; c++)
         contact_to_single(contacts, particles, period, c);
     for (size_t c = contacts->soa.count; c < contacts->soa.capacity; c++)
-        contacts->branch_f[c] = 1.0F; /* padding: apart */
+        contacts->branch_f[c] = 1.0F; /* padding: separated */
 }
 
 void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from) {
