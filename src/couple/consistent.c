@@ -72,7 +72,7 @@ void gn_consistent_free(gn_consistent *y) {
 
 /* --- products --- */
 
-/* So few nodes are no work to share out. */
+/* Below this number of nodes, loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 static inline __attribute__((always_inline)) void
@@ -108,8 +108,8 @@ static double dot(const gn_consistent *y, const double *a, const double *b) {
     return sum;
 }
 
-/* The start, the lumped rates, and what is left of the load; returns what sizes are held against.
- */
+/* Sets the initial guess (the rates of the lumped mass) and the residual; returns the norm to which
+ * residuals are compared. */
 static double begin(gn_consistent *y) {
     double *r = y->work[0], *p = y->work[2], *q = y->work[3], *inverse = y->work[4], scale = 0.0;
     for (size_t n = 0; n < y->ties->nodes; n++)
@@ -126,7 +126,8 @@ static double begin(gn_consistent *y) {
     return scale;
 }
 
-/* What is fixed has no inverse mass: its residual counts for nothing, and it is in no direction. */
+/* Fixed components have no inverse mass: their residual is ignored, and search directions vanish
+ * there. */
 int gn_consistent_solve(gn_consistent *y) {
     enum { ROUNDS = 60 };
     const size_t count = 3 * y->ties->nodes;

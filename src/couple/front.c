@@ -29,7 +29,7 @@ void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const 
 typedef struct front {
     gn_fem_solid *solid;
     double width;
-    uint8_t *kind, *counted; /* [elements] counted: its nodes are in the distances */
+    uint8_t *kind, *counted; /* [elements] counted: its nodes have entered the distances */
     int32_t *fresh;          /* [nodes] of elements that were not counted yet */
     size_t fresh_count;
     uint8_t *reached, *crest; /* [nodes] */
@@ -57,13 +57,13 @@ static void find_fresh(front *f) {
     }
 }
 
-/* Relative. Distances that geometry makes equal, to each other or to the width, differ by rounding,
- * and on either side of a plane of symmetry by another one. Such a difference changes no part and
- * makes no crest, so that a symmetric front stays symmetric. */
+/* Relative tolerance of distances. Distances that are equal by geometry, to each other or to the
+ * width, differ by rounding, and differently on both sides of a plane of symmetry. Such a
+ * difference changes no weight and makes no crest, so that a symmetric front stays symmetric. */
 #define DISTANCE_ROUNDING 1e-9
 
-/* Updates the distances from the front and the parts that follow from them. A distance that
- * becomes smaller by rounding alone is kept: the nodes and particles there have not changed. */
+/* Updates the distances from the front and the weights that follow. A distance that decreases by
+ * rounding alone is kept, since the nodes and particles there have not changed. */
 static void spread(front *f) {
     const gn_particles *q = &f->solid->nodes;
 #pragma omp parallel for schedule(static) num_threads(f->solid->threads)
@@ -83,7 +83,7 @@ static void spread(front *f) {
     }
 }
 
-/* Nodes of elements that stay, below 1 and without a neighbour that is higher. */
+/* Finds the crests: nodes of remaining elements with a weight below 1 that is a local maximum. */
 static void find_crests(front *f) {
     for (size_t n = 0; n < f->solid->nodes.soa.count; n++) f->crest[n] = part_of(f, n)[0] < 1.0;
     for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
@@ -97,7 +97,7 @@ static void find_crests(front *f) {
     }
 }
 
-/* Whether an element has no room for a zone: it is at a crest, or all of it is on the front. */
+/* Tells whether an element has no room for a zone: it is at a crest, or entirely on the front. */
 static bool is_remnant(const front *f, size_t e) {
     bool at_crest = false;
     double highest = 0.0;
@@ -116,7 +116,7 @@ static bool is_shared(const front *f, size_t e) {
     return shared;
 }
 
-/* Remnants go as well; false: there are none. */
+/* Marks remnants for conversion as well; returns false if there are none. */
 static bool mark_remnants(front *f, int64_t *stuck) {
     bool more = false;
     find_crests(f);
@@ -165,7 +165,8 @@ gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind,
 
 /* --- room for a zone --- */
 
-/* m: from a node to the nearest of elements that may not be of a zone. */
+/* Returns the distance from a node to the nearest node of elements that may not be part of a zone,
+ * m. */
 static double free_way(const gn_particles *nodes, size_t n, const uint8_t *closed) {
     double least = INFINITY;
     for (size_t m = 0; m < nodes->soa.count; m++) {
@@ -177,7 +178,7 @@ static double free_way(const gn_particles *nodes, size_t n, const uint8_t *close
     return sqrt(least);
 }
 
-/* From the elements in the middle of the list on, which is as good a guess as any. */
+/* Begins with the element in the middle of the list, which is as good a guess as any. */
 static double most_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
                         const uint8_t *closed, double *way) {
     const size_t count = solid->elements.soa.count;
@@ -215,8 +216,8 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
 
 /* --- limits --- */
 
-/* Coulomb's limit in principal stresses s1 >= s3: (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over c
- * cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
+/* The Mohr-Coulomb limit in principal stresses s1 >= s3 is (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over
+ * c cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
 double gn_front_excess(const gn_convert_def *def, const double s[6]) {
     return gn_front_excess_above(def, s, 1.0);
 }
@@ -226,7 +227,7 @@ double gn_front_excess_above(const gn_convert_def *def, const double s[6], doubl
     double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, principal[3], vectors[9];
     double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;
     for (int k = 0; k < 6; k++) size2 += (k < 3 ? 1.0 : 2.0) * s[k] * s[k];
-    /* No principal stress is larger than the root of the sum of squares. */
+    /* No principal stress exceeds the root of the sum of squares. */
     const bool below = !(def->stress > 0.0 && size2 >= pull * pull) &&
                        !(def->has_mohr && size2 * (root + t) * (root + t) >= shear * shear);
     if (below) return 0.0;

@@ -8,11 +8,12 @@
 
 enum { N = GN_HELD_DOFS };
 
-/* Of the diagonal. Who hangs on one bond can roll about it: what a load does along such a motion is
- * to stay small beside what the springs do. Who solves again makes good what this leaves over. */
+/* Relative to the diagonal. A particle on one bond can roll about it; the motion of a load along
+ * such a mechanism must stay small compared with that of the springs. Repeated solutions remove the
+ * residual error. */
 static const double everywhere = 1e-3;
 
-/* What the displacement of an end has of e. */
+/* Adds the contribution of one end's displacement to e. */
 static void add_end(const gn_held_spring *s, double side, double arm, const double *u,
                     double e[3]) {
     double turned[3];
@@ -29,7 +30,7 @@ static void pull(const gn_held_spring *s, double side, double arm, const double 
     }
 }
 
-/* out = K u, where K has what resists everywhere; returns u.K u. `diagonal` as below. */
+/* out = K u, where K includes the regularisation; returns u.K u. `diagonal` as below. */
 static double apply(const gn_held_system *y, const double *diagonal, const double *u, double *out) {
     double sum = 0.0;
     memset(out, 0, N * y->particles * sizeof *out);
@@ -50,7 +51,7 @@ static double apply(const gn_held_system *y, const double *diagonal, const doubl
     return sum;
 }
 
-/* 0: it does not move, or nothing resists it. */
+/* Computes the diagonal; 0 for a component that is fixed or without resistance. */
 static void find_diagonal(const gn_held_system *y, double *diagonal) {
     memset(diagonal, 0, N * y->particles * sizeof *diagonal);
     for (size_t k = 0; k < y->springs; k++) {
@@ -69,7 +70,7 @@ static void find_diagonal(const gn_held_system *y, double *diagonal) {
         if (!(y->moves[k / N] >> k % N & 1)) diagonal[k] = 0.0;
 }
 
-/* z = r/diagonal; returns r.z, which is the square of what is left in that metric. */
+/* z = r/diagonal; returns r.z, the squared norm of the residual in that metric. */
 static double precondition(const gn_held_system *y, const double *diagonal, const double *r,
                            double *z) {
     double sum = 0.0;

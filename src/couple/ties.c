@@ -18,7 +18,7 @@ typedef struct grid {
     int dimension;
     double lower[3], cell; /* m */
     int64_t cells[3];
-    int32_t *first, *element; /* [cells + 1]; elements whose boxes touch a cell, ascending */
+    int32_t *first, *element; /* [cells + 1]; elements whose boxes intersect a cell, ascending */
 } grid;
 
 typedef struct extent {
@@ -47,8 +47,8 @@ static size_t index_of(const grid *g, int64_t x, int64_t y, int64_t z) {
     return (size_t)((z * g->cells[1] + y) * g->cells[0] + x);
 }
 
-/* Of the mean size of an element, so that few are in each and each is in few; wider where there
- * would be many more cells than elements. */
+/* Sizes the cells by the mean size of an element, so that few elements are in each and each is in
+ * few; wider if there would be many more cells than elements. */
 static void lay_out(const gn_fem_solid *solid, grid *g) {
     const size_t count = solid->elements.soa.count;
     double upper[3] = {0.0}, sum = 0.0;
@@ -68,7 +68,7 @@ static void lay_out(const gn_fem_solid *solid, grid *g) {
         g->cells[k] = k < g->dimension ? 1 + (int64_t)floor((upper[k] - g->lower[k]) / g->cell) : 1;
 }
 
-/* Counts the elements of each cell, or puts them down. */
+/* Counts the elements of each cell, or, with `fill`, lists them. */
 static void visit(const gn_fem_solid *solid, grid *g, bool fill) {
     for (size_t e = 0; e < solid->elements.soa.count; e++) {
         extent x = extent_of(solid, e);
@@ -113,7 +113,8 @@ static gneiss_status make_grid(const gn_fem_solid *solid, grid *g, gneiss_error 
 
 /* --- a particle in an element --- */
 
-/* Shape functions of an element at a place; the least of them, negative outside. */
+/* Evaluates the shape functions of an element at a position; returns the least, which is negative
+ * outside. */
 static double shapes_at(const gn_fem_solid *solid, size_t e, const double *x, double shape[4]) {
     const gn_elements *q = &solid->elements;
     const double *origin = solid->nodes.start + 4 * (size_t)gn_elements_node(q, 0)[e];
@@ -131,10 +132,11 @@ static double shapes_at(const gn_fem_solid *solid, size_t e, const double *x, do
     return least;
 }
 
-/* What is on a boundary up to rounding is in. */
+/* Points outside by rounding count as inside. */
 static const double inside_rounding = -1e-9;
 
-/* The element that a place is in deepest; false: in none. */
+/* Finds the element with the largest least shape function at a position; returns false if none
+ * contains it. */
 static bool find(const gn_fem_solid *solid, const grid *g, const double *x, gn_tie *tie) {
     int64_t at[3] = {0};
     double deepest = -INFINITY;
@@ -245,7 +247,8 @@ gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, con
     return status;
 }
 
-/* That of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+/* The gradient of node a is normal to the opposite face: these are rows of the inverse matrix of
+ * edges. */
 void gn_tie_gradients(const gn_ties *t, size_t k, const gn_particles *nodes, double g[4][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}}, det = 0.0;
     const double *first = nodes->pos + 4 * (size_t)t->tie[k].node[0];

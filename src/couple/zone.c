@@ -24,7 +24,7 @@ double gn_zones_share(const void *scene, const double *x) {
     double least = 1.0;
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         double at = gn_zone_place(&s->couple.zones[k], (int)s->dimension, x);
-        /* On the other side of the particles another zone may begin. */
+        /* Another zone may begin on the far side of the particles. */
         if (at < -GN_ZONE_ROUNDING) continue;
         least = fmin(least, fmax(at, 0.0));
     }

@@ -16,7 +16,8 @@ typedef struct grid {
     size_t count;      /* particles */
     int32_t *start;    /* [cells + 1] */
     int32_t *particle; /* [count] by cell, ascending within a cell */
-    double *column[4]; /* [count] their x, y, z and r, so that a cell is tested in vectors */
+    /* [count] x, y, z and r of these particles, so that a cell is tested in vectors */
+    double *column[4];
 } grid;
 
 typedef struct search {
@@ -38,7 +39,7 @@ static bool removed(const gn_particles *p, size_t k) {
     return p->vel[4 * k + 3] == 0.0;
 }
 
-/* Opposite ones, which are the same place. */
+/* Tells whether the box has two sides across axis a, which are the same plane. */
 static bool has_sides(const gn_pair_query *q, int a) {
     return q->periodic && a < q->dimension && q->period[a] > 0.0;
 }
@@ -86,7 +87,7 @@ static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *
                 2.0 * reach, "xyz"[a], q -> period[a]);
         total *= fmax(1.0, floor(s->extent[a] / reach));
     }
-    /* A few large cells do no harm; more cells than particles waste memory. */
+    /* A few large cells do no harm, but more cells than particles waste memory. */
     double limit = 2.0 * (double)g->count + 64.0;
     double widen = total > limit ? pow(total / limit, 1.0 / q->dimension) : 1.0;
     for (int a = 0; a < q->dimension; a++) {
@@ -111,7 +112,7 @@ static int64_t cell_index(const grid *g, const int64_t c[3]) {
     return (c[2] * g->cells[1] + c[1]) * g->cells[0] + c[0];
 }
 
-/* Position moved by whole periods so that all lie within one period of each other. */
+/* Wraps a position into the box, so that all positions lie within one period of each other. */
 static void inside_box(const search *s, const double *x, double out[4]) {
     memcpy(out, x, 4 * sizeof *out);
     for (int a = 0; a < s->query->dimension; a++)
@@ -174,8 +175,8 @@ static inline double wrapped(double d, double period) {
     return d < -0.5 * period ? d + period : d;
 }
 
-/* Squared distance less squared reach from x to places [begin, begin + count); a pair is near where
- * it is not positive. */
+/* Computes the squared distance minus the squared reach from x for places [begin, begin + count). A
+ * pair is near where that is not positive. */
 static void test_batch(const gn_pair_query *q, const grid *g, const double *restrict x,
                        int32_t begin, int32_t count, double *restrict excess) {
     const double *restrict cx = g->column[0] + begin, *restrict cy = g->column[1] + begin;
@@ -200,7 +201,7 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
     }
 }
 
-/* First and number of cells to visit along an axis around cell c. */
+/* Finds the first cell and the number of cells to visit along an axis around cell c. */
 static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first,
                       int *count) {
     int64_t n = g->cells[a];
@@ -214,7 +215,7 @@ static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t 
     *count = (int)(last - *first + 1);
 }
 
-/* Partners of particle k among places [begin, end) of a grid. */
+/* Finds the partners of particle k among places [begin, end) of a grid. */
 static bool search_places(const search *s, size_t k, const grid *g, int32_t begin, int32_t end,
                           bool own_level, bucket *out) {
     double x[4], excess[BATCH];
@@ -232,9 +233,9 @@ static bool search_places(const search *s, size_t k, const grid *g, int32_t begi
     return true;
 }
 
-/* Partners of particle k in one grid: in its own level those behind it, in coarser levels all.
- * Cells that follow each other along x are one stretch of places, unless the box wraps round
- * between them. */
+/* Finds the partners of particle k in one grid: in its own level those after it, in coarser levels
+ * all. Consecutive cells along x are one range of places, unless the box wraps round between
+ * them. */
 static bool search_level(const search *s, size_t k, int level, bucket *out) {
     const grid *g = &s->grids[level];
     const double *x = s->query->particles->pos + 4 * k;
@@ -265,7 +266,7 @@ static bool search_range(const search *s, size_t begin, size_t end, bucket *out)
     return true;
 }
 
-/* Rows are short and nearly sorted: insertion beats a call of qsort. */
+/* Rows are short and nearly sorted: insertion sort is faster than a call of qsort. */
 static void sort_row(int32_t (*pair)[2], int32_t count) {
     for (int32_t k = 1; k < count; k++) {
         int32_t second = pair[k][1], m = k;
@@ -274,13 +275,13 @@ static void sort_row(int32_t (*pair)[2], int32_t count) {
     }
 }
 
-/* Counting sort by the first index, then each short row by the second: the order no longer tells
- * which thread found a pair. */
+/* Sorts pairs by the first index (counting sort), then each short row by the second, so that the
+ * order does not depend on which thread found a pair. */
 static gneiss_status merge_buckets(const bucket *buckets, int count, size_t particles,
                                    gn_pair_list *list, gneiss_error *error) {
     size_t total = 0;
     for (int b = 0; b < count; b++) total += buckets[b].count;
-    if (total > INT32_MAX / 2 - 64) /* 2 contact + side is a number too */
+    if (total > INT32_MAX / 2 - 64) /* 2 contact + side must be a number too */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%zu pairs are more than the engine can number",
                        total);
     int32_t *start = gn_alloc_array(particles + 2, sizeof *start);

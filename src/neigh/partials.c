@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Things with two to four particles each, of width 8 only with two. */
+/* Items with two to four particles each; a width of 8 occurs only with two. */
 typedef struct partial_items {
     const char *name; /* for messages */
     size_t count;
@@ -13,11 +13,11 @@ typedef struct partial_items {
     bool single;              /* rows in single precision */
 } partial_items;
 
-/* Numbers the particles of each block in the order in which its contacts name them: neighbours in
- * the list become neighbours in the rows. */
+/* The particles of each block in the order in which its contacts refer to them: neighbours in the
+ * list become neighbours in the rows. */
 typedef struct numbering {
-    int32_t *particle; /* [blocks][members length] who has a row */
-    int32_t *count;    /* [blocks] */
+    int32_t *particle; /* [blocks][members length] the particle of each row */
+    int32_t *count;    /* [blocks] rows */
 } numbering;
 
 static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *rows,
@@ -43,7 +43,7 @@ static inline __attribute__((always_inline)) void number_members(const partial_i
     n->count[block] = count;
 }
 
-/* Contacts, whose lists are made often, have a loop of their own. */
+/* Contact lists are rebuilt often, so that contacts have a specialised loop. */
 static void number_block(const partial_items *items, size_t block, int32_t *seen,
                          const numbering *n, gn_partials *q) {
     if (items->members == 2)
@@ -55,7 +55,8 @@ static void number_block(const partial_items *items, size_t block, int32_t *seen
 _Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places of contacts fit in 16 bits");
 _Static_assert(4 * GN_CONTACT_BLOCK * 4 <= UINT16_MAX + 1, "places of elements fit in 16 bits");
 
-/* Every thread marks particles in an array of its own; false without memory. */
+/* Numbers all blocks; every thread marks particles in its own array. Returns false without
+ * memory. */
 static bool number_blocks(const partial_items *items, size_t particles, int threads,
                           const numbering *n, gn_partials *q) {
     bool held = true;
@@ -75,7 +76,7 @@ static bool number_blocks(const partial_items *items, size_t particles, int thre
     return held;
 }
 
-/* Beyond the last row: particle 0. */
+/* Lists the particle of each row; the entry beyond the last row is particle 0. */
 static void name_rows(const numbering *n, size_t members, gn_partials *q) {
     int32_t *next = q->particle;
     for (size_t b = 0; b < q->blocks; next += n->count[b++])
@@ -91,14 +92,15 @@ static bool make_touched(size_t particle_blocks, gn_partials *q) {
     return true;
 }
 
-/* Contact blocks come in ascending order. */
+/* Extends the range of contact blocks of a particle's block; contact blocks come in ascending
+ * order. */
 static void touch(gn_partials *q, int32_t particle, size_t contact_block) {
     size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
     if (q->touched[1][p] < 0) q->touched[0][p] = (int32_t)contact_block;
     q->touched[1][p] = (int32_t)contact_block;
 }
 
-/* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
+/* Sorts shares by particle (counting sort, stable: rows of a particle stay in block order). */
 static bool sort_shares(size_t particles, gn_partials *q) {
     const int32_t rows = q->first[q->blocks];
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
@@ -122,7 +124,8 @@ static bool sort_shares(size_t particles, gn_partials *q) {
     return held;
 }
 
-/* Long blocks have fewer rows in all; short lists still want several blocks to share out. */
+/* Long blocks have fewer rows in total, but short lists need several blocks to distribute over
+ * threads. */
 static size_t block_length(size_t count) {
     enum { BLOCKS_WANTED = 48 };
     size_t length = GN_CONTACT_BLOCK_LEAST;

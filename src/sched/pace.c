@@ -10,17 +10,18 @@ static void lengthen(gn_pace *p) {
     p->interval = 2 * p->interval < p->longest ? 2 * p->interval : p->longest;
 }
 
-/* A thread waits a little in the best of worlds: shares are never quite equal. */
+/* Threads always wait a little, since shares are never equal. */
 static const double waiting_enough = 0.3;
 
-/* A trial of all threads that has already cost twice what all its rounds would by one: on a busy
- * machine a single round may take as long as a hundred. */
+/* Tells whether a trial of all threads has already cost twice what all its rounds would cost on one
+ * thread: on a busy machine a single round may take as long as a hundred. */
 static bool is_lost(const gn_pace *p) {
     return p->one && p->seconds > 2.0 * p->cost * p->work / p->rounds * p->trial;
 }
 
-/* While threads wait much, one alone is tried again once sixteen such trials would have fitted in:
- * the last may have met with bad luck, and all threads can be a hundred times as slow. */
+/* Tells whether one thread is to be tried again: while threads wait much, sixteen such trials must
+ * fit into the time since the last, which may have been disturbed; all threads can be a hundred
+ * times as slow. */
 static bool is_long(const gn_pace *p) {
     return !p->one && p->alone > 0.0 && p->rounds >= p->shortest &&
            p->waiting > waiting_enough * p->rounds && p->seconds > 16.0 * p->alone;

@@ -1,15 +1,15 @@
-/* The path of equilibria of a loaded specimen, up to shortly before its first break.
+/* The path of equilibria of a loaded specimen up to shortly before its first bond failure.
  *
- * An increment of time moves what is prescribed; Newton's method brings the rest into equilibrium,
- * with the forces of the real contacts (timestep/trial.h) and the tangent of the stability limit,
- * whose contacts open, close and slide as they do at the last trial. Increments begin from the
- * rates of the last one. When each bond reaches its strength is extrapolated from its forces at the
- * ends of the last increment, by the law's own criterion; the path ends at the wanted fraction of
- * the earliest.
+ * An increment of time moves the prescribed particles and walls; Newton's method brings the rest
+ * into equilibrium, with the forces of the actual contacts (sim/trial.h) and the tangent of the
+ * stability limit, whose contacts open, close and slide as in the last trial. Increments start from
+ * the rates of the previous one. The failure time of each bond is extrapolated from its forces at
+ * the ends of the last increment by the law's own criterion; the path ends at the wanted fraction
+ * of the earliest.
  *
- * Steady loading: what moves at a constant rate has no resultant, so that non-viscous damping,
- * which is a part of the resultant, has nothing to act on, and the state is the same with or
- * without it. Viscous damping drags at every particle with a m v, which the contacts carry. */
+ * In steady loading, what moves at a constant rate has no resultant. Non-viscous damping is
+ * proportional to the resultant and therefore vanishes, and the state is the same with or without
+ * it. Viscous damping acts on every particle with a m v, which the contacts balance. */
 #include "static/first_break.h"
 
 #include "base/memory.h"
@@ -25,31 +25,33 @@
 
 enum {
     N = GN_COMPONENTS,
-    INCREMENTS = 8, /* wanted up to the start */
+    INCREMENTS = 8, /* target number of increments up to the start */
     INCREMENTS_MOST = 200,
-    SOLUTIONS_MOST = 12, /* for one increment */
+    SOLUTIONS_MOST = 12, /* limit for one increment */
     HALVINGS_MOST = 30
 };
 
-/* Mean load on a particle over the mean contact force at which a state is an equilibrium: the
- * first, which only has to tell how far to go, those on the way, and the start; the largest may be
- * so many times that. Tests run with 1e-3 and more. */
+/* Mean unbalanced load of a particle over the mean contact force at which a state counts as
+ * equilibrium: for the first, which only determines the range, for those on the path, and for the
+ * start. The largest unbalanced load may be `balanced_worst` times that. Tests run with 1e-3 and
+ * more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
-/* A linear system is solved to this part of what its solution is to leave over, and to these parts
- * of its load at least and at most. */
+/* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
+ * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 /* The path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
-/* Loads at the start that move nothing by more than this part of it are rounding. */
+/* Initial loads whose displacements are below this fraction of the smallest radius are. */
 static const double no_path = 1e-9;
-/* Speeds over the largest prescribed one that nothing held has: a lever of 1000. */
+/* Largest speed of a free particle over the largest prescribed one: a lever ratio of 1000. */
 static const double rates_most = 1e3;
-/* The mean contact force below which loads are compared with this part of the weakest strength. */
+/* Below this fraction of the weakest strength, the mean contact force is no scale for loads; the
+ * fraction is used instead. */
 static const double strength_part = 1e-2;
-/* A start that is nearer to time 0 saves nothing. */
+/* A start closer to time 0 saves nothing. */
 static const double steps_least = 2.0;
-/* The start may fall short of the fraction by this part. */
+/* Relative tolerance of the fraction at the start. */
 static const double near_enough = 1e-3;
 
 typedef struct bond_force {
@@ -62,11 +64,11 @@ typedef struct search {
     gn_trial trial;
     const gn_first_break_watch *watch;
     gn_first_break *found;
-    double *path, *rate;      /* [particles][6] of the increment; its rate in the last one */
+    double *path, *rate;      /* [particles][6] of the increment; their rates in the previous one */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
     double scale;             /* N, of forces: see in_balance */
-    double speed;             /* m/s, of what is prescribed */
+    double speed;             /* m/s, of the prescribed motion */
 } search;
 
 __attribute__((format(printf, 3, 4))) static gneiss_status
@@ -90,7 +92,7 @@ static void read_bonds(search *s) {
         s->now[c].holds = gn_trial_bond(&s->trial, c, &s->now[c].normal, s->now[c].shear);
 }
 
-/* The law's criterion of a bond `share` increments after the last one. */
+/* Returns the value of a bond's failure criterion `share` increments after the last one. */
 static double criterion(const search *s, size_t c, double share) {
     const gn_contacts *list = &s->w->dem.bonds;
     const bond_force *a = &s->before[c], *b = &s->now[c];
@@ -100,7 +102,8 @@ static double criterion(const search *s, size_t c, double share) {
         ->criterion(list, c, b->normal + share * (b->normal - a->normal), 0.0, sqrt(gn_dot3(t, t)));
 }
 
-/* Increments until the first bond breaks, INFINITY: none does within `most`. */
+/* Returns the number of increments until the first bond fails, INFINITY if none does within
+ * `most`. */
 static double increments_left(const search *s, double most, size_t *bond) {
     double least = most;
     bool any = false;
@@ -118,7 +121,7 @@ static double increments_left(const search *s, double most, size_t *bond) {
     return any ? least : INFINITY;
 }
 
-/* s; INFINITY: not before the end. */
+/* Returns the time of the first failure, s; INFINITY: not before the end. */
 static double time_of_break(search *s) {
     const gn_contacts *list = &s->w->dem.bonds;
     size_t c = 0;
@@ -139,8 +142,8 @@ static double time_of_break(search *s) {
 
 typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
 
-/* Where next to nothing is loaded its forces are no measure for what is left over: a part of the
- * strength of bonds is. */
+/* Tells whether the state is in equilibrium. If almost nothing is loaded, contact forces are no
+ * scale for the residual; a fraction of the bond strengths is used. */
 static bool in_balance(const search *s, double balanced) {
     const gn_trial *t = &s->trial;
     double most = balanced * fmax(t->mean_force, s->scale);
@@ -158,7 +161,7 @@ static gneiss_status correct(search *s, double balanced, gn_equilibrium *linear,
     return GNEISS_OK;
 }
 
-/* Newton's method from the path as it stands. */
+/* Runs Newton's method from the present path. */
 static gneiss_status balance(search *s, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
     gn_trial *t = &s->trial;
@@ -194,8 +197,9 @@ static gneiss_status tell(const search *s, gneiss_error *error) {
     return s->watch->state(s->watch->context, s->found, error);
 }
 
-/* In a mechanism next to nothing resists, and particles go anywhere: none of a body that is held
- * moves, or turns over at its surface, many times as fast as what is prescribed. */
+/* Detects mechanisms, which have almost no stiffness, so that displacements are arbitrary: no
+ * particle of a held body, or a rotation at its surface, is many times as fast as the prescribed
+ * motion. */
 static gneiss_status check_rates(const search *s, double span, gneiss_error *error) {
     const gn_particles *p = &s->w->dem.particles;
     for (size_t k = 0; k < s->trial.count; k++)
@@ -229,11 +233,11 @@ static bool moves(const search *s) {
     return most > no_path * s->w->dem.radius_min;
 }
 
-/* Gravity, applied forces, contacts that are pressed from the start. */
+/* Applies gravity, applied forces and initially compressed contacts. */
 static gneiss_status take_up_loads(search *s, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what;
-    const double slow = 1e6; /* s: for dashpots as good as at rest */
+    const double slow = 1e6; /* s: slow enough for dashpots to be at rest */
     memset(s->path, 0, N * s->trial.count * sizeof *s->path);
     gn_trial_go(&s->trial, s->path, slow, true);
     if (s->trial.most_load == 0.0 || in_balance(s, balanced_start)) return GNEISS_OK;
@@ -248,7 +252,7 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
     return take(s, slow, true, error);
 }
 
-/* Whether something may have come into touch on the path that the lists do not know of. */
+/* Tells whether particles may have come into contact on the path that the lists do not contain. */
 static bool beyond_lists(const search *s, double span) {
     const gn_verlet *v = &s->w->dem.verlet;
     const double other = gn_boundary_travel(&s->w->ctx, &s->w->boundary, true) + s->speed * span;
@@ -259,8 +263,8 @@ static bool beyond_lists(const search *s, double span) {
     return 2.0 * own > v->skin || own + other > v->skin;
 }
 
-/* An increment of up to `span` s; shorter where bonds would break on the way, or what is near has
- * to be looked for again. */
+/* Makes an increment of up to `span` s; it is shorter if bonds would fail, or if contact lists must
+ * be rebuilt. */
 static gneiss_status increment(search *s, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
@@ -297,8 +301,8 @@ static double fastest(const gn_step_context *ctx, const gn_dem *dem) {
     return most;
 }
 
-/* The next increment: a part of what is left up to the wanted fraction; while no bond is loaded
- * twice the last one, to find out where that begins. */
+/* Returns the next increment: twice the last one while no failure is predicted, then a fraction of
+ * the time to the target. */
 static double next_span(const search *s, double breaks, double first) {
     const gn_world *w = s->w;
     if (breaks == INFINITY) return fmin(fmax(2.0 * s->span, first), w->ctx.scene.end - w->ctx.time);
@@ -329,7 +333,7 @@ static gneiss_status follow(search *s, gneiss_error *error) {
     return refuse(w, error, "first_break: expected a bond that breaks before time.end, found none");
 }
 
-/* The velocities of steady loading: a short increment, by the tangent alone. */
+/* Sets the velocities of steady loading from a short increment by the tangent alone. */
 static gneiss_status leave(search *s, gneiss_error *error) {
     gn_trial *t = &s->trial;
     gn_equilibrium linear;
