@@ -1,13 +1,13 @@
 /* A bound of the largest stable step, 2/w_max, of the solid linearised at its start.
  *
- * Let the mass of every node be dealt out to its elements in any way, M = sum_e M_e. Then
- * u.K u = sum_e u.K_e u <= max_e lambda_max(M_e^-1 K_e) sum_e u.M_e u, so that the largest element
+ * Let the mass of every node be distributed to its elements in any way, M = sum_e M_e. Then u.K u =
+ * sum_e u.K_e u <= max_e lambda_max(M_e^-1 K_e) sum_e u.M_e u, so that the largest element
  * eigenvalue bounds w_max^2 (Irons & Treharne 1971; Hughes 1987, The Finite Element Method, sec.
- * 9.1). It holds for every way of dealing; two are taken and the better result counts: each element
- * has its own mass, or each node gives to its elements by their stiffness at it, which is what a
- * small element among large ones needs. Prescribed components have infinite mass.
+ * 9.1). It holds for every distribution; two are evaluated and the better result is used: each
+ * element has its own mass, or each node's mass is distributed by the elements' stiffnesses at it,
+ * which serves a small element among large ones. Prescribed components have infinite mass.
  *
- * With the strains' matrix B and the stiffness D of the material K_e = V B^T D B, and K_e has the
+ * With the strain matrix B and the stiffness D of the material, K_e = V B^T D B, and K_e has the
  * eigenvalues of V D^1/2 B M_e^-1 B^T D^1/2: three in 2D, six in 3D. Strains are in Mandel's
  * notation (shear times sqrt 2), in which D = 2 mu I + lambda m m^T with m = (1 1 1 0 0 0). */
 #include "base/eigen.h"
@@ -19,7 +19,7 @@
 
 typedef gn_fem_linear linear_system;
 
-/* Trace of an element's stiffness at a node: V [(lambda + mu) G (x) G + mu |G|^2 I]. */
+/* Returns the trace of an element's stiffness at a node, V [(lambda + mu) G (x) G + mu |G|^2 I]. */
 static double node_stiffness(const gn_elements *q, size_t e, int d, const double gradient[3]) {
     double size2 = 0.0;
     for (int k = 0; k < d; k++) size2 += gradient[k] * gradient[k];
@@ -37,7 +37,7 @@ void gn_fem_sum_stiffness(linear_system *y) {
     }
 }
 
-/* The column of Mandel strains of component i of a node. */
+/* Computes the column of Mandel strains of component i of a node. */
 static void strain_column(int d, int i, const double gradient[3], double column[6]) {
     static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
     static const int plane[3] = {0, 1, 3};
@@ -48,8 +48,8 @@ static void strain_column(int d, int i, const double gradient[3], double column[
     }
 }
 
-/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains and what differs from
- * it by the roots of 2 mu + d lambda and 2 mu. */
+/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains by the root of 2 mu + d
+ * lambda, and the rest by that of 2 mu. */
 static void scale_by_material(const gn_elements *q, size_t e, int d, int n, double *a) {
     double shear = sqrt(2.0 * q->mu[e] * q->volume[e]);
     double bulk = sqrt((2.0 * q->mu[e] + d * q->lambda[e]) * q->volume[e]);
@@ -64,15 +64,15 @@ static void scale_by_material(const gn_elements *q, size_t e, int d, int n, doub
     }
 }
 
-/* Whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the sum of
- * 8th powers of its eigenvalues, which is the square of Frobenius' norm of (a/known)^4, is then
- * above one. Spares most elements of an irregular mesh the search for eigenvalues. */
+/* Tells whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the
+ * sum of 8th powers of its eigenvalues, which is the squared Frobenius norm of (a/known)^4, is then
+ * above one. This spares most elements of an irregular mesh the search for eigenvalues. */
 static bool may_exceed(int n, const double *a, double known) {
     double power[3][36], norm2 = 0.0;
     if (!(known > 0.0)) return true;
     for (int k = 0; k < n * n; k++) power[0][k] = a[k] / known;
     for (int k = 0; k < n * n; k++) norm2 += power[0][k] * power[0][k];
-    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of its 4th power */
+    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of the 4th power */
     norm2 = 0.0;
     for (int p = 1; p < 3; p++)
         for (int r = 0; r < n; r++)
@@ -86,8 +86,8 @@ static bool may_exceed(int n, const double *a, double known) {
     return !(norm2 < 1.0 - 1e-12);
 }
 
-/* Largest eigenvalue of M_e^-1 K_e for one way of dealing out the masses; 0 if it is not above
- * `known`. */
+/* Returns the largest eigenvalue of M_e^-1 K_e for one distribution of the masses; 0 if it is not
+ * above `known`. */
 static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiffness,
                                  double known) {
     const gn_elements *q = &y->solid->elements;
@@ -122,7 +122,8 @@ typedef struct worst {
     int64_t element;
 } worst;
 
-/* Pressure form: what the stabilising pressure alone would do, see linear_pressure.c. */
+/* Returns the eigenvalue of the stabilising pressure alone in the pressure form, see
+ * linear_pressure.c. */
 static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
     if (y->solid->form != GN_FEM_PRESSURE) return 0.0;
     return y->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->solid->elements, e));
@@ -171,20 +172,21 @@ gneiss_status gn_fem_find_bound(const linear_system *y, gn_fem_limit *limit, gne
     return GNEISS_OK;
 }
 
-/* --- the same again ---
- * Of a body of which elements are taken out now and then, a few at a time, eigenvalues are kept of
- * the elements that are near the largest, and of all others that they are not. Found anew are those
- * of elements with a node of which the masses or the stiffness have become others. What comes out
- * is the same number as if all were looked at. */
+/* --- repeated bounds ---
+ *
+ * When elements are removed from a body now and then, a few at a time, the
+ * eigenvalues of the elements near the largest are stored, and the others are known to be below.
+ * Only elements with a node whose mass or stiffness has changed are evaluated again. The result is
+ * the same number as if all were evaluated. */
 
 struct gn_fem_known {
-    double floor[2];    /* 1/s2, by way of dealing: those that are not kept are not above */
-    double (*value)[2]; /* [elements of the mesh] 0: not above */
-    double *volume;     /* [elements of the mesh] m3 at the last look; 0: it had gone */
-    double *inverse;    /* [nodes] 1/kg at the last look */
+    double floor[2];    /* 1/s2, by distribution: eigenvalues that are not stored are not above */
+    double (*value)[2]; /* [elements of the mesh] 0: not above the floor */
+    double *volume;     /* [elements of the mesh] m3 at the last evaluation; 0: removed */
+    double *inverse;    /* [nodes] 1/kg at the last evaluation */
     double *stiffness;  /* [nodes] as in gn_fem_linear */
     uint8_t *seen;      /* [elements of the mesh] scratch */
-    uint8_t *marked;    /* [nodes] scratch: of what is found anew */
+    uint8_t *marked;    /* [nodes] scratch: nodes with a change */
 };
 
 void gn_fem_known_free(struct gn_fem_known *k) {
@@ -215,7 +217,7 @@ static void mark_corners(gn_fem_solid *solid, size_t id, uint8_t *marked) {
     for (size_t a = 0; a < corners; a++) marked[node[a]] = 1;
 }
 
-/* Nodes of elements that have gone or have another volume, and nodes of another mass. */
+/* Marks nodes of elements that were removed or changed volume, and nodes with a changed mass. */
 static void mark_others(gn_fem_solid *solid, struct gn_fem_known *k) {
     const gn_elements *q = &solid->elements;
     const size_t nodes = solid->nodes.soa.count;
@@ -247,7 +249,7 @@ static bool is_marked(const gn_elements *q, size_t e, int d, const uint8_t *mark
     return any;
 }
 
-/* In the order in which gn_fem_sum_stiffness adds. */
+/* Sums in the order of gn_fem_sum_stiffness. */
 static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_known *k) {
     const gn_elements *q = &solid->elements;
     const int d = solid->dimension;
@@ -264,7 +266,7 @@ static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_known *k) {
     }
 }
 
-/* Eigenvalues of all elements, or of those with a marked node. */
+/* Computes the eigenvalues of all elements, or of those with a marked node. */
 static void renew_values(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
     const gn_elements *q = &y->solid->elements;
 #pragma omp parallel for num_threads(y->solid->threads) schedule(dynamic, ELEMENT_BLOCK)
@@ -284,8 +286,8 @@ static worst worst_known(const gn_fem_solid *solid, const struct gn_fem_known *k
     return w;
 }
 
-/* Largest eigenvalue by one way of dealing; where all that were kept have gone the floor is too
- * high, and all others are looked at. */
+/* Returns the largest eigenvalue of one distribution; if all stored elements were removed, the
+ * floor is too high and all others are evaluated. */
 static worst renew_worst(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
     const double lower = 0.9, least = 1e-3 * k->floor[way];
     renew_values(y, k, way, all);

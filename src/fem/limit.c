@@ -1,5 +1,5 @@
-/* The largest stable step of the solid linearised at its start: dt = 2/w_max, w_max^2 the largest
- * eigenvalue of M^-1 K. Its bound: bound.c. */
+/* The largest stable step of the solid linearised at its start: dt = 2/w_max, with w_max^2 the
+ * largest eigenvalue of M^-1 K. bound.c has its bound. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -22,7 +22,7 @@ void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]) {
 
 /* --- sharp --- */
 
-/* Forces K u of one element and its energy u.K u/2. */
+/* Computes the forces K u of one element and returns its energy u.K u/2. */
 static double linear_element(const linear_system *y, size_t e, const double *u,
                              double force[4][3]) {
     const gn_elements *q = &y->solid->elements;
@@ -62,7 +62,7 @@ static void linear_block(const linear_system *y, size_t block) {
     }
 }
 
-/* So few nodes are no work to share out. */
+/* Below this number of nodes, loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 void gn_fem_linear_apply(const void *system, const double *x, double *out) {
@@ -116,7 +116,7 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
     size_t n = y->solid->nodes.soa.count * (size_t)(y->dimension + pressure);
     double *mode = gn_alloc_array(n + 1, sizeof *mode);
     if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
-    /* What cannot move stays out of it. */
+    /* Fixed components have no part in the mode. */
     for (size_t k = 0; k < n; k++) mode[k] = gn_random_symmetric(1, k);
     for (size_t k = 0; k < y->solid->nodes.soa.count * (size_t)y->dimension; k++)
         if (!(y->scale[k] > 0.0)) mode[k] = 0.0;

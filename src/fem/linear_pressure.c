@@ -17,10 +17,10 @@
 
 typedef gn_fem_linear linear_system;
 
-/* Partial sums of one block: what a pass adds for an element. */
+/* Adds an element's contribution in a pass to the partial sums of its block. */
 typedef void add_element(const linear_system *y, size_t e, double *sums[4]);
 
-/* Nodes' sums of a pass, in block order. */
+/* Receives a node's sum of a pass, added up in block order. */
 typedef void take_node(const linear_system *y, size_t node, const double *sum, double *out);
 
 typedef struct pass {
@@ -68,7 +68,7 @@ static void run(const linear_system *y, pass p, double *out) {
 
 /* --- passes --- */
 
-/* Integral of grad q over tau, to every node its share. */
+/* Integrates grad q over tau and distributes it to the nodes. */
 static void gradient_of(const linear_system *y, size_t e, double gradient[4][3], double g[3]) {
     const gn_elements *q = &y->solid->elements;
     gn_fem_gradients(q, e, gradient);
@@ -92,7 +92,7 @@ static void take_gradient(const linear_system *y, size_t n, const double *sum, d
         y->gradient[4 * n + (size_t)k] = y->solid->nodes.lumped[4 * n + 1] * sum[k];
 }
 
-/* Growth and stabilising term. */
+/* Adds growth and stabilising term. */
 static void add_growth(const linear_system *y, size_t e, double *sums[4]) {
     const gn_elements *q = &y->solid->elements;
     const int d = y->dimension;

@@ -19,11 +19,11 @@
 
 /* tau = c h^2/(2 G). */
 static const double c_stabilising = 1.0;
-/* Of the squared frequency at which the bound of the time step would feel q; more would make steps
- * shorter, less lets q lag behind. */
+/* Fraction of the squared frequency at which q would determine the bound of the time step; a larger
+ * one would shorten steps, a smaller one makes q lag behind. */
 static const double rate_share = 0.25;
 
-/* Squared size of an element: the side of a regular one, whatever the shape. */
+/* Returns the squared size of an element: the side of a regular element of that volume. */
 static double size2(const gn_elements *q, size_t e) {
     const int d = gn_elements_dimension(q);
     double sum = 0.0, rest[3] = {0.0};
@@ -58,8 +58,8 @@ static void weigh(gn_fem_solid *solid) {
         for (size_t k = 0; k < 2; k++) lumped[4 * n + k] = 1.0 / lumped[4 * n + k];
 }
 
-/* M_p^-1 S, element by element, with the element's own M_p: nodes K tau times the largest
- * eigenvalue of sum_a grad N_a (x) grad N_a. */
+/* Returns the eigenvalue of M_p^-1 S of a single element with its own M_p: nodes K tau times the
+ * largest eigenvalue of sum_a grad N_a (x) grad N_a. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e) {
     const int d = gn_elements_dimension(q);
     double a[9] = {0.0}, rest[3] = {0.0}, values[3], vectors[9];
@@ -74,7 +74,7 @@ double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e) {
     return (d + 1) * gn_fem_bulk(q, e) * q->tau[e] * values[0];
 }
 
-/* The rate that leaves the bound on the time step where it is without q. */
+/* Chooses the rate at which q does not change the bound of the time step. */
 static gneiss_status choose_rate(gn_fem_solid *solid, gneiss_error *error) {
     gn_fem_limit limit;
     double most = 0.0;
@@ -121,8 +121,8 @@ gn_dilation_args gn_fem_dilation_args(const gn_fem_solid *solid) {
                               &solid->partials, solid->growth_row};
 }
 
-/* With viscous damping q is damped at the same rate; other kinds damp a mode of frequency w by
- * about a/pi of the critical value. */
+/* Returns the damping rate of q. With viscous damping it is that of the motion; other kinds damp a
+ * mode of frequency w by about a/pi of the critical value. */
 static double damping_rate(const gn_fem_solid *solid) {
     const double pi = 3.14159265358979323846;
     if (solid->effects & GN_FX_VISCOUS) return solid->damping_coefficient;
@@ -145,7 +145,8 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measu
 
 /* --- reading --- */
 
-/* One serial pass over all blocks; rows are made anew in every step, and no energy is asked for. */
+/* Computes pressures in one serial pass over all blocks; rows are overwritten in every step, and no
+ * energy is needed. */
 void gn_fem_find_pressures(const gn_fem_solid *solid) {
     const gn_dilation_args args = gn_fem_dilation_args(solid);
     const gn_partials *q = &solid->partials;

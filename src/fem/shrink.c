@@ -1,5 +1,5 @@
-/* Elements that are taken out of a solid while it moves, and the parts of the body that those have
- * which stay beside what took their place. */
+/* Removal of elements from a moving solid, and the weights of those that remain in coupling
+ * zones. */
 #include "base/memory.h"
 #include "fem/internal.h"
 #include "neigh/pairs.h"
@@ -84,7 +84,8 @@ gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error
     return status;
 }
 
-/* m3 of an element as a whole: gradients are those of its edges, turned round. */
+/* Returns the full volume of an element, m3, from its gradients, which are those of its edges
+ * inverted. */
 static double whole_volume(const gn_elements *q, size_t e, int dimension) {
     double g[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     for (int a = 1; a <= dimension; a++)
@@ -131,7 +132,8 @@ static double inverse3(double a[3][3], double out[3][3]) {
     return det;
 }
 
-/* Newton's iteration X <- (X + X^-T)/2, which converges by squares from F (Higham 1986). */
+/* Polar decomposition by Newton's iteration X <- (X + X^-T)/2, which converges quadratically from F
+ * (Higham 1986). */
 void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]) {
     enum { ROUNDS = 40 };
     gn_fem_deformation(solid, element, turn);

@@ -1,4 +1,4 @@
-/* From a mesh to nodes and elements. */
+/* Construction of nodes and elements from a mesh. */
 #include "fem/solid.h"
 
 #include "base/memory.h"
@@ -12,12 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What building needs besides the solid. */
+/* Work data of the construction. */
 typedef struct builder {
     gn_fem_solid *solid;
     const gn_fem_spec *spec;
     gn_mesh_elements *solids;
-    int32_t *place;    /* [nodes of the mesh as given] place in the solid, -1: unused */
+    int32_t *place;    /* [nodes of the given mesh] place in the solid, -1: unused */
     int32_t *material; /* [solids] */
 } builder;
 
@@ -44,7 +44,7 @@ static gneiss_status check_material(const gn_fem_solid *solid, const gn_fem_mate
                    m->poisson);
 }
 
-/* Marks the elements of one material; how many there are. */
+/* Marks the elements of one material; fails if there are none. */
 static gneiss_status give_material(builder *b, int32_t index, gneiss_error *error) {
     const gn_fem_material *m = &b->spec->materials[index];
     gn_fem_solid *solid = b->solid;
@@ -102,7 +102,7 @@ static gneiss_status check_plane(const gn_fem_solid *solid, const gn_mesh_elemen
     return GNEISS_OK;
 }
 
-/* The used nodes as particles in the order of the mesh. */
+/* Makes particles of the used nodes in the order of the mesh. */
 static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *error) {
     gn_fem_solid *solid = b->solid;
     const gn_mesh *mesh = &solid->mesh;
@@ -124,7 +124,8 @@ static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* The solid's nodes along the Morton curve, and where each node of the mesh has gone. */
+/* Sorts the solid's nodes along the Morton curve, and records the new place of each node of the
+ * mesh. */
 static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_error *error) {
     gn_fem_solid *solid = b->solid;
     size_t count = given->soa.count;
@@ -144,7 +145,7 @@ static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_e
     return status;
 }
 
-/* Facets (or solids) in the solid's numbers; those with an unused node are left out. */
+/* Renumbers facets (or solids) to the solid's nodes; those with an unused node are left out. */
 static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
     size_t kept = 0, also = 0, next = 0, nodes = (size_t)list->nodes;
     for (size_t e = 0; e < list->count; e++) {
@@ -213,8 +214,9 @@ static double cross_part(const double *a, const double *b, int k) {
     return a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Gradients of all nodes but the first, and the volume, which is negative inside out. The gradient
- * of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+/* Computes gradients of all nodes but the first and returns the volume, which is negative for an
+ * inverted element. The gradient of node a is normal to the opposite face: these are rows of the
+ * inverse matrix of edges. */
 static double gradients(int dimension, const double *const x[4], double gradient[3][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}};
     for (int a = 0; a < dimension; a++)
@@ -238,7 +240,7 @@ static double longest_edge(int dimension, const double *const x[4]) {
     return sqrt(most);
 }
 
-/* A shape function falls from 1 to 0 over the height of its node. */
+/* A shape function decreases from 1 to 0 over the height of its node. */
 static double least_height(int dimension, const double gradient[3][3]) {
     double first[3] = {0.0}, steepest2 = 0.0;
     for (int a = 0; a < dimension; a++) {
@@ -263,8 +265,7 @@ static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[
                    b->solid->dimension);
 }
 
-/* An element between nodes that have no part in the body keeps next to nothing, for its nodes to
- * have a mass. */
+/* Least weight of an element between nodes of zero weight, which gives its nodes a mass. */
 static const double share_least = 1e-6;
 
 static double share_of(const gn_fem_spec *spec, int dimension, const double *const x[4]) {
@@ -274,8 +275,8 @@ static double share_of(const gn_fem_spec *spec, int dimension, const double *con
     return fmax(sum / (dimension + 1), share_least);
 }
 
-/* Element e of the solid from element `id` of the mesh; nodes in the mesh's order, the last two
- * exchanged when it is inside out. */
+/* Makes element e of the solid from element `id` of the mesh; nodes are in the mesh's order, the
+ * last two exchanged if it is inverted. */
 static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error *error) {
     enum { ROUND_OFF = 64 };
     gn_fem_solid *solid = b->solid;
@@ -325,7 +326,7 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
         status = make_element(b, e, order[e].id, error);
     gn_free(order);
     GN_TRY(status);
-    /* The sums of masses become their inverses. */
+    /* Inverts the sums of masses. */
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         solid->nodes.vel[4 * n + 3] = 1.0 / solid->nodes.vel[4 * n + 3];
     for (size_t n = 0; solid->nodes.blend && n < solid->nodes.soa.count; n++) {

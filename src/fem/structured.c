@@ -47,14 +47,15 @@ static void place_nodes(const gn_grid *g, const gn_structured *s, gn_mesh *mesh)
             }
 }
 
-/* Every second cell; where diagonals are parallel, those behind the turn. */
+/* Tells whether a cell is mirrored: every second one; with parallel diagonals, those beyond the
+ * turn. */
 static bool is_mirrored(const gn_grid *g, const size_t cell[3]) {
     if (g->parallel) return g->turn > 0 && cell[0] >= g->turn;
     return (cell[0] + cell[1] + cell[2]) % 2;
 }
 
-/* Corner c of a cell: bit k is the step along direction k. In mirrored cells the numbers of the
- * corners are mirrored along x. */
+/* Returns corner c of a cell: bit k is the step along direction k. In mirrored cells the numbers of
+ * the corners are mirrored along x. */
 static int32_t corner(const gn_grid *g, const size_t cell[3], int c) {
     size_t at[3];
     for (size_t k = 0; k < 3; k++) at[k] = cell[k] + ((size_t)c >> k & 1);
@@ -76,13 +77,13 @@ static void add(gn_mesh_elements *list, const gn_grid *g, const size_t cell[3], 
 
 static const int triangle[2][3] = {{0, 1, 3}, {0, 3, 2}};
 
-/* How a cell of 3D is split: its tetrahedra, and the two triangles of side `direction`, lower or
- * upper, which are their faces. */
+/* The split of a cell in 3D: its tetrahedra, and the two triangles on side `direction`, lower or
+ * upper. */
 typedef struct split {
     int count, tetrahedron[6][4], side[3][2][2][3];
 } split;
 
-/* One in the middle, which has four of the corners, and one at each of the others. */
+/* One tetrahedron in the middle with four of the corners, and one at each of the others. */
 static const split five = {
     5,
     {{0, 1, 3, 5}, {0, 3, 2, 6}, {0, 4, 5, 6}, {3, 6, 5, 7}, {0, 5, 3, 6}},
@@ -90,9 +91,9 @@ static const split five = {
      {{{0, 1, 5}, {0, 5, 4}}, {{2, 6, 3}, {3, 6, 7}}},
      {{{0, 3, 1}, {0, 2, 3}}, {{4, 5, 6}, {5, 7, 6}}}},
 };
-/* One for each way along three edges from corner 0 to corner 7 (Kuhn 1960). These two have six of
- * the 24 corners of tetrahedra each and the others two: together as many at the four corners of any
- * side, so that nodes also have equal masses where cells are mirrored. */
+/* One tetrahedron for each path along three edges from corner 0 to corner 7 (Kuhn 1960). These two
+ * corners belong to six tetrahedra each and the others to two: the sum over the four corners of any
+ * side is the same, so that node masses are equal where cells are mirrored, too. */
 static const split six = {
     6,
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}},
@@ -107,14 +108,14 @@ static const split *split_of(const gn_grid *g) {
 
 static const int side_line[2][2][2] = {{{2, 0}, {1, 3}}, {{0, 1}, {3, 2}}};
 
-/* Whether a cell of the grid is left out. */
+/* Tells whether a cell of the grid is left out. */
 static bool in_hole(const gn_grid *g, const size_t cell[3]) {
     for (int k = 0; k < g->dimension; k++)
         if (cell[k] < g->hole_lower[k] || cell[k] >= g->hole_upper[k]) return false;
     return true;
 }
 
-/* The group of a side of a cell; 0 when there is a cell behind it. */
+/* Returns the group of a side of a cell; 0 if a cell follows it. */
 static int32_t side_tag(const gn_grid *g, const size_t cell[3], int k, int upper) {
     size_t other[3] = {cell[0], cell[1], cell[2]};
     if (cell[k] == (upper ? g->nodes[k] - 2 : 0)) return GN_GRID_SIDE + 2 * k + upper;
@@ -127,7 +128,7 @@ static void add_sides(const gn_grid *g, gn_mesh *mesh, const size_t cell[3], boo
         for (int upper = 0; upper < 2; upper++) {
             int32_t tag = side_tag(g, cell, k, upper);
             if (!tag) continue;
-            int side = k == 0 && mirror ? 1 - upper : upper; /* of the mirrored numbers */
+            int side = k == 0 && mirror ? 1 - upper : upper; /* in the mirrored numbering */
             for (int f = 0; g->dimension == 3 && f < 2; f++)
                 add(&mesh->triangles, g, cell, split_of(g)->side[k][side][f], mirror, tag);
             if (g->dimension == 2) add(&mesh->lines, g, cell, side_line[k][side], mirror, tag);

@@ -7,26 +7,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Places along one direction, from the first to the last. */
+/* Positions along one direction, ascending. */
 typedef struct places {
     size_t count, capacity;
     double *at;
 } places;
 
-/* How large cells are at a distance from where they are finest: least + (growth - 1) x distance, up
- * to most. */
+/* The size of cells at a distance from the finest: least + (growth - 1) x distance, up to most. */
 typedef struct grading {
     double least, slope, most;
 } grading;
 
 /* --- grading --- */
 
-/* Distance up to which cells grow. */
+/* Returns the distance up to which cells grow. */
 static double growing(const grading *g) {
     return (g->most - g->least) / g->slope;
 }
 
-/* Cells between the finest place and a distance from it: the integral of 1/size. */
+/* Returns the number of cells between the finest position and a distance from it: the integral of
+ * 1/size. */
 static double cells_to(const grading *g, double distance) {
     double grown = fmin(distance, growing(g));
     return log1p(g->slope * grown / g->least) / g->slope + (distance - grown) / g->most;
@@ -50,7 +50,8 @@ static bool append(places *p, double at) {
     return true;
 }
 
-/* From one distance to another, both of which become places; the first is there already. */
+/* Divides the range between two distances; both become positions, the first of which is already
+ * there. */
 static bool divide(const grading *g, double from, double to, places *p) {
     if (!(to - from > 1e-12 * to)) return true;
     double first = cells_to(g, from), last = cells_to(g, to);
@@ -74,7 +75,7 @@ static bool notched(const gn_structured_beam *s) {
     return s->notch_depth > 0.0;
 }
 
-/* The right half from mid-span, then both. */
+/* Makes the right half from mid-span, then both. */
 static bool make_x(beam *b) {
     const gn_structured_beam *s = b->spec;
     const grading *g = &b->grading;
@@ -87,7 +88,7 @@ static bool make_x(beam *b) {
     held = held && divide(g, 0.0, 0.5 * s->span - face, &half);
     size_t support = half.count - 1;
     held = held && divide(g, 0.5 * s->span - face, 0.5 * s->length - face, &half);
-    for (size_t k = inside; k < half.count; k++) half.at[k] += face; /* from the middle */
+    for (size_t k = inside; k < half.count; k++) half.at[k] += face; /* measured from the middle */
     b->middle = half.count - 1;
     for (size_t k = half.count; held && k-- > 1;)
         held = append(&b->x, s->lower[0] + (0.5 * s->length - half.at[k]));
@@ -154,7 +155,7 @@ static void place_nodes(const beam *b, gn_mesh *mesh) {
             }
 }
 
-/* A point, or a line along z, at a place of the section. */
+/* Adds a point, or a line along z, at a position of the section. */
 static void add_mark(const beam *b, gn_mesh *mesh, size_t x, size_t y, int32_t tag) {
     bool solid = b->z.count > 1;
     gn_mesh_elements *list = solid ? &mesh->lines : &mesh->points;
@@ -210,7 +211,7 @@ static void add_names(const beam *b, int dimension, gn_mesh *mesh) {
     qsort(mesh->groups, mesh->group_count, sizeof *mesh->groups, by_dimension_and_tag);
 }
 
-/* Leaves out the nodes that only cells of the notch had. */
+/* Leaves out the nodes that only cells of the notch used. */
 static gneiss_status drop_unused(int dimension, gn_mesh *mesh, gneiss_error *error) {
     const gn_mesh_elements *solids = gn_fem_elements_of(mesh, dimension);
     int32_t *place = gn_alloc_array(mesh->node_count + 1, sizeof *place), kept = 0;

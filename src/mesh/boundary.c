@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Faces of an element of positive volume, seen from outside counter-clockwise; of a triangle its
+/* Faces of an element of positive volume, counter-clockwise seen from outside; for a triangle its
  * edges with the triangle on the left. */
 static const int tetrahedron_face[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 static const int triangle_face[3][2] = {{0, 1}, {1, 2}, {2, 0}};
@@ -17,10 +17,10 @@ typedef struct boundary {
     gneiss_error *error;
     int dimension;           /* also the nodes of a face */
     gn_mesh_elements *inner; /* tetrahedra or triangles */
-    gn_mesh_elements *faces; /* triangles or lines: the new take the place of the old */
+    gn_mesh_elements *faces; /* triangles or lines, which are replaced */
     gn_mesh_table table;     /* face -> row of owner */
     size_t face_count;
-    int32_t *owner;     /* [face_count][2]: element, face of it */
+    int32_t *owner;     /* [face_count][2]: element, its face */
     unsigned char *use; /* [face_count] 1 or 2 elements */
 } boundary;
 
@@ -40,8 +40,8 @@ static void face_nodes(const boundary *b, size_t element, int face, int32_t node
         node[k] = b->inner->node[(size_t)b->inner->nodes * element + (size_t)local[k]];
 }
 
-/* Twice the area or six times the volume, and the power of the longest edge that it is to be
- * compared with. */
+/* Computes twice the area or six times the volume, and the power of the longest edge to which it is
+ * compared. */
 static double measure(const boundary *b, size_t element, double *scale) {
     double edge[3][3], normal[3], longest = 0.0;
     for (int k = 0; k < b->dimension; k++) {
@@ -61,7 +61,7 @@ static double measure(const boundary *b, size_t element, double *scale) {
 static gneiss_status turn_elements(boundary *b) {
     for (size_t e = 0; e < b->inner->count; e++) {
         double scale, size = measure(b, e, &scale);
-        /* Coordinates with 16 digits make flat elements of up to about this size. */
+        /* Coordinates with 16 digits make flat elements of about this size. */
         if (!(fabs(size) > 1e-12 * scale)) {
             const double *x = node_of(b, e, 0);
             return gn_fail(b->error, GNEISS_ERROR_INPUT,
@@ -89,7 +89,7 @@ static gneiss_status check_plane(const boundary *b) {
             extent = fmax(extent, fmax(fabs(x[0] - origin[0]), fabs(x[1] - origin[1])));
         }
     }
-    /* Meshes that were turned into the plane have lost the last digits. */
+    /* Meshes that were rotated into the plane have lost the last digits. */
     if (most - least <= 1e-9 * extent) return GNEISS_OK;
     return gn_fail(b->error, GNEISS_ERROR_INPUT,
                    "%s: expected triangles in a plane z = constant (two dimensions), found z from "
@@ -97,7 +97,7 @@ static gneiss_status check_plane(const boundary *b) {
                    b->name, least, most);
 }
 
-/* Whether two lists of the same nodes go round in the same sense. */
+/* Tells whether two lists of the same nodes have the same orientation. */
 static bool same_sense(const boundary *b, const int32_t *p, const int32_t *q) {
     if (b->dimension == 2) return p[0] == q[0];
     int k = 0;
@@ -147,7 +147,7 @@ static gneiss_status find_faces(boundary *b) {
     return GNEISS_OK;
 }
 
-/* Rows of the file's faces by nodes: the boundary inherits their groups. */
+/* Indexes the file's faces by nodes: the boundary inherits their groups. */
 static bool index_old_faces(const boundary *b, gn_mesh_table *old) {
     int64_t held;
     for (size_t k = 0; k < b->faces->count; k++) {
@@ -158,7 +158,7 @@ static bool index_old_faces(const boundary *b, gn_mesh_table *old) {
     return true;
 }
 
-/* Memberships stand in the order of elements: the first of `element` by bisection. */
+/* Finds the first membership of `element` by bisection; memberships are sorted by element. */
 static size_t first_membership(const gn_mesh_elements *e, size_t element) {
     size_t low = 0, high = e->also_count;
     while (low < high) {

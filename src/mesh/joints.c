@@ -1,4 +1,4 @@
-/* Faces with too many elements, elements that are there twice, parts that nothing joins. */
+/* Checks of a mesh: faces with too many elements, duplicate elements, unconnected parts. */
 #include "mesh/joints_private.h"
 
 #include "base/memory.h"
@@ -47,8 +47,8 @@ static void face_nodes(const gn_joint_search *s, size_t element, int face, int32
     for (int k = 0; k < s->dimension; k++) node[k] = all[opposite[face][k + 1]];
 }
 
-/* On which side of its face an element is, by the order of the face's nodes alone; 0: it has no
- * volume. */
+/* Returns the side of its face on which an element is, by the order of the face's nodes alone; 0:
+ * it has no volume. */
 static int side_of(const gn_joint_search *s, size_t element, int face) {
     int32_t node[3];
     double edge[3][3], normal[3], volume;
@@ -72,7 +72,7 @@ static int side_of(const gn_joint_search *s, size_t element, int face) {
     return (volume > 0.0) - (volume < 0.0);
 }
 
-/* Faces with three elements or two on one side. */
+/* Faces with three elements, or with two on one side. */
 typedef struct crowded_faces {
     size_t count, element, other;
 } crowded_faces;
@@ -102,7 +102,7 @@ static bool add_face(gn_joint_search *s, gn_mesh_table *table, size_t element, i
     return true;
 }
 
-/* Elements with the nodes of an earlier one; the first pair. */
+/* Counts elements with the nodes of an earlier one, and finds the first pair. */
 static bool count_doubles(const gn_joint_search *s, crowded_faces *twice) {
     gn_mesh_table table = {0};
     bool room = true;

@@ -1,4 +1,4 @@
-/* Elements that lie over each other, and parts that touch without sharing nodes. */
+/* Overlapping elements, and parts that touch without shared nodes. */
 #include "mesh/joints_private.h"
 
 #include "base/memory.h"
@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the extent: what coordinates that were written with six or seven digits are off by. Not more
- * than that part of the shortest edge for nodes at one place. */
+/* Fraction of the extent by which coordinates written with six or seven digits are in error. For
+ * coincident nodes the tolerance is at most that fraction of the shortest edge. */
 static const double digits = 1e-6, edge_part = 1e-3;
 
 /* ---- over each other ---- */
@@ -19,7 +19,8 @@ typedef struct overlap_search {
     int32_t found; /* facet; -1: none yet */
 } overlap_search;
 
-/* Tells whether the axis shows facet and element apart, or in touch within the tolerance. */
+/* Tells whether the axis separates facet and element, or shows them in touch within the
+ * tolerance. */
 static bool apart(const overlap_search *o, const int32_t *facet, const double axis[3], double scale,
                   double tolerance) {
     const gn_joint_search *s = o->s;
@@ -38,7 +39,7 @@ static bool apart(const overlap_search *o, const int32_t *facet, const double ax
     return fmin(high[0] - low[1], high[1] - low[0]) <= tolerance * length;
 }
 
-/* The edges of a face or element; returns their number. */
+/* Lists the edges of a face or element; returns their number. */
 static int edges_of(const gn_joint_search *s, const int32_t *node, int count, double edge[6][3]) {
     int edges = 0;
     for (int k = 1; k < count; k++)
@@ -47,8 +48,8 @@ static int edges_of(const gn_joint_search *s, const int32_t *node, int count, do
     return edges;
 }
 
-/* Separating axes (Gottschalk, Lin and Manocha 1996): convex bodies are apart when a normal of one
- * of them, or in space a product of their edges, shows it. */
+/* Separating axes (Gottschalk, Lin and Manocha 1996): convex bodies are separate if a normal of one
+ * of them, or in space a cross product of their edges, separates them. */
 static bool apart_in_plane(const overlap_search *o, const int32_t *facet, double tolerance) {
     double edge[6][3];
     for (int of = 0; of < 2; of++) {
@@ -67,7 +68,7 @@ static bool apart_in_space(const overlap_search *o, const int32_t *facet, double
     double own[6][3], other[6][3], axis[3];
     const int own_count = edges_of(o->s, facet, 3, own),
               other_count = edges_of(o->s, gn_joint_nodes(o->s, o->element), 4, other);
-    /* Edges of an element in the order 01 02 12 03 13 23: two of each face. */
+    /* Edges of an element in the order 01 02 12 03 13 23: each face has two of these five. */
     for (int k = 0; k < 5; k++) {
         const double *u = k ? other[sides[k][0]] : own[0], *v = k ? other[sides[k][1]] : own[1];
         gn_mesh_cross(u, v, axis);
@@ -112,7 +113,7 @@ static gn_box box_of(const gn_joint_search *s, size_t element) {
     return box;
 }
 
-/* Where elements lie over each other, somewhere the boundary of the mesh goes through one. */
+/* If elements overlap, the boundary of the mesh intersects an element somewhere. */
 gneiss_status gn_joints_check_overlap(gn_joint_search *s) {
     size_t count = 0, first = 0;
     int32_t facet = -1;
@@ -142,8 +143,8 @@ typedef struct touch_search {
     const gn_joint_search *s;
     int32_t node;
     double reach;
-    touch_kind own, across; /* of the node's part; of another part */
-    bool first;             /* of those at its place */
+    touch_kind own, across; /* for the node's part; for other parts */
+    bool first;             /* the first of the nodes at its position */
 } touch_search;
 
 static double distance2(const double *x, const double *y) {
@@ -152,7 +153,7 @@ static double distance2(const double *x, const double *y) {
     return gn_mesh_dot(v, v);
 }
 
-/* Tells whether x is within reach of a facet, away from its corners. */
+/* Tells whether x is within the tolerance of a facet, away from its corners. */
 static bool on_facet(const gn_joint_search *s, const int32_t *facet, const double *x,
                      double reach) {
     const double *corner = gn_joint_place(s, facet[0]);
@@ -198,7 +199,7 @@ static bool visit_touch(void *context, int32_t item) {
     return false;
 }
 
-/* Of parts that touch. */
+/* Counts of touching parts. */
 typedef struct touch_count {
     size_t nodes, sides;
     double node_at[3], side_at[3];

@@ -1,26 +1,26 @@
-/* Elements that a file names more than once.
+/* Merging of elements that a file lists more than once.
  *
  * Format 2.2 writes an element of several groups once for each of them; not every writer puts these
- * one behind the other, and parts of format 4.1 may share elements. Elements with the same nodes
- * become one with all their groups, so that nothing is loaded or weighed twice. A solid that
- * only repeats another one, and brings no group of its own, is left twice: volumes that are
- * computed from it are refused (gn_mesh_boundary, gn_mesh_check_joints). */
+ * in sequence, and parts of format 4.1 may share elements. Elements with the same nodes become one
+ * with all their groups, so that nothing is loaded or weighted twice. A solid element that only
+ * repeats another one, without a group of its own, is kept twice, and computing volumes from it is
+ * refused (gn_mesh_boundary, gn_mesh_check_joints). */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
 
 #include <stdlib.h>
 
-/* A group of an element; `row` is the element that is kept for it. */
+/* A group of an element; `row` is the element into which it is merged. */
 typedef struct named_group {
-    int64_t row, element, order; /* order: of the groups of this element */
+    int64_t row, element, order; /* order: among the groups of this element */
     int32_t group;
 } named_group;
 
 typedef struct doubles {
     const gn_mesh_elements *from;
     int64_t *row;      /* [from->count] the first element with the same nodes */
-    bool *brings;      /* [from->count] a group that those before it do not have */
+    bool *brings;      /* [from->count] adds a group that earlier elements lack */
     named_group *name; /* [name_count] */
     size_t name_count, found;
 } doubles;
@@ -44,7 +44,7 @@ static int by_place(const void *a, const void *b) {
     return order ? order : compare(p->order, q->order);
 }
 
-/* False: no memory. */
+/* Finds the rows; returns false without memory. */
 static bool find_rows(doubles *d) {
     gn_mesh_table table = {0};
     bool room = true;
@@ -58,7 +58,7 @@ static bool find_rows(doubles *d) {
     return room;
 }
 
-/* Every group of a row once, named by the first element that has it. */
+/* Collects every group of a row once, from the first element that has it. */
 static void collect_names(doubles *d) {
     const gn_mesh_elements *e = d->from;
     size_t kept = 0;

@@ -1,4 +1,4 @@
-/* Closed surfaces: every edge in two triangles, normals outward, cavities found. */
+/* Closed surfaces: two triangles at every edge, normals outward, cavities detected. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -13,7 +13,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct component {
     size_t first, past;
     double lower[3], upper[3];
-    double volume; /* m3, > 0 once turned */
+    double volume; /* m3, > 0 once oriented */
 } component;
 
 typedef struct surface {
@@ -25,9 +25,9 @@ typedef struct surface {
     int32_t *edge_of; /* [count][3]: edge from corner k to k + 1 */
     size_t edge_count;
     int32_t *edge_triangle; /* [edge_count][2] */
-    int32_t *edge_use;      /* [edge_count] how many triangles */
+    int32_t *edge_use;      /* [edge_count] number of triangles */
     int32_t *edge_corner;   /* [edge_count] 3 * triangle + k of its first triangle */
-    int32_t *order;         /* [count] triangles, one component behind the other */
+    int32_t *order;         /* [count] triangles, by component */
     bool *seen;             /* [count] */
     component *components;
     size_t component_count, component_capacity;
@@ -43,7 +43,7 @@ static int32_t corner(const surface *s, size_t triangle, int k) {
     return s->triangle[3 * triangle + (size_t)(k % 3)];
 }
 
-/* The other way round; edges go with their corners. */
+/* Reverses a triangle; edges move with their corners. */
 static void turn(surface *s, size_t triangle) {
     int32_t *node = s->triangle + 3 * triangle, *edge = s->edge_of + 3 * triangle, swap;
     swap = node[1], node[1] = node[2], node[2] = swap;
@@ -109,7 +109,7 @@ static gneiss_status check_closed(const surface *s) {
     return refuse_edge(s, first, why);
 }
 
-/* Neighbours go along a common edge in opposite senses. */
+/* Tells whether both triangles of an edge traverse it in opposite senses. */
 static bool same_sense(const surface *s, size_t edge) {
     int32_t start[2] = {-1, -1};
     for (int t = 0; t < 2; t++) {
@@ -121,7 +121,8 @@ static bool same_sense(const surface *s, size_t edge) {
     return start[0] == start[1];
 }
 
-/* Walks over the edges from order[first] and turns what stands against its neighbour. */
+/* Visits the component of order[first] over edges and reverses triangles against their
+ * neighbours. */
 static gneiss_status spread(surface *s, size_t first, size_t *past) {
     *past = first + 1;
     for (size_t at = first; at < *past; at++) {
@@ -144,7 +145,8 @@ static gneiss_status spread(surface *s, size_t first, size_t *past) {
     return GNEISS_OK;
 }
 
-/* Divergence theorem with an apex on the surface: the sum loses nothing to a far origin. */
+/* Computes the volume by the divergence theorem with an apex on the surface, so that a far origin
+ * costs no digits. */
 static gneiss_status measure(surface *s, component *c) {
     const double *apex = s->node + 3 * (size_t)corner(s, (size_t)s->order[c->first], 0);
     double area = 0.0, extent = 0.0;
@@ -168,7 +170,7 @@ static gneiss_status measure(surface *s, component *c) {
         c->volume += gn_mesh_dot(at[0], normal) / 6.0;
     }
     for (int d = 0; d < 3; d++) extent = fmax(extent, c->upper[d] - c->lower[d]);
-    /* Rounding alone makes volumes of about 1e-16 of this product. */
+    /* Rounding alone gives volumes of about 1e-16 of this product. */
     if (isfinite(area * extent) && fabs(c->volume) > 1e-13 * area * extent) return GNEISS_OK;
     return gn_fail(s->error, GNEISS_ERROR_INPUT,
                    "%s: expected surfaces that enclose a volume, found one of %zu triangles at "
@@ -204,8 +206,8 @@ static gneiss_status find_components(surface *s) {
     return GNEISS_OK;
 }
 
-/* Solid angle of a triangle (van Oosterom and Strackee 1983, eq. 8) summed over the surface and
- * divided by 4 pi: 1 inside, 0 outside, NaN on it. */
+/* Returns the solid angle of a triangle (van Oosterom and Strackee 1983, eq. 8) summed over the
+ * surface and divided by 4 pi: 1 inside, 0 outside, NaN on it. */
 static double winding(const surface *s, const component *c, const double x[3]) {
     double sum = 0.0;
     for (size_t row = c->first; row < c->past; row++) {
@@ -218,7 +220,7 @@ static double winding(const surface *s, const component *c, const double x[3]) {
         double above = gn_mesh_dot(r[0], normal);
         double below = length[0] * length[1] * length[2] + gn_mesh_dot(r[0], r[1]) * length[2] +
                        gn_mesh_dot(r[1], r[2]) * length[0] + gn_mesh_dot(r[2], r[0]) * length[1];
-        /* In the plane of the triangle and within it: rounding would choose the side. */
+        /* In the plane of the triangle and within it, rounding would decide the side. */
         if (below <= 0.0 && fabs(above) <= 1e-12 * length[0] * length[1] * length[2]) return NAN;
         sum += 2.0 * atan2(above, below);
     }
@@ -231,7 +233,7 @@ static bool box_inside(const component *inner, const component *outer) {
     return true;
 }
 
-/* Centroids of triangles are asked and not corners: bodies may touch in corners. */
+/* Tests centroids of triangles and not corners, since bodies may touch in corners. */
 static gneiss_status lies_in(const surface *s, const component *inner, const component *outer,
                              bool *inside) {
     enum { TRIES = 16 };

@@ -1,4 +1,4 @@
-/* Corners of triangles that stand apart become nodes that triangles share. */
+/* Welding: coincident corners of triangles become shared nodes. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -7,13 +7,14 @@
 #include <string.h>
 
 static const double weld_distance = 1e-6; /* of the longest side of the box */
-static const double cell_size = 8.0;      /* in weld distances: a corner is near one or two cells */
+/* in weld distances: the reach of a corner covers one or two cells */
+static const double cell_size = 8.0;
 
 typedef struct weld {
     double origin[3];
     double reach, cell; /* m */
     double *node;       /* [count][3] */
-    int32_t *next;      /* [count] the next node in the same cell, -1: last */
+    int32_t *next;      /* [count] the next node in the same cell, -1: none */
     size_t count;
     gn_mesh_table cells; /* cell -> its first node */
 } weld;
@@ -32,7 +33,7 @@ static gneiss_status measure(weld *w, const double *corner, size_t count, const 
     }
     w->reach = weld_distance * extent;
     w->cell = cell_size * w->reach;
-    /* Products of lengths must neither overflow nor vanish. */
+    /* Products of lengths must neither overflow nor underflow. */
     if (extent > 1e-60 && extent < 1e60) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a surface with an extent of 1e-60 to 1e60 m, found %g m", name,
@@ -47,8 +48,8 @@ static gn_mesh_key cell_key(const int64_t cell[3]) {
     return (gn_mesh_key){(uint64_t)cell[0] << 32 ^ (uint64_t)cell[1], (uint64_t)cell[2]};
 }
 
-/* The earliest node within reach, -1: none. Its cell is one of those that a cube of the reach
- * around x touches. */
+/* Finds the earliest node within reach, -1 if there is none, in the cells that a cube of the reach
+ * around x intersects. */
 static int64_t find_node(const weld *w, const double x[3]) {
     int64_t lower[3], upper[3], cell[3], found = -1;
     for (int d = 0; d < 3; d++) {
@@ -69,7 +70,7 @@ static int64_t find_node(const weld *w, const double x[3]) {
     return found;
 }
 
-/* False: no memory. */
+/* Adds a node; returns false without memory. */
 static bool add_node(weld *w, const double x[3]) {
     int64_t cell[3], first, k = (int64_t)w->count;
     for (int d = 0; d < 3; d++) {
@@ -78,7 +79,7 @@ static bool add_node(weld *w, const double x[3]) {
     }
     if (!gn_mesh_table_add(&w->cells, cell_key(cell), k, &first)) return false;
     w->next[k] = -1;
-    if (first != k) { /* behind the first, which the table goes on naming */
+    if (first != k) { /* inserted after the first, to which the table refers */
         w->next[k] = w->next[first];
         w->next[first] = (int32_t)k;
     }
@@ -86,7 +87,7 @@ static bool add_node(weld *w, const double x[3]) {
     return true;
 }
 
-/* Nodes [count] of the corners. False: no memory. */
+/* Finds the nodes [count] of the corners; returns false without memory. */
 static bool weld_corners(weld *w, const double *corner, size_t count, int32_t *node) {
     for (size_t k = 0; k < count; k++) {
         int64_t found = find_node(w, corner + 3 * k);
@@ -99,7 +100,7 @@ static bool weld_corners(weld *w, const double *corner, size_t count, int32_t *n
     return true;
 }
 
-/* Triangles with three different nodes, in place; nodes that only dropped ones used go too. */
+/* Removes triangles without three different nodes, and the nodes that only they used, in place. */
 static size_t drop_degenerate(weld *w, int32_t *node, size_t triangles) {
     size_t kept = 0, used = 0;
     for (size_t t = 0; t < triangles; t++) {
@@ -110,7 +111,7 @@ static size_t drop_degenerate(weld *w, int32_t *node, size_t triangles) {
         node[3 * kept + 2] = c;
         kept++;
     }
-    int32_t *renumbered = w->next; /* the chains have served */
+    int32_t *renumbered = w->next; /* the chains are no longer needed */
     for (size_t k = 0; k < w->count; k++) renumbered[k] = -1;
     for (size_t k = 0; k < 3 * kept; k++) renumbered[node[k]] = 0;
     for (size_t k = 0; k < w->count; k++) {

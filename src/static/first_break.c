@@ -42,7 +42,7 @@ static const double balanced_worst = 300.0;
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 /* The path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
-/* Initial loads whose displacements are below this fraction of the smallest radius are. */
+/* Initial loads whose displacements are below this fraction of the smallest radius are rounding. */
 static const double no_path = 1e-9;
 /* Largest speed of a free particle over the largest prescribed one: a lever ratio of 1000. */
 static const double rates_most = 1e3;

@@ -51,7 +51,7 @@ static gneiss_status make_box(const double size[3], gn_mesh *mesh, gneiss_error 
     return GNEISS_OK;
 }
 
-/* Two rings of corners; end faces as fans about their centres. */
+/* Makes two rings of corners; end faces are fans about their centres. */
 static gneiss_status make_cylinder(const gn_body_cylinder *c, gn_mesh *mesh, gneiss_error *error) {
     int32_t n = (int32_t)c->sides;
     GN_TRY(allocate(mesh, 2 * (size_t)n + 2, 4 * (size_t)n, error));
@@ -117,7 +117,8 @@ static void place(const gn_body_def *def, const double *local, double *x) {
         x[a] = def->origin[a] + (def->has_rotation ? gn_dot3(m + 3 * a, scaled) : scaled[a]);
 }
 
-/* Height over the longest side of a triangle below rounding; a segment without length. */
+/* Tells whether a triangle's height is below rounding of its longest side, or a segment has no
+ * length. */
 static bool is_degenerate(const gn_body_shape *shape, const int32_t *corner, int corners) {
     const double *x[3] = {0};
     double e[3][3], normal[3], longest = 0.0;
@@ -198,7 +199,7 @@ static void add_cone(const double x[3][3], int corners, integrals *sum) {
     }
     for (int c = 0; c < corners; c++)
         for (int a = 0; a < 3; a++) total[a] += x[c][a];
-    double n = corners + 1.0; /* corners of the cone, its tip at the origin */
+    double n = corners + 1.0; /* corners of the cone, whose tip is the origin */
     sum->volume += part;
     for (int a = 0; a < 3; a++) sum->first[a] += part * total[a] / n;
     for (int a = 0; a < 3; a++)
@@ -226,7 +227,8 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
             }
         add_cone((const double(*)[3])x, corners, &sum);
     }
-    double sign = sum.volume < 0.0 ? -1.0 : 1.0; /* of a polygon in the other sense */
+    /* negative for a polygon of the opposite orientation */
+    double sign = sum.volume < 0.0 ? -1.0 : 1.0;
     shape->volume = sign * sum.volume;
     if (!(shape->volume > 1e-12 * pow(size, corners)))
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected a body with a volume, found %g m3",
@@ -243,7 +245,7 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
     return GNEISS_OK;
 }
 
-/* Files and scales can each be sensible and give together what no key may say. */
+/* A file and a scale that are both valid may give coordinates that no key may have. */
 static gneiss_status check_places(const gn_body_shape *shape, gneiss_error *error) {
     for (size_t v = 0; v < shape->vertices; v++) {
         const double *x = shape->vertex + 4 * v;

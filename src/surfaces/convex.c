@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far vertices are off the plane of their face, over the size of the body: as computed, and
- * what files of six digits or in single precision, also somewhat off their origin, make of it. */
+/* Distance of vertices from the plane of their face, over the size of the body: as computed, and
+ * after storage with six digits or in single precision, possibly off the origin. */
 static const double exact = 1e-12, rounded = 3e-5;
-/* Height over the longest side from which on a triangle says where its plane is by itself. */
+/* Ratio of height to longest side above which a triangle defines its plane by itself. */
 static const double slender = 1e-3;
 
 /* --- closed --- */
@@ -32,7 +32,7 @@ static int by_value(const void *a, const void *b) {
     return (*p > *q) - (*p < *q);
 }
 
-/* Vertices at one place have one number. */
+/* Gives vertices at one position the same number. */
 static void weld(const gn_facet_set *s, size_t vertices, welded *w, int32_t *number) {
     for (size_t v = 0; v < vertices; v++) {
         for (int k = 0; k < 3; k++) w[v].x[k] = s->pos[4 * v + (size_t)k] + 0.0;
@@ -46,7 +46,7 @@ static void weld(const gn_facet_set *s, size_t vertices, welded *w, int32_t *num
     }
 }
 
-/* Every edge (in the plane: corner) is that of two facets. */
+/* Tells whether every edge (in 2D: corner) belongs to two facets. */
 static bool is_closed(const gn_facet_set *s, size_t vertices, const int32_t *number,
                       int64_t *edge) {
     size_t count = s->count * (size_t)s->corners;
@@ -89,7 +89,7 @@ static const double *corner_of(const gn_facet_set *s, size_t facet, int c) {
     return s->pos + 4 * (int64_t)s->corner[(size_t)s->corners * facet + (size_t)c];
 }
 
-/* Unit normal of a facet; whether it is a good one. */
+/* Computes the unit normal of a facet; returns whether it is reliable. */
 static bool normal_of(const gn_facet_set *s, size_t facet, double n[3]) {
     const double *a = corner_of(s, facet, 0), *b = corner_of(s, facet, 1);
     double u[3], v[3] = {0, 0, 1}, longest = 0.0;
@@ -111,14 +111,16 @@ static bool normal_of(const gn_facet_set *s, size_t facet, double n[3]) {
     return s->corners == 2 || size > slender * longest;
 }
 
-/* What planes are looked for with: `off`, m, is how far from its plane a vertex may be. */
+/* Context of the search for planes; `off`, m, is the tolerance of a vertex's distance from its
+ * plane. */
 typedef struct search {
     const gn_facet_set *set;
     size_t vertices;
     double off;
 } search;
 
-/* A plane across a normal that has all vertices on one side; the facet is on it. */
+/* Moves a plane with the normal of a facet so that all vertices are on one side; returns false if
+ * they are on both sides of the facet. */
 static bool supports(const search *s, size_t facet, double plane[4]) {
     double at = gn_dot3(plane, corner_of(s->set, facet, 0)), low = 0.0, high = 0.0;
     for (size_t v = 0; v < s->vertices; v++) {
@@ -139,8 +141,8 @@ static bool lies_on(const gn_facet_set *s, size_t facet, const double plane[4], 
     return true;
 }
 
-/* The normal of a small facet is as uncertain as its corners over its height, that of all which lie
- * about in the same plane as these over the size of all. */
+/* Averages the normals of all facets in about the plane of this one: the error of a small facet's
+ * normal is that of its corners over its height, that of the mean over the size of all. */
 static void mean_normal(const search *s, size_t facet, double n[3]) {
     double near[4], sum[3] = {0, 0, 0}, size;
     normal_of(s->set, facet, near);
@@ -162,7 +164,7 @@ static void mean_normal(const search *s, size_t facet, double n[3]) {
     for (int k = 0; k < 3; k++) n[k] = size > 0.0 ? sum[k] / size : near[k];
 }
 
-/* The plane of a facet, or one that is known on which it lies. */
+/* Finds the plane of a facet: a known one on which it lies, or a new one. */
 static bool find_plane(const search *s, size_t facet, gn_convex *c) {
     double plane[4];
     for (size_t k = 0; k < c->planes; k++)
@@ -187,7 +189,7 @@ static double size_of(const gn_facet_set *s, size_t vertices) {
     return size;
 }
 
-/* Slender facets come last, when those that say where their plane is have been looked at. */
+/* Finds all planes; slender facets come last, after those that define their plane. */
 static bool find_planes(const search *s, gn_convex *c) {
     double n[3];
     c->planes = 0;
@@ -210,7 +212,7 @@ static void put_corners(const gn_facet_set *s, gn_convex *c) {
 
 /* --- faces of planes --- */
 
-/* A square on a plane about the first vertex; in the plane a strip between both ends. */
+/* Puts a square on a plane around the first vertex; in 2D a strip between both ends. */
 static void put_square(const gn_facet_set *s, const double plane[4], double half, double *to) {
     double e[2][3] = {{0}}, off = plane[3] - gn_dot3(plane, s->pos);
     int least = 0;
@@ -229,7 +231,7 @@ static void put_square(const gn_facet_set *s, const double plane[4], double half
                             (c < 2 ? -1.0 : 1.0) * e[1][a];
 }
 
-/* The face on a plane, cut by all others, in one of two buffers; its corners. */
+/* Cuts the face on a plane by all other planes, in one of two buffers; returns its corners. */
 static size_t face_of(const gn_facet_set *s, const gn_convex *c, size_t plane, double half,
                       double *buffer[2], int *in) {
     size_t count = 4;
@@ -244,8 +246,8 @@ static size_t face_of(const gn_facet_set *s, const gn_convex *c, size_t plane, d
     return count;
 }
 
-/* Facets become those of the body that its planes bound, so that they lie on these to the bit:
- * called without `c->corner` it only counts them. False: they bound none. */
+/* Replaces the facets by those of the body that its planes bound, so that they lie on the planes to
+ * the bit. Without `c->corner` it only counts them. Returns false if the planes bound no body. */
 static bool cut_faces(const gn_facet_set *s, double size, double *memory, gn_convex *c) {
     double *buffer[2] = {memory, memory + 3 * (c->planes + 8)};
     c->polygons = 0;

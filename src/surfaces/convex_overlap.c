@@ -8,19 +8,20 @@
 
 /* --- room --- */
 
-/* A face of the overlap: points among all of them, and the plane of its body that it lies on. */
+/* A face of the overlap: its points among all points, and the plane of its body on which it
+ * lies. */
 typedef struct face {
     size_t begin, count;
     int32_t plane;
 } face;
 
-/* One of both, in place: what of its surface lies in the other. */
+/* One of the bodies in its pose, and the part of its surface that lies in the other. */
 typedef struct side {
     const gn_convex *shape;
     double *plane, *corner; /* as in the shape */
     face *faces;
     size_t count;
-    int32_t *near; /* planes that are somewhere in the overlap the nearest to a point */
+    int32_t *near; /* planes that are the nearest for some point of the overlap */
     size_t near_count;
 } side;
 
@@ -29,12 +30,12 @@ typedef struct work {
     double *point;
     size_t points, most;
     double *buffer[2];
-    double origin[3]; /* a point of the overlap; integrals are about it */
-    double reach;     /* m, of the overlap from there */
+    double origin[3]; /* a point of the overlap, the origin of the integrals */
+    double reach;     /* m, largest distance of the overlap from the origin */
     int dimension;
 } work;
 
-/* Points of all faces: twelve of a facet, where those of triangles in space are six in the mean. */
+/* Points of all faces: twelve per facet; faces of triangles in space have six on average. */
 enum { MOST_POINTS = 12, MORE_POINTS = 64 };
 
 static size_t buffer_points(const gn_convex_room *r) {
@@ -112,7 +113,7 @@ size_t gn_polygon_cut(const double *from, size_t count, const double n[3], doubl
     return kept > 2 ? kept : 0;
 }
 
-/* The polygon in buffer[*in]; *in changes if anything was cut off. */
+/* Cuts the polygon in buffer[*in]; *in changes if anything was cut off. */
 static size_t cut_there(work *w, int *in, size_t count, const double n[3], double at) {
     bool cuts = false;
     for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, w->buffer[*in] + 3 * k) > at;
@@ -122,11 +123,11 @@ static size_t cut_there(work *w, int *in, size_t count, const double n[3], doubl
     return count;
 }
 
-/* What of a face of one body is behind a plane of the other, n.x <= at. Two faces that look the
- * same way part where their planes are as far out, of which the second counts farther in by
- * `slack`, m, so that one of both counts where they lie in each other. For both that is one plane,
- * to the bit: each cut at the plane of the other, two that are turned by rounding alone part
- * anywhere, and the surface of the overlap has gaps or counts twice. */
+/* Computes the half space n.x <= at to which a plane of one body cuts a face of the other. Two
+ * faces of the same direction part where their planes have equal distances; the second is moved
+ * inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies that is
+ * one plane to the bit: if each face were cut at the plane of the other, faces that differ by
+ * rounding would part anywhere, and the surface of the overlap would have gaps or count twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
     bool same_way = gn_dot3(mine, other) > 0.9;
@@ -134,7 +135,8 @@ static void part_at(const double mine[4], const double other[4], double slack, d
     *at = same_way ? other[3] - mine[3] + slack : other[3];
 }
 
-/* Faces of one body in the other; `slack` is above 0 for the first and below for the second. */
+/* Finds the faces of one body in the other; `slack` is positive for the first body and negative for
+ * the second. */
 static void find_faces(work *w, int mine, double slack) {
     side *s = &w->of[mine], *other = &w->of[1 - mine];
     size_t corners = (size_t)s->shape->corners, planes = other->shape->planes, last = 0;
@@ -143,7 +145,7 @@ static void find_faces(work *w, int mine, double slack) {
         size_t count = corners;
         memcpy(w->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
         for (size_t k = 0; k < planes && count; k++) {
-            size_t p = (last + k) % planes; /* what cut off the last one first */
+            size_t p = (last + k) % planes; /* the plane that cut off the last face comes first */
             double n[3], at;
             part_at(s->plane + 4 * s->shape->on[f], other->plane + 4 * p, slack, n, &at);
             count = cut_there(w, &in, count, n, at);
@@ -162,7 +164,8 @@ static double depth_at(const side *s, size_t plane, const double x[3]) {
     return s->plane[4 * plane + 3] - gn_dot3(s->plane + 4 * plane, x);
 }
 
-/* A plane that is at every corner of the overlap farther than another one is, is so everywhere. */
+/* Tells whether plane a is farther than plane b at every corner of the overlap, and hence
+ * everywhere. */
 static bool is_behind(const work *w, const side *s, size_t a, size_t b) {
     for (size_t v = 0; v < w->points; v++)
         if (depth_at(s, a, w->point + 3 * v) < depth_at(s, b, w->point + 3 * v)) return false;
@@ -195,14 +198,14 @@ static void find_near(const work *w, side *s) {
 
 /* --- integrals --- */
 
-/* By path of the second body and by turn about the origin. */
+/* Derivatives by displacement of the second body and by its rotation about the origin. */
 typedef struct sums {
     double volume, whole; /* V, W */
     double by_volume[6], by_whole[6];
-    double weight, first[3], second[9]; /* of faces, weighed by depth */
+    double weight, first[3], second[9]; /* over faces, weighted by depth */
 } sums;
 
-/* The middles of the sides of a triangle: exact for what is quadratic. */
+/* Midpoints of the sides of a triangle, which integrate quadratic functions exactly. */
 typedef struct spot {
     double x[3], area; /* from the origin; m2 */
 } spot;
@@ -231,7 +234,7 @@ static void add_swept(double sum[6], const double n[3], const double x[3], doubl
     }
 }
 
-/* A face of the overlap. */
+/* Adds a face of the overlap. */
 static void add_face(const work *w, int mine, const face *f, sums *s) {
     const double *n = w->of[mine].plane + 4 * f->plane;
     spot spots[3];
@@ -244,14 +247,14 @@ static void add_face(const work *w, int mine, const face *f, sums *s) {
     }
 }
 
-/* m, the depth below a plane of a point from the origin. */
+/* Returns the depth below a plane of a point from the origin, m. */
 static double depth_of(const work *w, const double plane[4], const double x[3]) {
     return plane[3] - gn_dot3(plane, w->origin) - gn_dot3(plane, x);
 }
 
-/* The second moment of a triangle of spots, weighed by depth: of the third order, so that corners
- * and the middle count as well (exact up to there). With the middles of sides alone it depended on
- * how faces are cut into triangles. */
+/* Adds the second moment of a triangle, weighted by depth. It is of third order, so that corners
+ * and the centroid count as well (exact to that order). With the midpoints of sides alone it
+ * depended on the triangulation of faces. */
 static void add_second(const work *w, const double plane[4], const spot spots[3], double sum[9]) {
     double x[7][3];
     for (int a = 0; a < 3; a++) {
@@ -269,7 +272,7 @@ static void add_second(const work *w, const double plane[4], const spot spots[3]
     }
 }
 
-/* A part of such a face, of which plane `p` of the other body is the nearest. */
+/* Adds the part of a face to which plane `p` of the other body is the nearest. */
 static void add_part(const work *w, int mine, const face *f, const double *point, size_t count,
                      size_t p, sums *s) {
     const double *n = w->of[mine].plane + 4 * f->plane, *q = w->of[1 - mine].plane + 4 * p;
@@ -289,7 +292,7 @@ static void add_part(const work *w, int mine, const face *f, const double *point
     }
 }
 
-/* Cuts what is in buffer[*in] to where plane `p` of a body is the nearest. */
+/* Cuts the polygon in buffer[*in] to the region where plane `p` of a body is the nearest. */
 static size_t cut_to_nearest(work *w, const side *s, size_t p, size_t but, int *in, size_t count) {
     const double *mine = s->plane + 4 * p;
     for (size_t k = 0; k < s->near_count && count; k++) {
@@ -313,7 +316,7 @@ static void add_parts(work *w, int mine, const face *f, sums *s) {
     }
 }
 
-/* A square on the plane n.x = at that covers the overlap, n not a unit vector. */
+/* Puts a square on the plane n.x = at that covers the overlap; n need not be a unit vector. */
 static void put_square(work *w, const double n[3], double at) {
     double size2 = gn_dot3(n, n), off = (at - gn_dot3(n, w->origin)) / size2, e[2][3] = {{0}};
     int least = 0;
@@ -335,7 +338,7 @@ static void put_square(work *w, const double n[3], double at) {
         }
 }
 
-/* Whether points of the overlap lie on both sides of where two planes are as near. */
+/* Tells whether the overlap has points on both sides of the bisector of two planes. */
 static bool parts_overlap(const work *w, const double n[3], double at) {
     bool below = false, above = false;
     for (size_t v = 0; v < w->points; v++) {
@@ -346,8 +349,9 @@ static bool parts_overlap(const work *w, const double n[3], double at) {
     return below && above;
 }
 
-/* Where two planes of a body are as near, the depth has a fold: of the integral over the volume,
- * that of the divergence of half its square along its gradient, something is there too. */
+/* Adds the contribution of a fold: where two planes of a body are equally near, the depth has a
+ * kink, and the volume integral, which is that of the divergence of half its square along its
+ * gradient, has a term there. */
 static void add_fold(work *w, int mine, size_t p, size_t q, sums *s) {
     const side *me = &w->of[mine], *other = &w->of[1 - mine];
     const double *a = me->plane + 4 * p, *b = me->plane + 4 * q;
@@ -388,7 +392,7 @@ static void add_all(work *w, sums *s) {
 
 /* --- together --- */
 
-/* The push goes along a line, but for what little it turns about that. */
+/* Sets the point of the contact force; a small couple about its line remains. */
 static void put_point(const work *w, const sums *s, const double moment[3], gn_convex_overlap *o) {
     double across[3], at[3], size2 = gn_dot3(o->along, o->along);
     gn_cross3(o->along, moment, across);
@@ -419,8 +423,8 @@ static void in_plane(sums *s) {
 
 static bool read_sums(const work *w, sums *s, double least, gn_convex_overlap *o) {
     double moment[3];
-    /* Of one body all faces and of the other none are there only where one holds the other; a face
-     * on a face is not. */
+    /* Faces of one body only are there if that body lies inside the other, not if two faces
+     * coincide. */
     bool all = w->of[0].count && w->of[1].count;
     if (!all && !(s->volume > 1e-6 * pow(w->reach, w->dimension))) return false;
     if (!(s->volume > 0.0) || !(s->whole > least * s->volume) || !(s->weight > 0.0)) return false;
@@ -459,7 +463,7 @@ bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_con
 
 /* --- apart --- */
 
-/* m, the least distance of corners of b from a plane of a; the largest of all planes. */
+/* Returns the largest distance of all planes of a to the nearest corner of b, m. */
 static double apart_by(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
                        const gn_convex_pose *at_b) {
     double most = -(double)INFINITY;

@@ -39,7 +39,7 @@ static void fit_leaf(const gn_facet_set *s, const gn_facet_tree *t, gn_facet_box
         for (int c = 0; c < s->corners; c++) grow(box, vertex(s, t->order[k], c));
 }
 
-/* Behind a box come its first half's; so children have larger numbers. */
+/* A box is followed by its first half, so that children have larger numbers. */
 void gn_facet_tree_refit(const gn_facet_set *s, gn_facet_tree *t) {
     for (size_t b = t->boxes; b-- > 0;) {
         gn_facet_box *box = &t->box[b];
@@ -61,7 +61,7 @@ static int by_key(const void *a, const void *b) {
     return (x->facet > y->facet) - (x->facet < y->facet);
 }
 
-/* Halves at the median along the longest side of the box. */
+/* Splits at the median along the longest side of the box. */
 static void split(builder *k, int32_t begin, int32_t count) {
     gn_facet_tree *t = k->tree;
     size_t me = t->boxes++;

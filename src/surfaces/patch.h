@@ -1,5 +1,5 @@
-/* A particle that is large beside the facets of a surface which deforms: pressure over all of the
- * surface that is in the particle, instead of contacts at the nearest points.
+/* Contact of a particle that is large compared with the facets of a deformable surface: pressure
+ * over the surface that is in the particle, instead of contacts at the nearest points.
  *
  * Nearest points of nearly parallel facets change places when nodes move by a little, whatever the
  * step: a potential of the deepest facet has a kink there, and leap-frog gains energy at it. Here
@@ -18,26 +18,28 @@
 
 #include "surfaces/facet.h"
 
-enum { GN_PATCH_FACETS = 512 }; /* that a particle presses at once */
+enum { GN_PATCH_FACETS = 512 }; /* largest number of facets in contact with a particle */
 
-/* The part of a facet that is in the particle. */
+/* The part of a facet that is inside the particle. */
 typedef struct gn_patch_facet {
     double force;     /* m, over k */
     double potential; /* m2, over k */
 } gn_patch_facet;
 
-/* Of the facet with `corners` (2, 3) vertices at x; fills all of *near but `corner` and `row`, for
- * the point where the force acts: feature, all of the facet. False: it is outside. */
+/* Computes the pressure of the facet with `corners` (2, 3) vertices at x, and fills all of *near
+ * but `corner` and `row` for the point of the force; its feature is the whole facet. Returns false
+ * if the facet is outside. */
 bool gn_patch_press(int corners, const double *const x[3], const double centre[3], double radius,
                     gn_facet_near *near, gn_patch_facet *facet);
 
-/* Contacts of a particle of these facets that together have their forces and potentials: those of
- * about the same direction have one overlap. `hertz`: forces go with the power 3/2 of it. */
+/* Makes the contacts of a particle with these facets, with the forces and potentials of all: facets
+ * of about the same direction have a common overlap. `hertz`: forces are proportional to its power
+ * 3/2. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts);
 
-/* How much two directions belong to one contact, from their cosine: 1 up to GN_FACET_SHARE, 0 from
- * 60 degrees on. */
+/* Returns the degree to which two directions belong to one contact, from their cosine: 1 up to
+ * GN_FACET_SHARE, 0 from 60 degrees on. */
 double gn_patch_share(double cosine);
 
 #endif
