@@ -6,11 +6,11 @@
  * Bound. Let r = C^T u - S q have the part r_ae = V div u/nodes - s_ae in element e at its node a,
  * s_ae = tau V grad N_a . (grad q - mean pi), whose sum over the nodes is zero. By Cauchy's
  * inequality p.M_p p = sum_a (sum_e r_ae)^2/sum_e m_ae <= sum_e sum_a r_ae^2/m_ae,   m_ae =
- * V/(nodes K), and sum_a r_ae^2/m_ae = K V (div u)^2 + nodes K/V sum_a s_ae^2: u and q part. With u
- * goes the displacement form's element energy; q.S q is the sum of tau V/nodes |grad q - pi_a|^2
- * over the corners, at least tau V |grad q - mean pi|^2, so that the rest is at most (1 + x) q.S q
- * with x the largest of nodes K tau lambda_max(sum_a grad N_a (x) grad N_a). Hence w_max^2 is at
- * most the larger of the displacement form's bound and w^2 (1 + x). */
+ * V/(nodes K), and sum_a r_ae^2/m_ae = K V (div u)^2 + nodes K/V sum_a s_ae^2: u and q part. The u
+ * part is in the displacement form's element energy; q.S q is the sum of tau V/nodes |grad q -
+ * pi_a|^2 over the corners, at least tau V |grad q - mean pi|^2, so that the rest is at most (1 +
+ * x) q.S q with x the largest of nodes K tau lambda_max(sum_a grad N_a (x) grad N_a). Hence w_max^2
+ * is at most the larger of the displacement form's bound and w^2 (1 + x). */
 #include "fem/internal.h"
 
 #include <string.h>

@@ -5,10 +5,10 @@
  * with   p = M_p^-1 (e - S q), M_p the lumped mass over K and S = L - Q Gh^-1 Q^T the orthogonal
  * sub-scales: q.S q is the least sum over pi of tau |grad q - pi|^2, taken at the corners of the
  * elements. Its minimum over q is the static method, q = p and (M_p + S) p = e. Here q has an
- * inertia S/w^2 instead, so that q'' = w^2 (p - q), which asks for no solution of equations:
- * everything is local, q moves by the leap-frog of the nodes, and energy is conserved as in the
- * displacement form. Its mean gradient pi obeys the same equation and need not be projected anew:
- * pi'' = w^2 (Gh^-1 Q^T p - pi). docs/fem.md derives it.
+ * inertia S/w^2 instead, so that q'' = w^2 (p - q), which needs no solution of equations:
+ * everything is local, q is integrated by the leap-frog of the nodes, and energy is conserved as in
+ * the displacement form. Its mean gradient pi obeys the same equation and needs no projection of
+ * its own: pi'' = w^2 (Gh^-1 Q^T p - pi). docs/fem.md derives it.
  */
 #include "base/memory.h"
 #include "fem/internal.h"

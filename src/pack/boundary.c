@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Adds to the pieces; *held false: no memory. */
+/* Output of the cutting functions; *held becomes false without memory. */
 typedef struct cutter {
     gn_boundary_pieces *pieces;
     double size;
@@ -40,7 +40,7 @@ static double length3(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* A parallelogram with the sides u and v, u x v outward. */
+/* Adds a parallelogram with the sides u and v, u x v outward. */
 static void add_face(cutter *c, const double corner[3], const double u[3], const double v[3]) {
     const int64_t n = parts(c, length3(u)), m = parts(c, length3(v));
     double area[3], point[3];
@@ -54,7 +54,7 @@ static void add_face(cutter *c, const double corner[3], const double u[3], const
         }
 }
 
-/* From one point to another with the body on the left. */
+/* Adds an edge from one point to another with the body on its left. */
 static void add_edge(cutter *c, const double from[2], const double to[2]) {
     double u[2] = {to[0] - from[0], to[1] - from[1]};
     const int64_t n = parts(c, hypot(u[0], u[1]));
@@ -65,7 +65,7 @@ static void add_edge(cutter *c, const double from[2], const double to[2]) {
     }
 }
 
-/* A triangle, its corners round the outward normal: cut into m^2 alike. */
+/* Adds a triangle, counter-clockwise about the outward normal, cut into m^2 equal ones. */
 static void add_triangle(cutter *c, const double *x[3]) {
     double u[3], v[3], area[3], point[3];
     for (int a = 0; a < 3; a++) {
@@ -121,8 +121,8 @@ static void cut_polygon(cutter *c, const gn_pack_def *def) {
     }
 }
 
-/* A circle's rim, of some height, that rises so much along z: its pieces' areas add up to those of
- * arcs. */
+/* Cuts a circle's rim at a height, with an extent along z; the areas of its pieces add up to those
+ * of arcs. */
 static void cut_round(cutter *c, const double centre[3], double radius, double height, double rise,
                       int64_t m) {
     const int64_t n = parts(c, 2.0 * M_PI * radius);
@@ -140,7 +140,7 @@ static void cut_round(cutter *c, const double centre[3], double radius, double h
         }
 }
 
-/* Rings of a flat circle at the height z, facing up (+1) or down. */
+/* Cuts a flat circle at the height z into rings, facing up (+1) or down. */
 static void cut_end(cutter *c, const gn_pack_def *def, double z, double facing) {
     const double radius = 0.5 * def->diameter;
     const int64_t rings = parts(c, radius);

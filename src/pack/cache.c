@@ -1,4 +1,4 @@
-/* Packings made before, by a hash of what was asked for. */
+/* The cache of packings, by a hash of the request. */
 #include "base/memory.h"
 #include "io/atomic_file.h"
 #include "io/files.h"
@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Raised whenever the same request gives another packing. */
+/* To be raised whenever the same request gives another packing. */
 enum { METHOD_VERSION = 1, METHOD_OF_SIZES = 2 };
 
 /* ---- the key ---- */
@@ -30,11 +30,11 @@ static gneiss_status hash_file(const char *path, uint64_t *hash, gneiss_error *e
     return failed ? gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be read", path) : GNEISS_OK;
 }
 
-/* The request without what does not change the packing. */
+/* Writes the request as text without the keys that do not change the packing. */
 static char *key_text(const gn_scene *scene, uint64_t contents) {
     gn_scene *plain = malloc(sizeof *plain); /* too large for a small stack */
     if (!plain) return NULL;
-    *plain = *scene; /* shares its arrays, which are not freed */
+    *plain = *scene; /* shares the arrays, which are not freed */
     gn_specimen *s = &plain->specimen;
     s->material[0] = '\0';
     s->group = 1;
@@ -42,7 +42,7 @@ static char *key_text(const gn_scene *scene, uint64_t contents) {
     s->porosity = -1.0;
     s->pack.time_limit = 0.0;
     s->pack.surface_path[0] = s->pack.mesh_path[0] = '\0';
-    /* Sizes that are asked for and do not overlap are made otherwise since. */
+    /* Requested size distributions without overlap have a later version of the method. */
     const bool sizes = s->pack.sizes != GN_SIZES_FITTED && s->pack.overlap == GN_OVERLAP_NONE;
     char *request = gn_scene_write_specimen(plain);
     char *key = request
@@ -65,7 +65,7 @@ static gneiss_status make_key(const gn_scene *scene, char **key, gneiss_error *e
     return *key ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a key");
 }
 
-/* NULL: no cache is wanted, or there is nowhere to put it. */
+/* Returns the file's path; NULL: the cache is off, or has no folder. */
 static char *cache_path(const char *key) {
     const char *own = getenv("GNEISS_CACHE"), *xdg = getenv("XDG_CACHE_HOME"),
                *home = getenv("HOME");
@@ -197,7 +197,7 @@ gneiss_status gn_pack_obtain(const gn_scene *scene, gn_pack_watch *watch, void *
     char *key = NULL;
     gneiss_error trouble = {0};
     *note = '\0';
-    GN_TRY(gn_pack_check_geometry(scene, error)); /* also where the cache would do */
+    GN_TRY(gn_pack_check_geometry(scene, error)); /* required even if the cache has the packing */
     GN_TRY(make_key(scene, &key, error));
     char *path = cache_path(key);
     gneiss_status status = GNEISS_OK;

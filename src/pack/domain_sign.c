@@ -1,13 +1,13 @@
-/* Inside or outside, and how deep. */
+/* Signed distance from the boundary. */
 #include "base/memory.h"
 #include "pack/domain_facets.h"
 
 #include <math.h>
 
-/* Cells of the grid of known depths, about. */
+/* Approximate number of cells of the grid of known depths. */
 enum { KNOWN_CELLS = 1 << 16 };
 
-/* Distance of p from the edge k of f, squared. */
+/* Returns the squared distance of p from edge k of f. */
 static double edge_distance2(const gn_facet *f, int k, const double p[3]) {
     double edge[3], v[3];
     gn_minus(f->corner[gn_next(k)], f->corner[k], edge);
@@ -18,7 +18,7 @@ static double edge_distance2(const gn_facet *f, int k, const double p[3]) {
     return gn_dot(v, v);
 }
 
-/* The facet with area on the other side of an edge at p, past needles. */
+/* Finds the facet with area on the other side of an edge at p, past needles. */
 static const gn_facet *facet_across(const gn_facets *s, int32_t half, const double p[3]) {
     for (int hops = 0; hops < 16 && (s->facet[half >> 2].flags & GN_FACET_NEEDLE); hops++) {
         const gn_facet *needle = &s->facet[half >> 2];
@@ -29,8 +29,8 @@ static const gn_facet *facet_across(const gn_facets *s, int32_t half, const doub
     return &s->facet[half >> 2];
 }
 
-/* Whether x is inside by the solid angle of all facets (Van Oosterom & Strackee 1983, eq. 8) or the
- * angle of all segments: slow, but it needs no topology. */
+/* Tells whether x is inside by the solid angle of all facets (Van Oosterom & Strackee 1983, eq. 8)
+ * or the angle of all segments. This is slow, but needs no topology. */
 static bool winds_round(const gn_facets *s, const double x[3]) {
     double sum = 0;
     for (size_t i = 0; i < s->count; i++) {
@@ -57,7 +57,7 @@ double gn_facets_signed(const gn_facets *s, const double x[3], const gn_foot *fo
     double v[3], side, distance = sqrt(foot->distance2);
     gn_minus(x, foot->at, v);
     if (foot->feature == 0) {
-        /* The foot is a projection: its offset is round-off when x is next to the facet. */
+        /* The foot is a projection: its offset is round-off if x is close to the facet. */
         gn_minus(x, f->corner[0], v);
         side = gn_dot(v, f->normal);
     } else if (foot->feature < 4) {
@@ -85,7 +85,7 @@ bool gn_facets_known(const gn_facets *s, const double x[3], double *depth, doubl
         sum += off * off;
     }
     *depth = (double)s->known[index];
-    /* Covers the rounding of the stored depth. */
+    /* The addition covers the rounding of the stored depth. */
     *offset = sqrt(sum) + 1e-6 * s->size;
     return true;
 }
@@ -113,7 +113,8 @@ gneiss_status gn_facets_know(gn_facets *s, gneiss_error *error) {
         double x[3];
         for (int k = 0; k < 3; k++) x[k] = s->origin[k] + ((double)place[k] + 0.5) * cell;
         if (dimension == 2) x[2] = 0;
-        /* The centre before is one cell away, so that the boundary is at most that much farther. */
+        /* The previous centre is one cell away, so that the boundary is at most that much
+         * farther. */
         double limit = place[0] ? fabs(last) + 1.001 * cell : INFINITY;
         gn_foot foot = gn_tree_nearest(s, x, limit);
         last = gn_facets_signed(s, x, &foot);

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Over the extent. Feet that round-off puts beside their facet still count; planes that differ less
- * in depth (and less than 1e-3 in direction) are one. */
+/* Relative to the extent. Feet that round-off places beside their facet still count; planes that
+ * differ less in depth (and less than 1e-3 in direction) are one. */
 static const double foot_slack = 1e-10, same_depth = 1e-6, same_direction = 5e-7;
 
 typedef struct gathering {
@@ -19,7 +19,7 @@ typedef struct sight {
     double slack;
 } sight;
 
-/* Whether the line of sight enters the body through one of these facets on its way. */
+/* Tells whether the line of sight enters the body through one of these facets. */
 static bool visit_sight(const gn_facets *s, int32_t first, int32_t count, void *context) {
     const sight *line = context;
     for (int32_t i = first; i < first + count; i++) {
@@ -37,8 +37,8 @@ static bool visit_sight(const gn_facets *s, int32_t first, int32_t count, void *
     return false;
 }
 
-/* Whether another part of the body's boundary lies between x and the foot (a slot, a second lobe).
- * The last crossing on the way to a foot that is approached from inside enters the body. */
+/* Tells whether another part of the boundary lies between x and the foot (a slot, a second lobe).
+ * The last crossing before a foot that is approached from inside enters the body. */
 static bool hidden(const gn_facets *s, const double x[3], const double foot[3]) {
     sight line = {x, foot, foot_slack * s->size};
     double lower[3], upper[3];
@@ -54,7 +54,7 @@ static bool same_plane(const gn_facets *s, const gn_domain_plane *a, const gn_do
            gn_dot(a->normal, b->normal) > 1 - same_direction;
 }
 
-/* Keeps the nearest planes in order; of two that are one, the nearer or the earlier. */
+/* Keeps the nearest planes in order; of two equal ones, the nearer or the earlier. */
 static void take(const gn_facets *s, gathering *g, gn_domain_plane plane) {
     int at = 0;
     for (int i = 0; i < g->count; i++) {
@@ -76,8 +76,8 @@ static void take(const gn_facets *s, gathering *g, gn_domain_plane plane) {
     g->planes[at] = plane;
 }
 
-/* Takes the point `foot` of a re-entrant edge or corner. On it, the facets that meet there stand in
- * for it: the direction from the foot would be round-off. */
+/* Adds the point `foot` of a re-entrant edge or corner. If x is on it, the adjacent facets replace
+ * it, since the direction from the foot would be round-off. */
 static void take_point(const gn_facets *s, gathering *g, const double away[3]) {
     double distance = sqrt(gn_dot(away, away));
     if (distance > g->reach || distance <= foot_slack * s->size) return;
@@ -86,7 +86,7 @@ static void take_point(const gn_facets *s, gathering *g, const double away[3]) {
     take(s, g, plane);
 }
 
-/* Whether neither of the facets at the edge gets nearer away from it. */
+/* Adds an edge if the distance to neither of its facets decreases away from it. */
 static void try_crease(const gn_facets *s, gathering *g, const gn_facet *f, int edge) {
     const gn_facet *sides[2] = {f, &s->facet[f->neighbour[edge] >> 2]};
     const double *a = f->corner[edge], *b = f->corner[gn_next(edge)];
@@ -105,7 +105,7 @@ static void try_crease(const gn_facets *s, gathering *g, const gn_facet *f, int 
     take_point(s, g, away);
 }
 
-/* Whether no edge that leaves the node gets nearer: then no facet does. */
+/* Adds a node if the distance along no edge from it decreases; then that along no facet does. */
 static void try_tip(const gn_facets *s, gathering *g, const gn_facet *f, int corner) {
     const double *tip = f->corner[corner];
     int32_t node = f->node[corner];
@@ -156,7 +156,7 @@ double gn_facets_depth(const gn_facets *s, const double x[3]) {
     return gn_facets_signed(s, at, &foot);
 }
 
-/* The plane of the nearest point alone. */
+/* Returns the plane of the nearest point alone. */
 static gn_domain_plane nearest_plane(const gn_facets *s, const double x[3], const gn_foot *foot,
                                      double depth) {
     const gn_facet *f = &s->facet[foot->facet];
@@ -180,9 +180,9 @@ int gn_facets_planes(const gn_facets *s, const double point[3], double reach,
         return 1;
     }
     gathering g = {.x = x, .reach = reach, .nearest = depth, .planes = planes};
-    /* A foot at the very reach must not be lost by the rounding of its box's distance. */
+    /* A foot exactly at the reach must not be lost by the rounding of its box's distance. */
     gn_tree_within(s, x, x, reach + foot_slack * s->size, visit_gather, &g);
-    /* Where round-off lost the foot between facets, the nearest point is still known. */
+    /* If round-off lost the foot between facets, the nearest point is still known. */
     if (!g.count) planes[g.count++] = nearest_plane(s, x, &foot, depth);
     return g.count;
 }

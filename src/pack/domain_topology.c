@@ -1,16 +1,16 @@
-/* From corners to a closed boundary: who is next to whom, which side is outside, and which edges
- * and corners are re-entrant. */
+/* From corners to a closed boundary: adjacency of facets, orientation, re-entrant edges and
+ * corners. */
 #include "base/memory.h"
 #include "pack/domain_facets.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Height over extent up to which a triangle is a needle: its normal would be round-off of the
- * single precision in which surfaces are often kept. */
+/* Ratio of height to extent up to which a triangle is a needle: its normal would be round-off of
+ * the single precision in which surfaces are often stored. */
 static const double needle_height = 1e-7;
-/* Sine of the bend from which an edge counts as re-entrant; flatter, and the slack of the feet on
- * the facets beside it closes the gap. */
+/* Sine of the bend from which an edge counts as re-entrant; for flatter edges, the tolerance of
+ * feet on the adjacent facets suffices. */
 static const double crease_bend = 1e-10;
 
 typedef struct half_edge {
@@ -58,7 +58,7 @@ static gneiss_status read_facets(gn_facets *s, const double *node, const int32_t
     return GNEISS_OK;
 }
 
-/* Unit normals; needles get none yet. */
+/* Computes unit normals, except those of needles. */
 static gneiss_status set_normals(gn_facets *s, const char *name, gneiss_error *error) {
     for (size_t i = 0; i < s->count; i++) {
         gn_facet *f = &s->facet[i];
@@ -104,7 +104,7 @@ static bool has_normal(const gn_facet *f) {
 }
 
 /* Gives needles the normal of a neighbour that has one: the one along the longest edge or, with
- * `any`, the first. Whether there was such a needle; *left: one that has none yet. */
+ * `any`, the first. Returns whether there was such a needle; *left: one that has none yet. */
 static bool lend_normals(gn_facets *s, bool any, const gn_facet **left) {
     bool progress = false;
     *left = NULL;
@@ -124,13 +124,13 @@ static bool lend_normals(gn_facets *s, bool any, const gn_facet **left) {
     return progress;
 }
 
-/* A needle is the limit of a thin triangle in the plane of the facet along its longest edge. Some
- * lie along others: repeated until all have a normal. */
+/* A needle is the limit of a thin triangle in the plane of the facet along its longest edge.
+ * Needles may be adjacent, so that this is repeated until all have a normal. */
 static gneiss_status set_needle_normals(gn_facets *s, const char *name, gneiss_error *error) {
     const gn_facet *left;
     do {
         bool progress = lend_normals(s, false, &left);
-        /* Two that have the longest edge in common wait for each other. */
+        /* Two needles with a common longest edge depend on each other. */
         if (left && !progress && !lend_normals(s, true, &left))
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: triangle %d at (%g, %g, %g) and those along it have no area", name,
@@ -152,7 +152,7 @@ static gneiss_status open_edge(const gn_facets *s, const half_edge *h, size_t us
                    uses == 2 ? " that turn differently" : "");
 }
 
-/* Pairs the edges of triangles. */
+/* Finds the two triangles of each edge. */
 static gneiss_status pair_edges(gn_facets *s, half_edge *halves, const char *name,
                                 gneiss_error *error) {
     size_t count = 3 * s->count;
@@ -178,7 +178,7 @@ static gneiss_status pair_edges(gn_facets *s, half_edge *halves, const char *nam
     return GNEISS_OK;
 }
 
-/* Lists the facets round each node, in the order of the facets. */
+/* Lists the facets around each node, in the order of the facets. */
 static void set_stars(gn_facets *s) {
     for (size_t i = 0; i < s->count; i++)
         for (int c = 0; c < s->corners; c++) s->star_first[s->facet[i].node[c] + 1]++;
@@ -186,7 +186,8 @@ static void set_stars(gn_facets *s) {
     for (size_t i = s->count; i-- > 0;) {
         for (int c = 0; c < s->corners; c++) {
             int32_t n = s->facet[i].node[c];
-            /* Filled from the end: star_first[n + 1] sinks to the start of n's list. */
+            /* Lists are filled from the end: star_first[n + 1] decreases to the start of n's
+             * list. */
             s->star[--s->star_first[n + 1]] = 4 * (int32_t)i + c;
         }
     }
@@ -229,7 +230,7 @@ static gneiss_status link_facets(gn_facets *s, const char *name, gneiss_error *e
     return status;
 }
 
-/* Angle-weighted pseudonormals (Baerentzen & Aanaes 2005, eq. 5). */
+/* Computes angle-weighted pseudonormals (Baerentzen & Aanaes 2005, eq. 5). */
 static void set_node_normals(gn_facets *s) {
     for (size_t i = 0; i < s->count; i++) {
         const gn_facet *f = &s->facet[i];
@@ -247,11 +248,11 @@ static void set_node_normals(gn_facets *s) {
     }
 }
 
-/* Facets met on the way round a node across edges, starting from its first one. */
+/* Returns the number of facets around a node across edges, starting from its first one. */
 static int32_t fan_size(const gn_facets *s, int32_t start) {
     int32_t at = start, size = 0;
     do {
-        /* The neighbour runs along the shared edge the other way: the node is its end there. */
+        /* The neighbour has the shared edge reversed, so that the node is its end there. */
         int32_t half = s->facet[at >> 2].neighbour[at & 3];
         at = (half & ~3) | gn_next(half & 3);
         size++;
@@ -296,7 +297,7 @@ static void set_flags(gn_facets *s) {
     }
 }
 
-/* By the divergence theorem, from the middle of the bounds. */
+/* Computes the volume by the divergence theorem, from the centre of the bounding box. */
 static gneiss_status set_volume(gn_facets *s, const char *name, gneiss_error *error) {
     double middle[3], unit = pow(s->size, s->corners);
     for (int k = 0; k < 3; k++) middle[k] = 0.5 * (s->lower[k] + s->upper[k]);
@@ -326,7 +327,7 @@ static gneiss_status build(gn_facets *s, const double *node, const int32_t *elem
     return gn_facets_know(s, error);
 }
 
-/* Facets to be filled by `read_facets`. */
+/* Allocates facets, to be filled by `read_facets`. */
 static gneiss_status allocate(size_t node_count, size_t count, int corners, const char *name,
                               gn_facets **facets, gneiss_error *error) {
     size_t least = (size_t)corners + (corners == 3), most = INT32_MAX / 8;

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Facets in a leaf; halving keeps the tree's depth under log2(2^31 / 2) + 1. */
+/* Facets in a leaf; halving keeps the depth of the tree below log2(2^31 / 2) + 1. */
 enum { LEAF = 4, STACK = 64 };
 
-/* Twice the middle of the facet's box along each axis, with the facet it belongs to. */
+/* Twice the centre of a facet's box, and the facet. */
 typedef struct tree_item {
     double middle[3];
     int32_t facet;
@@ -29,7 +29,7 @@ static bool item_before(const tree_item *a, const tree_item *b, int axis) {
 }
 
 /* Hoare's selection: the items up to `nth` come before the others along the axis. The order is
- * total, so the outcome is a matter of the items alone. */
+ * total, so that the result depends on the items alone. */
 static void select_nth(tree_item *items, int32_t count, int32_t nth, int axis) {
     int32_t low = 0, high = count - 1;
     while (low < high) {
@@ -66,7 +66,7 @@ static int longest_axis(const tree_item *items, int32_t count) {
     return axis;
 }
 
-/* Lays out the subtree of items first .. first + count - 1; gives its index. */
+/* Makes the subtree of items first .. first + count - 1; returns its index. */
 static int32_t lay_out(gn_facets *s, tree_item *items, int32_t first, int32_t count) {
     int32_t index = (int32_t)s->tree_count++;
     gn_tree_node *node = &s->tree[index];
@@ -82,7 +82,7 @@ static int32_t lay_out(gn_facets *s, tree_item *items, int32_t first, int32_t co
     return index;
 }
 
-/* Children have higher indices than their parents: one sweep from the end sets all boxes. */
+/* Sets all boxes in one sweep from the end, as children have higher indices than their parents. */
 static void set_boxes(gn_facets *s) {
     for (size_t i = s->tree_count; i-- > 0;) {
         gn_tree_node *node = &s->tree[i];
@@ -146,7 +146,7 @@ static void foot_between(const double a[3], const double b[3], double t, double 
     for (int k = 0; k < 3; k++) at[k] = a[k] + t * (b[k] - a[k]);
 }
 
-/* Feature on which the foot lies, and the foot itself. */
+/* Finds the foot on a segment and returns its feature. */
 static int segment_foot(const gn_facet *f, const double x[3], double at[3]) {
     double edge[3], v[3];
     gn_minus(f->corner[1], f->corner[0], edge);
@@ -161,8 +161,8 @@ static int segment_foot(const gn_facet *f, const double x[3], double at[3]) {
     return 0;
 }
 
-/* Closest point of a triangle by its Voronoi regions (Ericson 2005, Real-Time Collision Detection,
- * 5.1.5). */
+/* Finds the closest point of a triangle by its Voronoi regions (Ericson 2005, Real-Time Collision
+ * Detection, 5.1.5). */
 static int triangle_foot(const gn_facet *f, const double x[3], double at[3]) {
     const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
     double ab[3], ac[3], v[3];
@@ -183,7 +183,7 @@ static int triangle_foot(const gn_facet *f, const double x[3], double at[3]) {
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return foot_between(a, c, d2 / (d2 - d6), at), 3;
     double va = d3 * d6 - d5 * d4, p = d4 - d3, q = d5 - d6;
     if (va <= 0 && p >= 0 && q >= 0) return foot_between(b, c, p / (p + q), at), 2;
-    /* Projecting along the unit normal loses less than the barycentric sum on slivers. */
+    /* Projection along the unit normal is more accurate than the barycentric sum on slivers. */
     double height = gn_dot(f->normal, v);
     for (int k = 0; k < 3; k++) at[k] = x[k] - height * f->normal[k];
     return 0;

@@ -96,8 +96,8 @@ void gn_fit_release(gn_fit *f) {
 
 /* ---- iterations ---- */
 
-/* x + step with the step of each particle cut to a fifth of its radius, radii within their bounds.
- */
+/* Computes x + step with the step of each particle limited to a fifth of its radius, and radii
+ * within their bounds. */
 static void make_trial(gn_fit *f, const gn_fit_law *law) {
     const double longest = 0.2;
 #pragma omp parallel for schedule(static) num_threads(f->threads)
@@ -113,10 +113,10 @@ static void make_trial(gn_fit *f, const gn_fit_law *law) {
     }
 }
 
-static const int products_worth = 5; /* of what an iteration does besides products */
+static const int products_worth = 5; /* cost of an iteration without its products, in products */
 static const double damping_first = 1e-2, damping_least = 1e-6, damping_most = 1e4;
 
-/* One step of Levenberg-Marquardt; the damping follows its success. */
+/* Does one step of Levenberg-Marquardt and adapts the damping to its success. */
 static bool iterate(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal) {
     double begin = gn_now();
     f->threads = gn_pace_threads(&f->pace);

@@ -1,4 +1,4 @@
-/* Neighbours of every particle, both ways round, and the residuals of the fit. */
+/* Neighbours of every particle in both directions, and the residuals of the fit. */
 #include "base/memory.h"
 #include "pack/fit_private.h"
 
@@ -8,7 +8,7 @@
 /* ---- lists ---- */
 
 static gneiss_status grow(gn_fit *f, size_t entries, size_t terms, gneiss_error *error) {
-    /* A packing may have no pairs: its lists are empty, but there. */
+    /* A packing may have no pairs: its lists are empty but allocated. */
     if (!f->neighbour || !f->held || entries > f->capacity) {
         gn_free(f->neighbour);
         gn_free(f->held);
@@ -31,7 +31,7 @@ static bool pair_before(const int32_t a[2], const int32_t b[2]) {
     return a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]);
 }
 
-/* Fills the rows in the order of the sorted pairs: the partners before i come first, both
+/* Fills the rows in the order of the sorted pairs: the partners below i come first, both
  * ascending. */
 static void fill(gn_fit *f, const gn_pair_list *pairs, size_t *next) {
     size_t h = 0;
@@ -130,14 +130,14 @@ static void pair_terms(const gn_fit *f, const gn_fit_law *law, const gn_d4 *x, s
         gn_d4 n = {u[0] * inverse, u[1] * inverse, u[2] * inverse, -shrink};
         add_term(out, weight + stiff, weight / (weight + stiff) * gap, n, j);
         if (stiff == 0.0) continue;
-        /* The second residual shares the row of the first: its slope along the radii differs a
-         * little, which the gradient has and the matrix leaves out. */
+        /* The second residual uses the row of the first: its slope along the radii differs a
+         * little, which the gradient includes and the matrix neglects. */
         n[3] = -(1.0 - law->most);
         out->gradient += stiff * excess * n;
     }
 }
 
-/* Planes count four times: one of them stands for the mirror image of the particle, at twice the
+/* Planes count four times: one of them represents the mirror image of the particle, at twice the
  * distance. */
 static void plane_terms(const gn_fit *f, const gn_fit_law *law, gn_d4 x, bool terms, row *out,
                         sums *s) {

@@ -1,6 +1,6 @@
 /* The linear system of one iteration: matrix-free normal equations, block Jacobi preconditioner,
  * conjugate gradients in one parallel region. Every particle forms its own rows from its own terms,
- * so that nothing is scattered. */
+ * so that there is no scatter. */
 #include "pack/fit_private.h"
 
 #include <math.h>
@@ -13,8 +13,8 @@ static inline gn_d4 widen(gn_f4 a) {
     return __builtin_convertvector(a, gn_d4);
 }
 
-/* Inverse of a symmetric positive definite 4 x 4 matrix by Gauss-Jordan; symmetric again in single
- * precision, as conjugate gradients need it. */
+/* Inverts a symmetric positive definite 4 x 4 matrix by Gauss-Jordan; the result is symmetric also
+ * in single precision, as conjugate gradients need it. */
 static void invert(double a[16], float out[16]) {
     for (int c = 0; c < 4; c++) {
         double pivot = 1.0 / a[5 * c];
@@ -31,8 +31,8 @@ static void invert(double a[16], float out[16]) {
         for (int k = 0; k <= i; k++) out[4 * i + k] = out[4 * k + i] = (float)a[4 * i + k];
 }
 
-/* Diagonal block of particle i, damped in proportion to its trace (Marquardt's scaling, per
- * particle). */
+/* Computes the diagonal block of particle i, damped in proportion to its trace (Marquardt's
+ * scaling, per particle). */
 static void precondition(gn_fit *f, const gn_fit_law *law, size_t i) {
     double block[16] = {0};
     for (int32_t k = 0; k < f->terms[i]; k++) {
@@ -62,7 +62,7 @@ static inline gn_d4 apply_inverse(const gn_fit *f, size_t i, gn_d4 r) {
            (r[2] * widen(row[2]) + r[3] * widen(row[3]));
 }
 
-/* p . (A p) over one block; A p is left in ap. */
+/* Returns p . (A p) over one block; A p is stored in ap. */
 static double multiply(gn_fit *f, size_t block, const gn_d4 free_part) {
     double sum = 0.0;
     for (size_t i = block * GN_FIT_BLOCK; i < gn_fit_block_end(f, block); i++) {
@@ -111,8 +111,8 @@ static double total(const gn_fit *f, int slot) {
     return sum;
 }
 
-/* Every thread forms the same sums, so that all of them take the same way through the loop. Sums of
- * one kind keep a slot of their own until the next barrier but one. */
+/* Every thread forms the same sums, so that all take the same path through the loop. Sums of one
+ * kind keep their slot until the next barrier but one. */
 int gn_fit_solve(gn_fit *f, const gn_fit_law *law, int products, double tolerance) {
     const gn_d4 free_part = law->fixed_radii ? (gn_d4){1, 1, 1, 0} : (gn_d4){1, 1, 1, 1};
     int done = 0;

@@ -20,21 +20,21 @@ const char *gn_pack_stage_name(gn_pack_stage stage) {
 
 /* ---- the schedule ---- */
 
-/* Volume of the particles over that of the body: at the start, and at which the springs would be
- * without force (both by measurement: docs/packing.md). */
+/* Parameters of the stages: volume of the particles over that of the body at the start, and that at
+ * which the springs would be free of force (both measured: docs/packing.md). */
 typedef struct schedule {
     double loose, wanted;
     double stiffness; /* of the springs while compressing */
     double release;   /* factor of the stiffness per decompression */
     int releases;
     double last;                     /* factor of the stiffness for the last stages */
-    bool hold;                       /* all contacts of the compressed state are kept */
+    bool hold;                       /* all contacts of the compressed state are held */
     double overlap, gap, pull, most; /* gn_fit_law of the last stages */
 } schedule;
 
-/* In the plane a compressed packing is a triangulation already, and all of its contacts can be kept
+/* In 2D a compressed packing is already a triangulation, and all of its contacts can be kept
  * (Koebe: every planar triangulation has a packing of touching discs). In space a maximum of the
- * volume has 8 contacts per particle: the pressure is let off first, then what is nearly closed is
+ * volume has 8 contacts per particle: the pressure is released first, then small gaps are
  * closed. */
 static schedule schedule_of(const gn_pack_def *def, int dimension) {
     schedule s = {.loose = 0.5,
@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* iterations that may come in all, and before this stage */
+    int planned, started; /* limit of iterations in total, and those before this stage */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;
@@ -117,7 +117,7 @@ static bool push_trace(job *j, const gn_fit_state *state) {
     return true;
 }
 
-/* What the user set as limits ends the search, never the removal of overlaps after it. */
+/* The user's limits end the search, but not the removal of overlaps after it. */
 static bool watch_fit(void *context, const gn_fit_state *state) {
     job *j = context;
     if (!push_trace(j, state)) j->no_memory = true;
@@ -146,11 +146,12 @@ static gneiss_status run_stage(job *j, gn_pack_stage stage, const gn_fit_law *la
     return GNEISS_OK;
 }
 
-/* By how much of itself a radius may change that is part of a distribution that is asked for, and
- * what taking off the last of the overlaps may add. */
+/* Largest relative change of a radius of a requested distribution, and the further change by
+ * removal of the last overlaps. */
 static const double kept = 0.1, last_of_it = 2e-3;
 
-/* What would take off the rest of overlaps: a factor of every radius, by the worst of its own. */
+/* Computes the factor of every radius that would remove the remaining overlaps, by its own worst
+ * overlap. */
 static gneiss_status find_factors(const job *j, const double *sphere, double *factor,
                                   gneiss_error *error) {
     const size_t n = j->seeds.count;
@@ -175,7 +176,7 @@ static gneiss_status find_factors(const job *j, const double *sphere, double *fa
     return status;
 }
 
-/* Whether a radius would have to be smaller than it may. */
+/* Tells whether a radius would have to shrink by more than is allowed. */
 static gneiss_status is_crowded(const job *j, double *factor, bool *crowded, gneiss_error *error) {
     const double *row = gn_fit_rows(j->fit);
     GN_TRY(find_factors(j, row, factor, error));
@@ -185,8 +186,8 @@ static gneiss_status is_crowded(const job *j, double *factor, bool *crowded, gne
     return GNEISS_OK;
 }
 
-/* Of sizes that are asked for only the ratios are: where some particle has no place, all become
- * smaller by a little, and are separated again. */
+/* Of requested sizes only the ratios are prescribed: if some particle has no room, all shrink a
+ * little and are separated again. */
 static gneiss_status make_room(job *j, const gn_fit_law *law, gneiss_error *error) {
     enum { TIMES = 40 };
     const double smaller = 0.99;
@@ -231,7 +232,7 @@ static gneiss_status run_stages(job *j, gneiss_error *error) {
     GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
     if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
     law.stiffness *= 0.1;
-    law.pull *= 0.1; /* enough to keep what touches together while overlaps are taken apart */
+    law.pull *= 0.1; /* enough to keep contacts while overlaps are removed */
     law.gap = fmin(law.gap, 0.015);
     GN_TRY(run_stage(j, GN_PACK_SEPARATE, &law, error));
     return j->def->sizes == GN_SIZES_FITTED ? GNEISS_OK : make_room(j, &law, error);
@@ -261,10 +262,10 @@ static gneiss_status prepare(job *j, gneiss_error *error) {
                          &j->fit, error);
 }
 
-/* Takes off the rest of overlaps. */
+/* Removes the remaining overlaps by shrinking. */
 static gneiss_status shrink(job *j, gneiss_error *error) {
     gn_packing *p = &j->result->packing;
-    double *factor = j->least; /* no longer needed */
+    double *factor = j->least; /* reused; `least` is no longer needed */
     gneiss_status status = find_factors(j, p->sphere, factor, error);
     for (size_t k = 0; k < p->count && status == GNEISS_OK; k++) p->sphere[4 * k + 3] *= factor[k];
     return status;
@@ -330,7 +331,7 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
     return status;
 }
 
-/* Says whose specimen it is, in front of what is wrong with it. */
+/* Puts the specimen's name before an error message. */
 static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
                                    gneiss_error *error) {
     if (status == GNEISS_OK || status == GNEISS_INTERRUPTED) return status;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Volume that two balls share, distance d < a + b between their centres. */
+/* Returns the common volume of two balls with distance d < a + b between their centres. */
 static double lens(int dimension, double a, double b, double d) {
     if (d <= fabs(a - b)) return gn_ball_volume(dimension, fmin(a, b));
     if (dimension == 3) {
@@ -19,7 +19,7 @@ static double lens(int dimension, double a, double b, double d) {
     }
     double p = (d * d + a * a - b * b) / (2.0 * d * a), q = (d * d + b * b - a * a) / (2.0 * d * b);
     double kite = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);
-    /* p and q can pass 1 by rounding when one just touches the other from inside. */
+    /* p and q can exceed 1 by rounding if one touches the other from inside. */
     double turn_a = acos(fmax(fmin(p, 1.0), -1.0)), turn_b = acos(fmax(fmin(q, 1.0), -1.0));
     return a * a * turn_a + b * b * turn_b - 0.5 * sqrt(fmax(kite, 0.0));
 }
@@ -45,7 +45,7 @@ static double median(const double *sorted, size_t n) {
     return 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
 }
 
-/* Of particles alike there is no shape to tell: 0. */
+/* The shape of the distribution is 0 if all particles are alike. */
 static void measure_shape(const double *sorted, size_t count, gn_pack_quality *q) {
     double squares = 0.0, cubes = 0.0, fourths = 0.0, n = (double)count;
     for (size_t k = 0; k < count; k++) {

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What the fit and its neighbour lists take, measured. */
+/* Memory of the fit and its neighbour lists, measured. */
 enum { BYTES_PER_PARTICLE = 2000 };
 
 typedef struct source {
@@ -23,15 +23,15 @@ typedef struct source {
     double widest;  /* bound of that logarithm */
     double lower[3], upper[3];
     const gn_mesh_elements *elements; /* of a mesh shape; NULL: none */
-    double *weight;                   /* [elements->count] running sum of particles wanted */
+    double *weight;                   /* [elements->count] running sum of wanted particles */
 } source;
 
-/* Uniform in [0, 1). */
+/* Returns a number uniformly distributed in [0, 1). */
 static double draw(source *s) {
     return 0.5 * (1.0 + gn_random_symmetric(s->scene->seed, s->drawn++));
 }
 
-/* A size of the distribution that is asked for, in any unit. */
+/* Draws a size of the requested distribution, in any unit. */
 static double draw_asked(source *s) {
     const gn_pack_def *def = &s->scene->specimen.pack;
     const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
@@ -42,7 +42,7 @@ static double draw_asked(source *s) {
     return size;
 }
 
-/* Radius over the median, log-normal within its bounds. */
+/* Draws the radius over the median, log-normal within its bounds. */
 static double draw_size(source *s) {
     if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) return draw_asked(s);
     if (s->spread <= 0.0) return 1.0;
@@ -53,8 +53,8 @@ static double draw_size(source *s) {
     }
 }
 
-/* The fit widens a distribution (small particles in pores stay small): half to three quarters of
- * the range on a logarithmic scale go in, and the range asked for comes out. */
+/* The fit widens a distribution (small particles in pores stay small): an initial range of half to
+ * three quarters on a logarithmic scale results in the requested one. */
 static void set_sizes(source *s) {
     const double widening = 0.7, deviations = 2.2;
     const gn_pack_def *def = &s->scene->specimen.pack;
@@ -87,7 +87,7 @@ static double element_volume(const source *s, size_t element) {
     return fabs(c[0] * edge[2][0] + c[1] * edge[2][1] + c[2] * edge[2][2]) / 6.0;
 }
 
-/* As many particles per element everywhere: a finer mesh has finer particles. */
+/* Weights elements equally: a finer mesh has finer particles. */
 static gneiss_status weigh_elements(source *s, gneiss_error *error) {
     if (s->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
     s->elements = s->dimension == 3 ? &s->body->mesh.tetrahedra : &s->body->mesh.triangles;
@@ -103,7 +103,7 @@ static gneiss_status weigh_elements(source *s, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* A point of the mesh, uniform in an element, and the size of the mesh there. */
+/* Draws a point uniformly in an element of the mesh, and returns the size of the mesh there. */
 static double draw_in_mesh(source *s, double x[3]) {
     const gn_mesh_elements *e = s->elements;
     double at = draw(s) * s->weight[e->count - 1], share[4], sum = 0.0, size = 0.0;
@@ -126,7 +126,7 @@ static double draw_in_mesh(source *s, double x[3]) {
     return size * gn_pack_shape_size(s->body, x);
 }
 
-/* A point of the body's box with a density that suits the sizes there; 0: thrown away. */
+/* Draws a point of the body's box with a density that suits the sizes there; 0: rejected. */
 static double draw_in_box(source *s, double finest, double x[3]) {
     for (int d = 0; d < s->dimension; d++)
         x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * draw(s);
@@ -192,7 +192,8 @@ static void take_nodes(source *s, gn_seeds *seeds) {
 
 /* ---- number and size ---- */
 
-/* Mean of size^-d over the body: how many more particles refinement makes of one. */
+/* Computes the mean of size^-d over the body: the factor by which refinement increases the number
+ * of particles. */
 static gneiss_status refinement_factor(const source *s, double *factor, gneiss_error *error) {
     enum { POINTS = 20000, TRIES = 20000000 };
     *factor = 1.0;
@@ -214,13 +215,13 @@ static gneiss_status refinement_factor(const source *s, double *factor, gneiss_e
     return GNEISS_OK;
 }
 
-/* Means of r and r^d over radii in units of the median, by the quantiles of the distribution; of
- * one that is asked for over radii that are drawn. */
+/* Computes means of r and r^d over radii in units of the median, by the quantiles of the
+ * distribution; of a requested distribution over drawn radii. */
 static void size_moments(const source *s, double *first, double *last) {
     enum { POINTS = 2001, DRAWN = 100000 };
     if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) {
         source own = *s;
-        own.drawn = UINT64_C(1) << 62; /* apart from those of the packing */
+        own.drawn = UINT64_C(1) << 62; /* separate from the numbers of the packing */
         *first = *last = 0.0;
         for (int k = 0; k < DRAWN; k++) {
             double size = draw_asked(&own);
@@ -274,7 +275,7 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
     return GNEISS_OK;
 }
 
-/* Radii such that together they have the volume of a dense packing. */
+/* Scales the radii to the total volume of a dense packing. */
 static void scale_radii(const source *s, gn_seeds *seeds) {
     double sum = 0.0;
     for (size_t k = 0; k < seeds->count; k++)

@@ -6,12 +6,12 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Uniform in [0, 1). */
+/* Returns a number uniformly distributed in [0, 1). */
 static double draw(gn_drawn *drawn) {
     return 0.5 * (1.0 + gn_random_symmetric(drawn->seed, drawn->count++));
 }
 
-/* Share of the mass that passes -> size over the largest. */
+/* Returns the size over the largest at which a fraction of the mass passes. */
 static double sieve_size(const gn_sizes *s, double share) {
     size_t k = 1;
     while (k + 1 < s->sieve_count && s->sieve[2 * k + 1] < share) k++;
@@ -20,8 +20,8 @@ static double sieve_size(const gn_sizes *s, double share) {
     return rise > 0.0 ? low[0] + (high[0] - low[0]) * fmin(1.0, (share - low[1]) / rise) : high[0];
 }
 
-/* Of a sieve curve, in which mass counts, a size is taken as often as r^-d, so that number counts.
- */
+/* A sieve curve counts mass: sizes are drawn with a frequency proportional to r^-d, as numbers of
+ * particles require. */
 double gn_sizes_draw(const gn_sizes *s, gn_drawn *drawn) {
     const double ratio = s->ratio, mean = 0.5 * (1.0 + ratio);
     const double deviation = s->variation >= 0.0 ? s->variation * mean : (ratio - 1.0) / 6.0;
@@ -52,7 +52,7 @@ double gn_sizes_share(const gn_sizes *s, double size) {
     return low[1] + (high[1] - low[1]) * fmin(1.0, fmax(0.0, part));
 }
 
-/* Normal and uniform ones lie evenly about the middle. */
+/* Normal and uniform distributions are symmetric about the middle. */
 double gn_sizes_mean(const gn_sizes *s) {
     enum { DRAWN = 100000 };
     gn_drawn own = {UINT64_C(0x73697a6573), 0};
@@ -62,7 +62,7 @@ double gn_sizes_mean(const gn_sizes *s) {
     return sum / DRAWN;
 }
 
-/* Of the normal distribution. */
+/* Returns the cumulative normal distribution. */
 static double below(double deviations) {
     return 0.5 * erfc(-deviations / sqrt(2.0));
 }
@@ -86,7 +86,7 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of sizes in a unit, over the jumps of their sum. */
+/* Returns the largest deviation for sizes in a unit, at the jumps of their sum. */
 static double off_at(const gn_sizes *s, const double *radius, size_t count, double unit, double sum,
                      double *at) {
     const double power = s->kind == GN_SIZES_SIEVE ? s->dimension : 0.0;

@@ -150,9 +150,8 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *p,
     return status;
 }
 
-/* packing.h5 says that the folder is complete: that of an earlier packing goes first and the new
- * one comes last, so that a call that is killed leaves no files of two packings beside each other.
- */
+/* packing.h5 marks the folder as complete: an earlier one is removed first and the new one is
+ * written last, so that a killed call leaves no mixture of two packings. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
                                    const gn_pack_result *result, const gn_pack_quality *quality,
                                    gneiss_error *error) {

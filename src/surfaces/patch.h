@@ -1,18 +1,17 @@
 /* Contact of a particle that is large compared with the facets of a deformable surface: pressure
  * over the surface that is in the particle, instead of contacts at the nearest points.
  *
- * Nearest points of nearly parallel facets change places when nodes move by a little, whatever the
- * step: a potential of the deepest facet has a kink there, and leap-frog gains energy at it. Here
- * the potential is an integral over the surface, U = k int G(s) dA with the distance s from the
- * centre, which has no kink, and no stiffness beyond k against nodes. G is such that a plane at the
- * distance R - d has U = k d^2/2 exactly, however it is cut into facets:
- *     in space       G = (R - s)/(2 pi s),  -G' = R/(2 pi s^2): the force on a facet is k R/(2 pi)
- *                    times the integral of x/s^3, along the normal the solid angle;
- *     in the plane   G = (R acosh(R/s) - sqrt(R^2 - s^2))/pi,  -G' = sqrt(R^2 - s^2)/(pi s), the
- *                    solution of Abel's equation for the same demand.
- * All integrals are closed. The force acts along the line from the centre through `point`. Left out
- * is what the pressure does within one facet about that point, which stretches the facet, with the
- * change of U by its area, which that would balance in uniform strain. */
+ * The nearest points of nearly parallel facets change places at small motions of nodes, for any
+ * time step: a potential of the deepest facet has a kink there, at which leap-frog gains energy.
+ * Here the potential is an integral over the surface, U = k int G(s) dA with the distance s from
+ * the centre. It has no kink, and no stiffness beyond k against nodes. G is chosen so that a plane
+ * at the distance R - d has U = k d^2/2 exactly for any division into facets: in space       G = (R
+ * - s)/(2 pi s),  -G' = R/(2 pi s^2): the force on a facet is k R/(2 pi) times the integral of
+ * x/s^3, along the normal the solid angle; in the plane   G = (R acosh(R/s) - sqrt(R^2 - s^2))/pi,
+ * -G' = sqrt(R^2 - s^2)/(pi s), the solution of Abel's equation for the same condition. All
+ * integrals have closed forms. The force acts along the line from the centre through `point`. The
+ * moments of the pressure within one facet about that point, which stretch the facet, are
+ * neglected, and so is the change of U by its area, which balances them in uniform strain. */
 #ifndef GN_SURFACES_PATCH_H
 #define GN_SURFACES_PATCH_H
 
