@@ -9,9 +9,9 @@
 
 enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 64 };
 
-/* Motions of which a pivot is below this part of its diagonal are left to the particles: next to
- * nothing resists them (a disc that rolls between plates), and a load of theirs that is only what
- * an iteration left over would move them far. */
+/* Pivots below this fraction of their diagonal are left to the particles: such a motion has almost
+ * no stiffness (a disc that rolls between plates), and the residual load of an iteration would move
+ * it far. */
 static const double no_pivot = 1e-4;
 
 static size_t group_of(const gn_coarse *c, size_t p) {
@@ -53,7 +53,7 @@ void gn_coarse_free(gn_coarse *c) {
     *c = (gn_coarse){0};
 }
 
-/* e of the six motions of the group of p: along each axis, about each axis. */
+/* Computes e of the six motions of the group of p: along each axis, about each axis. */
 static void motions(const gn_coarse *c, size_t p, const double by[6][3], double e[6][3]) {
     const double *d = c->arm + 3 * p;
     for (int k = 0; k < 3; k++) {
@@ -66,7 +66,7 @@ static void motions(const gn_coarse *c, size_t p, const double by[6][3], double 
     }
 }
 
-/* What such motions are resisted with. */
+/* Computes the forces that resist these motions. */
 static void pulls(const gn_coarse_spring *s, const double e[6][3], double q[6][3]) {
     for (int m = 0; m < N; m++) {
         double along = (s->kn - s->kt) * gn_dot3(e[m], s->n);
@@ -112,7 +112,7 @@ void gn_coarse_ground(gn_coarse *c, size_t p, const double ground[6]) {
     }
 }
 
-/* Four sums at a time: one would wait for each of its additions. */
+/* Forms four sums at a time, since one would wait for each of its additions. */
 static double dot(const double *x, const double *y, size_t n) {
     double sum[4] = {0.0};
     size_t k = 0;
@@ -122,7 +122,7 @@ static double dot(const double *x, const double *y, size_t n) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* Row by row, so that the inner loops run along memory. */
+/* Factors row by row, so that the inner loops run along memory. */
 void gn_coarse_factor(gn_coarse *c) {
     const size_t n = c->n;
     for (size_t k = 0; k < n; k++) {

@@ -3,12 +3,12 @@
 #include "base/memory.h"
 #include "limit/springs.h"
 
-/* Uniform in [-1, 1), from the place alone. */
+/* Returns a number uniformly distributed in [-1, 1), from the place alone. */
 static double noise(size_t place) {
     return (double)((int64_t)gn_scramble(place) >> 11) * 0x1p-52;
 }
 
-/* At one tau. */
+/* The operator at one tau. */
 typedef struct instant {
     const gn_damped *system;
     double viscosity;
@@ -33,7 +33,7 @@ static gn_eigen_system eigen_system(const gn_damped *y, const instant *at) {
                              .threads = y->threads};
 }
 
-/* x . S x for S = stiffness A + viscosity B and unit x. */
+/* Returns x . S x for S = stiffness A + viscosity B and unit x. */
 static double quotient(const gn_damped *y, double stiffness, double viscosity, const double *x,
                        double *scratch) {
     double *weighed = scratch + y->count;
@@ -43,7 +43,7 @@ static double quotient(const gn_damped *y, double stiffness, double viscosity, c
     return gn_eigen_dot_of(&sums, y->metric ? weighed : x, scratch);
 }
 
-/* One search at tau from the start in x; top->rate becomes the new one. */
+/* Does one search at tau from the start x; top->rate is the resulting rate. */
 static gneiss_status search(const gn_damped *y, double tau, double tolerance, double *x,
                             double *scratch, gn_damped_top *top, gneiss_error *error) {
     const instant at = {y, 2.0 * tau};
@@ -62,8 +62,8 @@ static gneiss_status search(const gn_damped *y, double tau, double tolerance, do
     return GNEISS_OK;
 }
 
-/* Places in the longer vector of which these entries may be: what is found does not depend on it.
- */
+/* Returns the place in the longer vector, so that the result does not depend on the selection of
+ * entries. */
 static size_t place_of(const gn_damped *y, size_t k) {
     return y->place ? y->place[k] : k;
 }
@@ -74,11 +74,11 @@ static gneiss_status climb(const gn_damped *y, double tolerance, double *x, doub
     double tau = 0.0;
     for (size_t k = 0; k < n; k++) x[k] = y->moves[k] > 0.0 ? noise(place_of(y, k)) : 0.0;
     GN_TRY(search(y, 0.0, tolerance, x, scratch, top, error));
-    /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
+    /* The rate increases and its error is squared each time; a dozen rounds are never needed. */
     for (int round = 0;
          y->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate; round++) {
         tau = top->rate;
-        /* A little of everything: another mode may overtake the one found so far. */
+        /* Noise excites all modes, since another one may overtake the one found so far. */
         for (size_t k = 0; k < n; k++)
             x[k] += y->moves[k] > 0.0 ? 1e-2 / sqrt((double)whole) *
                                             noise(place_of(y, k) + whole * (size_t)(round + 1))

@@ -1,16 +1,16 @@
 /* Preconditioned conjugate gradients (Hestenes & Stiefel 1952) on the springs of the stability
- * limit. The preconditioner adds what single particles see (the inverse 6 x 6 blocks; Golub & Van
- * Loan, Matrix Computations, 11.5) and what groups of them do (limit/coarse.h).
+ * limit. The preconditioner adds the inverse 6 x 6 blocks of single particles (Golub & Van Loan,
+ * Matrix Computations, 11.5) and a coarse level of groups (limit/coarse.h).
  *
  * A spring between i and j with normal n resists the relative displacement of its contact point, e
  * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
- * and the moments a_i n x q and a_j n x q. One pass makes q of all springs, a second one gathers
+ * and the moments a_i n x q and a_j n x q. One pass computes q of all springs, a second one gathers
  * them particle by particle in the order of the springs, so that no sum depends on the threads.
  *
- * Where K is singular (a rigid motion that nothing holds, a sphere that rolls about its only bond)
- * every component is resisted by a small part of its diagonal besides: all motions that nothing
- * else resists have that one eigenvalue, which costs an iteration or two. Without a load of theirs
- * they stay at rest; a load moves them far, which is for the caller to see. */
+ * If K is singular (a free rigid motion, a sphere that rolls about its only bond), a small fraction
+ * of the diagonal is added to every component: all unresisted motions then have that one
+ * eigenvalue, which costs an iteration or two. They stay at rest without a load; a load moves them
+ * far, which the caller has to detect. */
 #include "limit/equilibrium.h"
 
 #include "base/memory.h"
@@ -22,21 +22,22 @@
 
 enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000, USES = 8 };
 
-/* Of the diagonal. A body that is a hundred particles long has eigenvalues of some 1e-4 of it, and
- * Newton's method makes good what this changes. With 1e-9 rounding kept the iteration from
- * resolving it in specimens that hold many particles loosely. */
+/* Regularisation, relative to the diagonal. A body that is a hundred particles long has eigenvalues
+ * of some 1e-4 of it, and Newton's method corrects the effect. With 1e-9, rounding prevented
+ * convergence in specimens with many loosely held particles. */
 static const double everywhere = 1e-6;
-/* A pivot of a block below this part of its diagonal is rounding. */
+/* A pivot of a block below this fraction of its diagonal is rounding. */
 static const double no_pivot = 1e-12;
 
-/* In single precision, which is less to read: what that changes of K Newton's method makes good. */
+/* A spring in single precision, which saves memory traffic; Newton's method corrects the effect on
+ * K. */
 typedef struct link {
     float n[3], kn, kt, arm_i, arm_j;
     int32_t i, j;
 } link;
 
-/* What a chunk of particles adds to: the curvature p.Kp, or r.z and |r|^2 in the metric of the
- * diagonal, in which what nothing resists counts for no more than the rest. */
+/* Sums of a chunk of particles: the curvature p.Kp, or r.z and |r|^2 in the metric of the diagonal,
+ * in which unresisted components have no more weight than others. */
 typedef struct part {
     double curvature, rz, left;
 } part;
@@ -48,10 +49,10 @@ typedef struct cg {
     link *link;        /* [springs] */
     double (*pull)[3]; /* [springs] q */
     gn_preconditioner *made;
-    uint8_t *free; /* [particles] bit k: component k can move */
+    uint8_t *free; /* [particles] bit k: component k is free */
     gn_viscosity viscosity;
     double *r, *z, *p, *kp;
-    part *parts; /* [chunks of particles], added up in their order */
+    part *parts; /* [chunks of particles], merged in their order */
 } cg;
 
 static void free_cg(cg *c) {
@@ -130,14 +131,14 @@ static inline void pull_of(const link *l, const double *u, double q[3]) {
     for (int k = 0; k < 3; k++) q[k] = kt * e[k] + along * n[k];
 }
 
-/* N/m, N m: with which drag holds component k of a particle. */
+/* Returns the resistance of drag to component k of a particle, N/m, N m. */
 static inline double drag_of(const cg *c, size_t p, int k) {
     const gn_particles *q = c->y.spectrum->assembly->particles;
     double inverse = k < 3 ? q->vel[4 * p + 3] : q->spin ? q->spin[4 * p + 3] : 0.0;
     return inverse > 0.0 ? c->viscosity.rate * c->viscosity.drag / inverse : 0.0;
 }
 
-/* K u of a particle; returns u . K u. */
+/* Computes K u of a particle; returns u . K u. */
 static inline double gather(const cg *c, const double *u, size_t p, double *out) {
     double f[N], sum = 0.0;
     for (size_t k = 0; k < N; k++) f[k] = c->made->ground[N * p + k] * u[N * p + k];
@@ -161,11 +162,11 @@ static inline double gather(const cg *c, const double *u, size_t p, double *out)
 
 /* --- the preconditioner --- */
 
-/* Sums over the springs of a particle, of which its block is made, with all that it touches held.
- * Symmetric parts as xx yy zz xy yz zx. */
+/* Sums over the springs of a particle that give its block, with all neighbours fixed. Symmetric
+ * parts as xx yy zz xy yz zx. */
 typedef struct block_sums {
     double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
-    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; arm^2 k_t n n^T */
     double cross[3];             /* side arm k_t n */
 } block_sums;
 
@@ -196,8 +197,8 @@ static void block_of(const cg *c, size_t p, double k[36]) {
         }
 }
 
-/* Cholesky; components that cannot move, or that nothing resists once those before them are held,
- * are left out. */
+/* Factors a block by Cholesky; components that are fixed, or without resistance once those before
+ * them are fixed, are left out. */
 static void factor(double k[36], unsigned free, bool in[N]) {
     double diagonal[N];
     for (int a = 0; a < N; a++) diagonal[a] = k[N * a + a];
@@ -252,7 +253,8 @@ static void make_blocks(cg *c) {
     }
 }
 
-/* What each component of one end does to the relative displacement of the contact point. */
+/* Computes the effect of each component of one end on the relative displacement of the contact
+ * point. */
 static void end_moves(unsigned free, double side, double arm, const float n[3], double by[6][3]) {
     memset(by, 0, 18 * sizeof by[0][0]);
     for (int k = 0; k < 3; k++) {
@@ -282,7 +284,7 @@ static void make_coarse(cg *c) {
     gn_coarse_factor(&c->made->coarse);
 }
 
-/* z of a particle; returns its part of r.z. */
+/* Computes z of a particle; returns its contribution to r.z. */
 static inline double precondition(const cg *c, size_t p) {
     const double *r = c->r + N * p;
     double *z = c->z + N * p, sum = 0.0;
@@ -315,7 +317,7 @@ static part add_up(const cg *c) {
     return sum;
 }
 
-/* Kp, and p.Kp. */
+/* Computes Kp and returns p.Kp. */
 static double apply(const cg *c) {
 #pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
     {
@@ -331,7 +333,7 @@ static double apply(const cg *c) {
     return add_up(c).curvature;
 }
 
-/* u += step p, r -= step Kp, and z of that. */
+/* u += step p, r -= step Kp; computes z from r. */
 static part go(const cg *c, double step, double *u) {
 #pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
     {
@@ -362,7 +364,7 @@ static void turn(const cg *c, double factor) {
     for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
 }
 
-/* A particle with a load that touches nothing. */
+/* Returns a particle with a load but without contacts. */
 static int32_t untouched(const cg *c) {
     for (size_t p = 0; p < c->y.particles; p++) {
         bool loaded = false;
@@ -373,9 +375,9 @@ static int32_t untouched(const cg *c) {
     return -1;
 }
 
-/* Iterations without progress that are borne: what a load has to tell goes one particle further
- * with each, so some lengths of the specimen, in diameters. Motions that only the ground resists
- * may take for ever, as rounding has its say. */
+/* Returns the number of iterations without progress that are allowed. The effect of a load advances
+ * by one particle in each iteration, so that this is some lengths of the specimen in diameters.
+ * Motions that only the regularisation resists may never converge because of rounding. */
 static int patience_of(const cg *c) {
     const gn_particles *q = c->y.spectrum->assembly->particles;
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -415,7 +417,7 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
 
 /* --- what was made before --- */
 
-/* Whether a particle has come to touch something that the blocks do not know of. */
+/* Tells whether a particle has contacts that the blocks do not include. */
 static bool touches_more(const cg *c) {
     const double *weight = c->made->weight;
     for (size_t p = 0; p < c->y.particles; p++)
@@ -424,8 +426,8 @@ static bool touches_more(const cg *c) {
     return false;
 }
 
-/* Anew where it is another system, or may have become one: contacts open and slide. Drag, of which
- * the ground has a part, comes at another rate every time. */
+/* Rebuilds the preconditioner if the system changed or may have, since contacts open and slide.
+ * Drag, which is part of the diagonal, has another rate every time. */
 static gneiss_status make_preconditioner(cg *c, gneiss_error *error) {
     gn_preconditioner *m = c->made;
     const size_t n = c->y.particles;

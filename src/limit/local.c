@@ -1,10 +1,10 @@
-/* The sharp limit of many particles by those few that can set it. In a packing of unequal spheres
- * the fastest mode sits around a small particle in a tight place: nearly all others are slower by
- * their own blocks, whatever the rest does. What is left, with some layers around it, is a system
- * of its own. With the springs that lead out of it weighed it is never slower than the whole; its
- * mode, at rest outside, has a quotient in the whole that is never faster. Where both agree that is
- * the limit of the whole; where they do not, as in lattices, where all particles are alike, nothing
- * is said. */
+/* The sharp limit of many particles from the few that can determine it. In a packing of unequal
+ * spheres the fastest mode is around a small particle with stiff contacts: nearly all others are
+ * slower by their own blocks, whatever the rest does. The remaining ones, with some layers around
+ * them, are a system of its own. With weighted springs to the outside it is never slower than the
+ * whole; its mode, at rest outside, has a quotient in the whole that is never faster. If both
+ * agree, that is the limit of the whole; if not, as in lattices, where all particles are alike,
+ * there is no result. */
 #include "limit/local.h"
 
 #include "base/eigen.h"
@@ -21,9 +21,9 @@ typedef struct local_search {
     gn_spring_operator of_whole;
     double tolerance;
     double *mode,
-        *image; /* [particles][dofs] of the whole, 0 outside; what the operator makes of it */
+        *image; /* [particles][dofs] of the whole, 0 outside; and the operator's product */
     uint8_t *core, *inside;
-    double low, high; /* 1/s: the rate of the whole is between these */
+    double low, high; /* 1/s: bounds of the rate of the whole */
 } local_search;
 
 static double quotient(local_search *s, double stiffness, double viscosity) {
@@ -32,7 +32,7 @@ static double quotient(local_search *s, double stiffness, double viscosity) {
     return gn_eigen_dot(count, s->mode, s->image, s->whole->threads);
 }
 
-/* The mode of a system of members in the whole, of the same length. */
+/* Extends a mode of the members to the whole, with the same norm. */
 static void spread_mode(local_search *s, const gn_springs *members, const double *x) {
     const size_t dofs = (size_t)members->dofs;
     memset(s->mode, 0, s->whole->particles * dofs * sizeof *s->mode);
@@ -56,7 +56,7 @@ static gneiss_status solve_members(local_search *s, const gn_springs *members, g
     return status;
 }
 
-/* Of the core and so many layers around it. */
+/* Solves for the core and `layers` layers around it. */
 static gneiss_status solve_around(local_search *s, int layers, gn_step_limit *limit,
                                   gneiss_error *error) {
     gn_springs members = {0};
@@ -70,7 +70,7 @@ static gneiss_status solve_around(local_search *s, int layers, gn_step_limit *li
     return status;
 }
 
-/* Leaves in the core those that no weights bring below `high`. */
+/* Keeps in the core those that no weights bring below `high`. */
 static gneiss_status leave_unsettled(local_search *s, size_t *count, gneiss_error *error) {
     gn_springs *y = s->whole;
     const size_t n = y->particles;
@@ -91,11 +91,11 @@ static gneiss_status search(local_search *s, size_t first, gn_step_limit *limit,
     size_t count = 0;
     memset(s->core, 0, s->whole->particles);
     s->core[first] = 1;
-    GN_TRY(solve_around(s, LAYERS, limit, error)); /* near enough to leave out most others */
+    GN_TRY(solve_around(s, LAYERS, limit, error)); /* accurate enough to exclude most others */
     s->high = s->low * (1.0 + 0.5 * s->tolerance);
     GN_TRY(leave_unsettled(s, &count, error));
     const double others = s->high;
-    *found = count == 0; /* as where loose grains touch one other each: none may be faster */
+    *found = count == 0; /* as for loose grains in single contacts: none may be faster */
     for (int round = 0; !*found && count <= s->whole->particles / SHARE && round < ROUNDS;
          round++) {
         gn_step_limit around = *limit;

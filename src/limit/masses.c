@@ -1,4 +1,4 @@
-/* How heavy particles would have to be for a step to hold. */
+/* Masses at which a given step is stable. */
 #include "base/memory.h"
 #include "limit/springs.h"
 
@@ -6,11 +6,11 @@
 
 enum { PARTICLE_BLOCK = 256 };
 
-/* Blocks of springs that turn differ by as much. */
+/* Relative difference of blocks whose springs rotate. */
 static const double nearly = 1.0 + 1e-6;
 
-/* Over its own mass. Whoever needs no more is not looked at closely; with `more`, whoever needs no
- * more than it has. */
+/* Returns the needed mass over a particle's own. A particle that needs no more, or with `more` no
+ * more than it has, is not examined further. */
 static double needed(const gn_springs *y, size_t p, double tau, bool more) {
     const gn_particles *q = y->spectrum->assembly->particles;
     double s[GN_DOFS_MAX * GN_DOFS_MAX], vector[GN_DOFS_MAX], most = 4.0 * tau * tau;

@@ -1,4 +1,4 @@
-/* Which contacts act as springs in the linearised system, and how they hang together. */
+/* The active contacts as springs of the linearised system, and their incidence lists. */
 #include "limit/springs.h"
 
 #include "base/memory.h"
@@ -38,12 +38,13 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     bool intact = gn_contact_bonded(list, c);
     double rest = list->length0 ? list->length0[c] : x[3] + y[3], most = rest + spectrum->reach;
-    if (!intact && square > 1.000001 * most * most) return false; /* most need no root */
+    /* most contacts need no square root */
+    if (!intact && square > 1.000001 * most * most) return false;
     double distance = sqrt(square);
-    /* Not (distance >= rest), so that a NaN is an active spring and gets noticed. */
+    /* Not (distance >= rest), so that a NaN is an active spring and is detected. */
     if (!intact && distance >= most) return false;
     *s = (gn_spring){.i = i, .j = j};
-    double at = intact ? distance : fmin(distance, rest); /* where it closes */
+    double at = intact ? distance : fmin(distance, rest); /* the distance at which it closes */
     double half = spectrum->arm_factor * (at - x[3] - y[3]);
     s->arm_i = x[3] + half;
     s->arm_j = y[3] + half;
@@ -73,7 +74,7 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
         s->n[k] = -normal[k];
         gap += normal[k] * (x[k] - point[k]);
     }
-    /* A passive contact starts at gap0 and counts. */
+    /* A passive contact starts at gap0 and is active. */
     if (gap > list->gap0[c] + spectrum->reach) return false;
     /* The wall is rigid: its contact point is on the plane, or at r as between particles. */
     s->arm_i = x[3] + 2.0 * spectrum->arm_factor * fmin(gap, list->gap0[c]);
@@ -142,7 +143,7 @@ void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *
     *j = k < bonds ? a->bonds->j[k] : a->pairs->j[k - bonds];
 }
 
-/* Turns to places among the members; false for a spring between particles that are none. */
+/* Converts to places among the members; returns false for a spring between particles outside. */
 static bool take_inside(const gn_springs *y, gn_spring *s) {
     if (!y->local) return true;
     int32_t i = y->local[s->i], j = s->j < 0 ? -1 : y->local[s->j];
@@ -170,7 +171,7 @@ static bool take_inside(const gn_springs *y, gn_spring *s) {
 
 static bool member_spring(const gn_springs *y, size_t k, gn_spring *s) {
     int32_t i, j;
-    if (y->local && k < gn_spring_pairs(y->spectrum)) { /* cheaply past most of them */
+    if (y->local && k < gn_spring_pairs(y->spectrum)) { /* a cheap test excludes most contacts */
         gn_spring_ends(y->spectrum, k, &i, &j);
         if (y->local[i] < 0 && y->local[j] < 0) return false;
     }
@@ -212,14 +213,14 @@ static gneiss_status collect_springs(gn_springs *y, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* For each particle the springs it carries, in their order. */
+/* Lists the springs of each particle in their order. */
 static gneiss_status list_incidence(gn_springs *y, gneiss_error *error) {
     y->first = gn_alloc_array(y->particles + 2, sizeof *y->first);
     y->entry = gn_alloc_array(2 * y->springs, sizeof *y->entry);
     if (!y->first || !y->entry)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the contacts of %zu particles",
                        y->particles);
-    /* Shifted by two, so that the cursors of the second loop end as the starts. */
+    /* Starts are shifted by two, so that the cursors of the second loop end at the starts. */
     for (size_t s = 0; s < y->springs; s++) {
         y->first[y->spring[s].i + 2]++;
         if (y->spring[s].j >= 0) y->first[y->spring[s].j + 2]++;

@@ -1,5 +1,5 @@
-/* Whether a step is stable, without solving for the limit: most particles settle it by themselves.
- */
+/* Tests whether a step is stable without computing the limit: for most particles local estimates
+ * suffice. */
 #include "base/memory.h"
 #include "limit/springs.h"
 
@@ -8,8 +8,8 @@
 
 enum { DOFS_MAX = GN_DOFS_MAX };
 
-/* Adds the largest eigenvalue of one spring's block to the sums [2] of the particle: of stiffness
- * and of dashpots. */
+/* Adds the largest eigenvalue of one spring's block to the particle's sums [2] of stiffness and of
+ * dashpots. */
 static void add_end(const gn_spectrum *spectrum, const gn_spring *s, bool second, double *sums) {
     int32_t i = second ? s->j : s->i, other = second ? s->i : s->j;
     if (i < 0) return;
@@ -19,12 +19,12 @@ static void add_end(const gn_spectrum *spectrum, const gn_spring *s, bool second
     double factor = gn_spectrum_can_move(spectrum, other) ? 2.0 : 1.0;
     double top = s->kn * mass, across = s->kt * (mass + turn) + s->bend * inertia;
     if (s->twist * inertia > top) top = s->twist * inertia;
-    /* Not fmax, which would hide a NaN; a normal that is none has to be noticed as well. */
+    /* fmax would hide a NaN, and an undefined normal has to be detected as well. */
     sums[2 * (size_t)i] += factor * (across > top ? across : top) + 0.0 * s->n[0];
     sums[2 * (size_t)i + 1] += factor * s->cn * mass;
 }
 
-/* Whether contact k has an end among the marked particles, as far as that is cheaply told. */
+/* Tells whether contact k may have an end among the marked particles, by a cheap test. */
 static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *marked) {
     int32_t i, j;
     if (k >= gn_spring_pairs(spectrum)) return true;
@@ -32,7 +32,7 @@ static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *mark
     return marked[i] || marked[j];
 }
 
-/* Of the marked ones leaves those that the sums over their springs do not settle: the largest
+/* Keeps the marks of particles that sums over their springs do not prove stable: the largest
  * eigenvalue of a sum is at most the sum of the largest. */
 static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sums,
                             uint8_t *marked) {
@@ -52,11 +52,12 @@ static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sum
     return found;
 }
 
-/* By how much a particle's block is above the step, from above; 1: it is not. */
+/* Returns an upper bound of the factor by which a particle's block is above the step; 1: it is
+ * not. */
 static double block_over(const gn_springs *y, size_t p, double tau) {
     double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     gn_block m;
-    if (y->first[p] == y->first[p + 1]) return 1.0; /* as all that sleep */
+    if (y->first[p] == y->first[p + 1]) return 1.0; /* no springs, as for all dormant particles */
     gn_block_of(y, p, &m);
     double trace = gn_block_at(&m, tau, s);
     if (trace <= most || gn_block_below(m.n, s, most)) return 1.0;
@@ -86,7 +87,7 @@ void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, ui
     }
 }
 
-/* The particle and its neighbours are to be looked at in the next round. */
+/* Schedules the particle and its neighbours for the next round. */
 static void look_again(const gn_springs *y, size_t p, uint8_t *next) {
     next[p] = 1;
     for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
@@ -95,9 +96,9 @@ static void look_again(const gn_springs *y, size_t p, uint8_t *next) {
     }
 }
 
-/* One look at all that are due. For what is too far above, or has neighbours outside of the system,
- * there are no weights: it is marked in `left`, and looked at no more; without that false is
- * returned. */
+/* Examines all scheduled particles once. A particle that is too far above, or has neighbours
+ * outside of the system, has no weights: it is marked in `left` and excluded; without `left` false
+ * is returned. */
 static bool settle_round(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
                          const uint8_t *due, uint8_t *next, uint8_t *left) {
     for (size_t p = 0; p < y->particles; p++) {
@@ -154,14 +155,15 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
     return status;
 }
 
-/* What is asked of the step, see gn_step_holds. */
+/* The question about the step, see gn_step_holds. */
 typedef struct inquiry {
     double step, tolerance;
     bool limit;
 } inquiry;
 
-/* By weights or, with a tolerance, by Lanczos. Without, and if the step does not hold, the largest
- * smaller one in steps of 3 % that does by weights, if that is more than what blocks alone say. */
+/* Decides by weights or, with a tolerance, by Lanczos. Without a tolerance, if the step is not
+ * stable, it finds the largest smaller one in steps of 3 % that is by weights, if that is above the
+ * limit of single blocks. */
 static gneiss_status judge_system(gn_springs *y, const inquiry *q, const uint8_t *marked,
                                   uint8_t highest, gn_step_verdict *verdict, gneiss_error *error) {
     const double step = q->step, tolerance = q->tolerance;
@@ -183,7 +185,7 @@ static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *q, d
     gn_springs y = {0};
     if (!leave_by_sums(spectrum, 1.0 / q->step, sums, marked)) return GNEISS_OK;
     verdict->holds =
-        q->step < INFINITY; /* else something resists, and that is all there is to it */
+        q->step < INFINITY; /* otherwise some motion has a resistance, which is the full answer */
     if (!verdict->holds) return GNEISS_OK;
     GN_TRY(judge_by_blocks(spectrum, q->step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
@@ -244,11 +246,11 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
         uint64_t z = s.j < 0 ? i << 32 | UINT32_MAX : i < j ? i << 32 | j : j << 32 | i;
         if (s.j < 0 && a->wall_contacts && wall < a->wall_contacts->soa.count)
             z -= 1 + (uint64_t)a->wall_contacts->wall[wall];
-        else if (s.j < 0) /* of a surface: by how stiff it is and where it is */
+        else if (s.j < 0) /* a surface contact is identified by its stiffness and position */
             z = gn_scramble(z) + bits +
                 (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
                            256 * lround(4.0 * s.n[2]) + 4096);
-        if (a->particles->pressed) z = gn_scramble(z) + bits; /* stiffer than at the last look */
+        if (a->particles->pressed) z = gn_scramble(z) + bits; /* stiffer than at the last check */
         uint32_t mark = (uint32_t)(gn_scramble(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);

@@ -25,14 +25,14 @@
 enum {
     DOFS_MAX = GN_DOFS_MAX,
     PARTICLE_BLOCK = 1024,
-    LOCAL_FROM = 32768, /* particles: fewer take less than a second by Lanczos */
+    LOCAL_FROM = 32768, /* particles; fewer take less than a second by Lanczos */
 };
 
 /* --- the rigorous bound --- */
 
-/* Sums over the springs of a particle, of which its block is made: B^T D B for B = [side I, arm N],
- * N w = n x w, D = k_t I + (k_n - k_t) n n^T; where bonds carry moments, k_b (I - n n^T) + k_w n
- * n^T on the spins as well. Symmetric parts as xx yy zz xy yz zx. */
+/* Sums over the springs of a particle that give its block: B^T D B for B = [side I, arm N], N w = n
+ * x w, D = k_t I + (k_n - k_t) n n^T; with bonds that carry moments, k_b (I - n n^T) + k_w n n^T on
+ * the spins as well. Symmetric parts as xx yy zz xy yz zx. */
 typedef struct block_sums {
     double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
     double turn, turn_normal[6]; /* arm^2 k_t + k_b; (arm^2 k_t + k_b - k_w) n n^T */
@@ -57,7 +57,7 @@ static void add_spring(block_sums *b, const gn_spring *s, double side, double ar
     for (int k = 0; k < 3; k++) b->cross[k] += side * arm * kt * n[k];
 }
 
-/* The full blocks, 6 x 6. */
+/* Expands to the full 6 x 6 blocks. */
 static void spread(const block_sums *b, double *k, double *c) {
     static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     const double *n = b->cross;
@@ -131,7 +131,7 @@ bool gn_block_below(int n, const double *s, double most) {
     return true;
 }
 
-/* Of the sums and of Jacobi. */
+/* Returns the round-off of the sums and of Jacobi. */
 static double round_off(const gn_block *m, double trace) {
     return 4.0 * (m->contacts + 32) * DBL_EPSILON * trace;
 }
@@ -151,9 +151,9 @@ static double quadratic_form(int n, const double *s, const double *x) {
     return sum;
 }
 
-/* tau with lambda_max(A + 2 tau B) <= 4 tau^2, as small as round-off allows but not below the given
- * one. The quotients climb to it from below; the last steps go past it until the inequality holds.
- */
+/* Returns the tau with lambda_max(A + 2 tau B) <= 4 tau^2, as small as round-off allows but at
+ * least `least`. Quotients converge to it from below; the last steps exceed it until the inequality
+ * holds. */
 static double block_rate(const gn_block *m, double least) {
     double x[DOFS_MAX], tau = least;
     for (int k = 0; k < m->n; k++)
@@ -171,14 +171,14 @@ static double block_rate(const gn_block *m, double least) {
     return NAN;
 }
 
-/* What a block of particles comes to; merged in their order. */
+/* The result of a block of particles; blocks are merged in their order. */
 typedef struct bound_part {
     double rate, kn_over_m; /* largest tau, largest k_n/m */
-    size_t particle;        /* that sets the rate */
+    size_t particle;        /* the particle that determines the rate */
 } bound_part;
 
 static void merge_part(bound_part *sum, double rate, double kn_over_m, size_t particle) {
-    /* A NaN must not be lost: it wins, and the first one stays. */
+    /* A NaN must not be lost: it takes precedence, and the first one is kept. */
     if (!isnan(sum->rate) && !(rate <= sum->rate)) {
         sum->rate = rate;
         sum->particle = particle;
@@ -195,7 +195,7 @@ static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) 
         gn_block_of(y, p, &m);
         double trace = gn_block_at(&m, part.rate, s);
         double rate = part.rate;
-        double most = 4.0 * rate * rate; /* the trace alone settles many */
+        double most = 4.0 * rate * rate; /* the trace alone decides for many */
         bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most ||
                                      gn_block_below(m.n, s, most - 2.0 * round_off(&m, trace)));
         if (!slower) rate = block_rate(&m, rate);
@@ -205,7 +205,7 @@ static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) 
     return part;
 }
 
-/* `first`: the particle that sets it. */
+/* Sets the bound; `first` is the particle that determines it. */
 static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, size_t *first,
                                gneiss_error *error) {
     size_t blocks = (y->particles + PARTICLE_BLOCK - 1) / PARTICLE_BLOCK;
@@ -244,7 +244,7 @@ static void free_parts(gn_spring_part *part, int parts) {
     gn_free(part);
 }
 
-/* The parts of the two ends of a spring, each once. */
+/* Finds the parts of the two ends of a spring, each once. */
 static int parts_of(const gn_spring *s, const int32_t *home, int32_t at[2]) {
     at[0] = home[s->i];
     if (s->j < 0 || home[s->j] == at[0]) return 1;
@@ -269,8 +269,7 @@ static bool list_springs(const gn_springs *y, const int32_t *home, gn_spring_par
     return true;
 }
 
-/* About as many springs to each part, and some parts to each thread, so that none waits for long.
- */
+/* Makes parts with about the same number of springs, several per thread to balance the load. */
 static gneiss_status make_parts(const gn_springs *y, gn_spring_part **out, int *parts,
                                 gneiss_error *error) {
     const size_t most = y->particles / PARTICLE_BLOCK, wanted = 4 * (size_t)y->threads;
@@ -297,7 +296,7 @@ static gneiss_status make_parts(const gn_springs *y, gn_spring_part **out, int *
                    y->particles);
 }
 
-/* stiffness A + viscosity B. */
+/* The operator stiffness A + viscosity B. */
 typedef struct scaled_operator {
     const gn_springs *system;
     const gn_spring_part *part;
@@ -305,8 +304,8 @@ typedef struct scaled_operator {
     double stiffness, viscosity;
 } scaled_operator;
 
-/* Adds to the sums of its particles in the part, [particles][dofs], what one spring pulls at them,
- * B^T D v_r. */
+/* Adds the forces of one spring, B^T D v_r, to the sums of its particles in the part,
+ * [particles][dofs]. */
 static inline __attribute__((always_inline)) void pull(const gn_spring *s, const scaled_operator *o,
                                                        const gn_spring_part *part, double *sums,
                                                        bool space, bool rotation) {
@@ -339,7 +338,7 @@ static inline __attribute__((always_inline)) void pull(const gn_spring *s, const
     }
 }
 
-/* The same of its moments. */
+/* Adds the moments of one spring likewise. */
 static inline __attribute__((always_inline)) void bend(const gn_spring *s, const scaled_operator *o,
                                                        const gn_spring_part *part, double *sums,
                                                        bool space) {
@@ -363,7 +362,7 @@ static inline __attribute__((always_inline)) void bend(const gn_spring *s, const
     }
 }
 
-/* A particle's springs are added in their order, whatever the parts are. */
+/* Applies one part. A particle's springs are added in their order, whatever the parts are. */
 static inline __attribute__((always_inline)) void apply_in(const scaled_operator *o,
                                                            const gn_spring_part *part, double *out,
                                                            bool space, bool rotation, bool bends) {
@@ -374,7 +373,8 @@ static inline __attribute__((always_inline)) void apply_in(const scaled_operator
     }
 }
 
-/* Chosen within the threads' part: what is outside of it is no constant there. */
+/* The variant is chosen inside of the parallel region, because arguments from outside are no
+ * constants there. */
 static void apply_to_part(const scaled_operator *o, const gn_spring_part *part, double *out) {
     const gn_springs *y = o->system;
     const size_t begin = part->begin * (size_t)y->dofs, end = part->end * (size_t)y->dofs;
@@ -438,8 +438,8 @@ static int32_t fastest_particle(const gn_springs *y, const double *x) {
     return y->spectrum->assembly->particles->id[gn_springs_place(y, best)];
 }
 
-/* `place`: of the entries among those of all particles (base/eigen.h); NULL: there are no others.
- */
+/* Sets the sharp limit. `place` has the entries among those of all particles (base/eigen.h); NULL:
+ * all. */
 static gneiss_status set_sharp(const gn_spring_operator *o, const size_t *place, double tolerance,
                                double *x, gn_step_limit *limit, gneiss_error *error) {
     const gn_springs *y = o->system;
@@ -489,7 +489,7 @@ static gneiss_status set_sharp_among(const gn_springs *y, const size_t *place, d
     return status;
 }
 
-/* Marks, in groups that keep sums as they are (base/eigen.h), who moves or has springs. */
+/* Marks particles that move or have springs, in groups that preserve sums (base/eigen.h). */
 static size_t mark_awake(const gn_springs *y, uint8_t *awake) {
     size_t count = 0;
     for (size_t begin = 0; begin < y->particles; begin += GN_EIGEN_GROUP) {
@@ -522,8 +522,8 @@ static gneiss_status set_sharp_of_awake(const gn_springs *y, const uint8_t *awak
     return status;
 }
 
-/* Where most sleep (src/conversion/conversion.c), vectors are only as long as those who do not: the
- * same limit to the bit. */
+/* If most particles are dormant (src/sim/conversion.c), vectors contain only the others: the limit
+ * is the same to the bit. */
 static gneiss_status set_sharp_of_all(const gn_springs *y, double tolerance, gn_step_limit *limit,
                                       gneiss_error *error) {
     enum { FEW = 64 };

@@ -11,23 +11,23 @@
 #include <string.h>
 
 /* Qt splits the cells of points on a common sphere into simplices, Qbb scales the lifted
- * coordinate, Qc keeps points that fall on a facet out of the hull, Qz adds a point at infinity so
- * that points that are all on one sphere (a single lattice cell) do not lift to a plane, Q12
- * accepts the wide merged facets of lattices. Qhull is only asked for topology: volumes are
- * computed from the points themselves. */
+ * coordinate, Qc excludes points on a facet from the hull, Qz adds a point at infinity so that
+ * points that are all on one sphere (a single lattice cell) do not lift to a plane, Q12 accepts the
+ * wide merged facets of lattices. Qhull only provides topology: volumes are computed from the
+ * points themselves. */
 static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
 static char hull_command[] = "qhull FA";
-/* Qc keeps the points that fall on a facet, where U says how near that is. */
+/* Qc keeps the points that lie on a facet, within the tolerance of U. */
 static char faces_command[] = "qhull FA Qc U1e-9";
-/* The same where any triangles will do. */
+/* A command for any triangles of the hull. */
 static char triangles_command[] = "qhull FA Qt";
 static const double clear_of_faces = 1e-9;
 
-/* Below this height over extent the points count as lying on a plane: Qhull's own limit is
+/* Below this ratio of height to extent the points count as lying on a plane: Qhull's own limit is
  * round-off. */
 static const double flat_tolerance = 1e-9;
 
-/* One run of Qhull, its messages kept in memory instead of on the terminal. */
+/* One run of Qhull, whose messages are stored instead of printed. */
 typedef struct qhull_run {
     qhT *qh;
     FILE *messages;
@@ -52,7 +52,7 @@ static void qhull_close(qhull_run *s) {
     gn_free(s->qh);
 }
 
-/* Runs `command`. Qhull leaves by longjmp into qh_new_qhull, which turns errors into a code. */
+/* Runs `command`. Qhull fails by longjmp into qh_new_qhull, which turns errors into a code. */
 static gneiss_status qhull_run_command(qhull_run *s, char *command, const double *points,
                                        size_t count, int dimension, gneiss_error *error) {
     qh_zero(s->qh, s->messages);
@@ -70,7 +70,8 @@ static gneiss_status qhull_run_command(qhull_run *s, char *command, const double
 
 /* --- points without volume --- */
 
-/* Takes the part along the `rank` unit directions out of `x`; the length of the rest. */
+/* Removes the components along the `rank` unit directions from `x`; returns the norm of the
+ * rest. */
 static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
     for (int k = 0; k < rank; k++) {
         double along = 0;
@@ -82,7 +83,7 @@ static double remainder_of(double x[3], int dimension, double direction[][3], in
     return sqrt(square);
 }
 
-/* Gram-Schmidt on the point farthest from the plane found so far. */
+/* Applies Gram-Schmidt to the point farthest from the plane found so far. */
 static bool is_flat(const double *points, size_t count, int dimension) {
     if (count < (size_t)dimension + 1) return true;
     double direction[3][3], extent = 0;
@@ -180,7 +181,7 @@ void gn_triangulation_free(gn_triangulation *triangulation) {
 
 /* --- hulls --- */
 
-/* Whether a neighbour of a facet lies clear of its plane. */
+/* Tells whether a neighbour of a facet is clearly outside of its plane. */
 static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     vertexT *vertex, **vertexp;
     realT above = -1.0;
@@ -192,7 +193,8 @@ static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     return true;
 }
 
-/* Whether a facet is a simplex with no other point on it, and its neighbours fall off from it. */
+/* Tells whether a facet is a simplex with no other point on it, and its neighbours are not in its
+ * plane. */
 static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     facetT *neighbor = NULL, **neighborp;
     bool clear = true;
@@ -222,8 +224,8 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
     return GNEISS_OK;
 }
 
-/* m2 or m3 of the hull, and m or m2 of its surface (may be NULL), 0 of points on a line or plane;
- * its faces too where they are wanted. */
+/* Computes the volume or area of the hull, m2 or m3, and of its surface, m or m2 (may be NULL), 0
+ * for points on a line or plane; its faces too if they are requested. */
 static gneiss_status hull_of(const double *points, size_t count, int dimension, char *command,
                              gn_triangulation *faces, double *volume, double *surface,
                              gneiss_error *error) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Sums over the terms of one kind, picked by the kind's name in the manifest. */
+/* Sums over the terms of one kind, selected by the kind's name in the manifest. */
 #define PICK_STORED_STORED(value) +(value)
 #define PICK_STORED_INPUT(value)
 #define PICK_STORED_LOST(value)

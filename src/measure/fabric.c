@@ -1,4 +1,4 @@
-/* Packing figures, damage of particles. */
+/* Packing figures and damage of particles. */
 #include "base/memory.h"
 #include "measure/assembly.h"
 #include "soa/bond_causes.h"
@@ -45,7 +45,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
         double reach = particles->pos[4 * i + 3] + particles->pos[4 * j + 3];
         if (length - reach > tolerance * reach) continue;
         g.contacts++;
-        /* Coincident centres count as a contact without a direction. */
+        /* Coincident centres count as a contact without direction. */
         for (int a = 0; a < 9 && length > 0; a++)
             g.fabric[a] += l[a / 3] * l[a % 3] / (length * length);
         if (length >= reach) continue;
@@ -62,8 +62,8 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
 
 /* --- damage --- */
 
-/* Rojek et al. (2012), eq. 60. A bond that left with its other particle was no damage to this one.
- */
+/* Rojek et al. (2012), eq. 60. A bond that left with its other particle is no damage to this
+ * one. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {
     memset(damage, 0, particles->soa.count * sizeof *damage);
     if (!particles->bonds0) return;

@@ -1,4 +1,4 @@
-/* The hull about a packing, and its extent. */
+/* The hull of a packing, and its extent. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "measure/assembly.h"
@@ -25,7 +25,7 @@ static void packing_extent(const gn_particles *particles, double lower[3], doubl
 /* --- what lies inside --- */
 
 /* Qhull takes seconds for the points of 1e5 spheres, nearly all of which are well inside:
- * half-spaces n.x <= offset whose intersection lies within the hull tell these beforehand. */
+ * half-spaces n.x <= offset whose intersection lies within the hull exclude these beforehand. */
 enum { LOOKS = 96, FACES_MOST = 2 * LOOKS, BLOCK = 256 };
 
 typedef struct half_spaces {
@@ -33,8 +33,8 @@ typedef struct half_spaces {
     double normal[FACES_MOST][3], offset[FACES_MOST];
 } half_spaces;
 
-/* Directions all about: a spiral over the sphere (Gonzalez 2010, lattice of Fibonacci), or equal
- * angles. */
+/* Evenly distributed directions: a spiral over the sphere (Gonzalez 2010, lattice of Fibonacci), or
+ * equal angles. */
 static void look(int dimension, int k, double direction[3]) {
     const double golden = M_PI * (3 - sqrt(5));
     double turn = dimension == 3 ? golden * k : 2 * M_PI * k / LOOKS;
@@ -44,7 +44,7 @@ static void look(int dimension, int k, double direction[3]) {
     direction[2] = z;
 }
 
-/* The particle that is farthest in a direction. */
+/* Returns the particle that is farthest in a direction. */
 static size_t farthest(const gn_particles *q, const double n[3]) {
     size_t found = 0;
     double most = -INFINITY;
@@ -56,8 +56,8 @@ static size_t farthest(const gn_particles *q, const double n[3]) {
     return found;
 }
 
-/* Centres of outer particles, each drawn towards the middle by another small part, so that no four
- * of them lie in a plane, as those of a lattice do. */
+/* Computes centres of outer particles, each moved towards the middle by another small amount, so
+ * that no four of them lie in a plane, as those of a lattice do. */
 static void outer_points(const gn_particles *q, int dimension, const double middle[3],
                          double *points) {
     const double most = 1e-2, golden = 0.6180339887498949;
@@ -70,7 +70,8 @@ static void outer_points(const gn_particles *q, int dimension, const double midd
     }
 }
 
-/* Of the face through these corners, away from the middle. False: it has no area. */
+/* Computes the half-space of the face through these corners, away from the middle; returns false if
+ * it has no area. */
 static bool half_space_of(const double *points, const int32_t *corner, int dimension,
                           const double middle[3], half_spaces *s) {
     const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
@@ -94,7 +95,8 @@ static bool half_space_of(const double *points, const int32_t *corner, int dimen
     return true;
 }
 
-/* None where there are too few particles for it to matter, or where no body is found. */
+/* Computes a body inside the hull; none if there are too few particles for it to matter, or if no
+ * body is found. */
 static void inner_body(const gn_particles *q, int dimension, const double lower[3],
                        const double upper[3], half_spaces *s) {
     const size_t few = 1000;
@@ -112,8 +114,7 @@ static void inner_body(const gn_particles *q, int dimension, const double lower[
     gn_triangulation_free(&faces);
 }
 
-/* Which of up to BLOCK particles lie with all of their surface inside. What is no number does not.
- */
+/* Finds which of up to BLOCK particles lie inside with all of their surface. NaN does not. */
 static void find_inside(const double *pos, size_t count, const half_spaces *s, double margin,
                         int32_t inside[BLOCK]) {
     double x[4][BLOCK];
@@ -130,7 +131,7 @@ static void find_inside(const double *pos, size_t count, const half_spaces *s, d
 
 /* --- the core of the hull --- */
 
-/* [count] particles that may touch the hull; NULL: no memory. */
+/* Returns the [count] particles that may touch the hull; NULL: no memory. */
 static int32_t *outer_particles(const gn_particles *q, int dimension, const double lower[3],
                                 const double upper[3], size_t *count) {
     const double rounding = 1e-9;
@@ -195,7 +196,7 @@ static gneiss_status make_core(const gn_particles *q, const int32_t *outer, size
     return GNEISS_OK;
 }
 
-/* h'(n), and h'(-n) where it is wanted. */
+/* Computes h'(n), and h'(-n) if requested. */
 static double reach_of(const core *c, const double n[3], double *back) {
     double most = -INFINITY, behind = -INFINITY;
     for (size_t k = 0; k < c->count; k++) {
@@ -209,8 +210,8 @@ static double reach_of(const core *c, const double n[3], double *back) {
 
 enum { AXES = 2048 };
 
-/* The integral of h' over all directions; exact for what is the same on both sides of the middle
- * and for a shift. */
+/* Returns the integral of h' over all directions, which is exact for centrally symmetric bodies and
+ * for a shift. */
 static double curvature_of(const core *c) {
     const double golden = M_PI * (3 - sqrt(5));
     double sum = 0;
@@ -244,7 +245,7 @@ static gneiss_status add_point(cloud *p, const double x[3], int dimension, gneis
     return GNEISS_OK;
 }
 
-/* The point of the core that is farthest in a direction. */
+/* Adds the point of the core that is farthest in a direction. */
 static gneiss_status add_farthest(const core *c, const double n[3], int dimension, cloud *p,
                                   gneiss_error *error) {
     const double reach = reach_of(c, n, NULL);
@@ -257,7 +258,7 @@ static gneiss_status add_farthest(const core *c, const double n[3], int dimensio
     return add_point(p, x, dimension, error);
 }
 
-/* Area (2D: length) and outward normal of a face; the hull has the place `inside` in it. */
+/* Computes the area (2D: length) and outward normal of a face; `inside` is a point in the hull. */
 static double face_of(const double *points, const int32_t *corner, int dimension,
                       const double inside[3], double n[3], double *offset) {
     const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
@@ -277,8 +278,8 @@ static double face_of(const double *points, const int32_t *corner, int dimension
     return dimension == 3 ? 0.5 * size : size;
 }
 
-/* Adds the farthest points over faces that the core stands out of by more than `gap`; *missing: sum
- * of areas times how far it stands out. */
+/* Adds the farthest points over faces beyond which the core extends by more than `gap`; *missing:
+ * sum of areas times these distances. */
 static gneiss_status refine(const core *c, int dimension, double gap, const gn_triangulation *faces,
                             cloud *p, bool *more, double *missing, gneiss_error *error) {
     const size_t known = p->count;
@@ -301,7 +302,8 @@ static gneiss_status refine(const core *c, int dimension, double gap, const gn_t
     return GNEISS_OK;
 }
 
-/* A flat core has two sides. Its normal is the direction in which it extends least. */
+/* Measures a flat core, which has two sides. Its normal is the direction in which it extends
+ * least. */
 static gneiss_status measure_flat(const core *c, int dimension, double *surface,
                                   gneiss_error *error) {
     double matrix[9] = {0}, mean[3] = {0}, values[3], axes[9], area = 0;
@@ -326,14 +328,14 @@ static gneiss_status measure_flat(const core *c, int dimension, double *surface,
     return status;
 }
 
-/* Of the volume of all: what faces times how far the core stands out of them may come to, of balls
- * and of a polytope. Between faces and a ball there is 3/4 of that where triangles are equilateral,
- * 2/3 on a cylinder (and in the plane), which is added. */
+/* Relative to the volume: tolerance of the sum of faces times the distance by which the core
+ * extends beyond them, for balls and for a polytope. Between faces and a ball there is 3/4 of that
+ * for equilateral triangles and 2/3 on a cylinder (and in 2D), which is added. */
 static const double of_balls = 5e-4, of_polytope = 1e-7, between = 2.0 / 3.0;
 enum { ROUNDS = 12, POINTS_MOST = 200000 };
 
-/* The hull of points of the core, which grows until no face of it is farther inside of the core
- * than what a share of the volume over the whole surface comes to. */
+/* Computes the hull of points of the core, which grows until the core extends beyond no face by
+ * more than the tolerance of the volume over the whole surface. */
 static gneiss_status measure_core(const core *c, int dimension, cloud *p, double *volume,
                                   double *surface, gneiss_error *error) {
     const double r = c->radius;

@@ -1,4 +1,4 @@
-/* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
+/* Laboratory readings from the curves of a test, and reasons why some are absent. */
 #include "measure/readings.h"
 
 #include "measure/beginning.h"
@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Other stresses that grow by the share k of the axial one leave (nu - k (1 - nu))/(1 - 2 nu k) to
- * be read as nu and E/(1 - 2 nu k) as E. Rough ends do that: k is 0.03 in a cylinder twice as high
- * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
+/* If other stresses grow by the fraction k of the axial one, (nu - k (1 - nu))/(1 - 2 nu k) is read
+ * as nu and E/(1 - 2 nu k) as E. Rough ends cause that: k is 0.03 in a cylinder with a height of
+ * two widths between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
 /* --- absent --- */
 
-/* Reasons show 0 without a sign. */
+/* Removes the sign of zero for reasons. */
 static double unsigned_zero(double x) {
     return x == 0 ? 0 : x;
 }
@@ -28,7 +28,7 @@ _Static_assert(offsetof(gn_readings, reason) == GN_READING_COUNT * sizeof(double
                "doubles in a row, then reasons");
 
 static double *values_of(gn_readings *r) {
-    return &r->young_modulus; /* the first of them */
+    return &r->young_modulus; /* the first of all readings */
 }
 
 static const unsigned tests_of[] = {
@@ -47,7 +47,7 @@ static void leave_others(const gn_tested *of, gn_readings *r) {
     }
 }
 
-/* Whatever the test is, or without one. */
+/* Reads the energy of zones, for any test or none. */
 static void read_zones(const gn_tested *of, gn_readings *r) {
     const gn_reading which = GN_READING_returned_energy;
     if (!of->zones) return;
@@ -57,7 +57,7 @@ static void read_zones(const gn_tested *of, gn_readings *r) {
         gn_reading_absent(r, which, "no energy was there or came in but what rounding makes");
 }
 
-/* What has a reason is no number; what is none has a reason. */
+/* Makes readings with a reason NaN, and gives NaN readings a reason. */
 static void settle(gn_readings *r) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
         if (r->reason[k][0]) values_of(r)[k] = NAN;
@@ -75,8 +75,8 @@ static size_t largest_row(const double *stress, size_t begin, size_t rows) {
     return largest;
 }
 
-/* From the first crossing of 1 % of the largest stress up to the first crossing of 50 %, both
- * before it. */
+/* Returns the rows from the first crossing of 1 % of the largest stress up to the first crossing of
+ * 50 %, both before it. */
 static gn_row_span loading_span(const double *stress, size_t begin, size_t largest) {
     gn_row_span s = {.first = begin};
     while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
@@ -85,7 +85,7 @@ static gn_row_span loading_span(const double *stress, size_t begin, size_t large
     return s;
 }
 
-/* Of the later half, which no start leaves out. */
+/* Returns the interval of the later half, which every kind of start includes. */
 static double interval_of(const double *time, size_t rows) {
     size_t half = rows / 2;
     return time && rows > half + 1 ? (time[rows - 1] - time[half]) / (double)(rows - 1 - half) : 0;
@@ -93,20 +93,20 @@ static double interval_of(const double *time, size_t rows) {
 
 /* --- what the scene lets be read --- */
 
-/* Slope of a mean stress of the specimen over that of the test. */
+/* Returns the slope of a mean stress of the specimen over that of the test. */
 static double follows(const gn_curves *c, gn_row_span span, int a, int b) {
     char name[16];
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
     return gn_line(c, c->stress, gn_history_column(c->history, name), span).slope;
 }
 
-/* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
- * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
+/* Requires uniaxial loading: a modulus is stress over strain along one axis with all other stresses
+ * constant, zero or those of a cell. Scenes that load or hold the sides, or shear, violate that. */
 static void need_one_axis(const gn_curves *c, gn_row_span span, gn_reading which, double limit,
                           gn_readings *r) {
     const int axis = c->tested->axis;
     double along = c->tested->sign * follows(c, span, axis, axis);
-    if (isnan(along)) return; /* no mean stress to look at */
+    if (isnan(along)) return; /* there is no mean stress */
     if (!(along > 0.5 && along < 2))
         gn_reading_absent(
             r, which,
@@ -125,8 +125,9 @@ static void need_one_axis(const gn_curves *c, gn_row_span span, gn_reading which
         }
 }
 
-/* How the ends' way compares with the mean strain: where far more of it goes into bending, or into
- * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
+/* Compares the displacement of the ends with the mean strain: if far more of it goes into bending,
+ * or into the ends themselves, the mean strains are not those of a specimen loaded along its
+ * axis. */
 static void need_ways(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
     double ways = c->tested->sign * gn_line(c, c->stress, c->average[c->tested->axis], span).slope *
                   gn_line(c, c->strain, c->stress, span).slope;
@@ -138,9 +139,9 @@ static void need_ways(const gn_curves *c, gn_row_span span, gn_reading which, gn
             unsigned_zero(ways));
 }
 
-/* The mean strains are those of a specimen loaded along its axis whatever the ends did, if the mean
- * stress is what the ends exert: then all of the load goes through all of it, and only the ends are
- * soft. */
+/* Requires either that, or that the mean stress is that of the ends: then the whole load passes
+ * through the whole section, and only the ends are soft, so that the mean strains are those of a
+ * specimen loaded along its axis. */
 static void need_ways_or_stress(const gn_curves *c, gn_row_span span, gn_reading which,
                                 gn_readings *r) {
     int axis = c->tested->axis;
@@ -149,7 +150,7 @@ static void need_ways_or_stress(const gn_curves *c, gn_row_span span, gn_reading
 }
 
 void gn_need_axial(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
-    if (c->tested->axis < 0) return; /* as a hydrostatic test, which loads along all */
+    if (c->tested->axis < 0) return; /* as in a hydrostatic test, which loads along all */
     need_one_axis(c, span, which, beside_modulus, r);
     need_ways(c, span, which, r);
 }
@@ -171,7 +172,7 @@ static void read_modulus(const gn_curves *c, gn_readings *r) {
     need_ways(c, c->elastic, which, r);
 }
 
-/* In the rows that are fitted. */
+/* Requires average strains in the rows of the fit. */
 static void need_average_strain(const gn_curves *c, gn_reading which, gn_readings *r) {
     const size_t last = c->elastic.last;
     const char *reason =
@@ -196,7 +197,7 @@ static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     need_ways_or_stress(c, c->elastic, which, r);
 }
 
-/* -1 to 0.5 is what an elastic solid can have; in the plane up to 1, as plane strain shows it. */
+/* An elastic solid has -1 to 0.5; in 2D up to 1, because of plane strain. */
 static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_readings *r) {
     double most = dimension == 2 ? 1 : 0.5;
     if (!(fabs(nu) <= 1))
@@ -207,9 +208,9 @@ static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_r
             nu, most);
 }
 
-/* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
- * instead would be biased towards zero by the vibrations in the axial average; over the stress such
- * scatter averages out of both slopes. */
+/* Fits both strains over the stress and divides the slopes. A fit of lateral over axial strain
+ * would be biased towards zero by vibrations in the axial average; over the stress such scatter
+ * averages out of both slopes. */
 static gn_line_fit ratio_fit(const gn_curves *c, gn_row_span span) {
     int axis = c->tested->axis, dimension = c->tested->dimension;
     double lateral = 0, variance = 0;
@@ -243,7 +244,7 @@ static void read_poisson(const gn_curves *c, gn_readings *r) {
     need_possible_ratio(c->tested->dimension, f.slope, which, r);
 }
 
-/* Between two rows, whatever broke or yielded from the one to the other. */
+/* Reads the ratio between two rows, whatever broke or yielded in between. */
 static void read_secant_ratio(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_secant_poisson_ratio;
     const gn_row_span s = c->loading;
@@ -290,13 +291,13 @@ static void read_plane(const gn_curves *c, gn_readings *r) {
         gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
 }
 
-/* How far apart the rows around the largest stress are, and what became of it. */
+/* Records the spacing of the rows around the largest stress, and the decrease after it. */
 static void note_rows(const gn_curves *c, gn_readings *r) {
     const size_t k = c->largest, last = c->history->row_count - 1;
     r->peak_fall = 1.0 - c->stress[last] / c->stress[k];
     r->peak_rise = k > 0 ? fmin(1.0, 1.0 - c->stress[k - 1] / c->stress[k]) : 1.0;
     if (!c->strain) return;
-    r->peak_strain_least = c->strain[k > 0 ? k - 1 : k] + 0.0; /* no -0 */
+    r->peak_strain_least = c->strain[k > 0 ? k - 1 : k] + 0.0; /* avoids -0 */
     r->peak_strain_most = c->strain[k < last ? k + 1 : k];
 }
 
@@ -309,7 +310,7 @@ static void read_peak(const gn_curves *c, gn_readings *r) {
     if (reason) gn_reading_absent(r, GN_READING_peak_strain, "%s", reason);
 }
 
-/* Signed sums: waves that run to and fro between the ends cancel, a part that is missing stays. */
+/* Sums are signed: waves between the ends cancel, and a missing part remains. */
 static void read_balance(const gn_curves *c, gn_readings *r) {
     const double *lower = gn_history_column(c->history, "stress_lower"),
                  *upper = gn_history_column(c->history, "stress_upper");
@@ -329,9 +330,10 @@ static void read_balance(const gn_curves *c, gn_readings *r) {
     r->end_imbalance = fabs(difference) / sum;
 }
 
-static const double held = 0.05; /* share that a load which is held may waver by */
+static const double held = 0.05; /* relative fluctuation of a constant load */
 
-/* Ends that never moved in the sense of the test leave all rows to it, and no strength. */
+/* Finds the beginning of the test. If the ends never moved in the sense of the test, all rows
+ * belong to it, and there is no strength. */
 static void find_beginning(gn_curves *c, gn_readings *r) {
     gn_beginning b = {0};
     gn_beginning_look(&b, c->strain, c->stress, c->history->row_count);

@@ -1,10 +1,10 @@
-/* Bursts of breaking bonds, as they are heard in a laboratory: their number and the slope of their
+/* Bursts of breaking bonds, the counterpart of acoustic events: their number and the slope of their
  * sizes. */
 #include "measure/readings.h"
 
 #include <math.h>
 
-/* zeta(a) and -d zeta/da = sum ln k k^-a, by the first terms and Euler-Maclaurin. */
+/* Computes zeta(a) and -d zeta/da = sum ln k k^-a, by the first terms and Euler-Maclaurin. */
 static void zeta(double a, double *value, double *logs) {
     enum { TERMS = 20 };
     const double n = TERMS, l = log(n), power = pow(n, -a);
@@ -18,7 +18,8 @@ static void zeta(double a, double *value, double *logs) {
              (a * l - 1) * power / (12 * n);
 }
 
-/* The power a of sizes k^-a/zeta(a) whose mean logarithm is the one given; it falls with a. */
+/* Returns the power a of sizes k^-a/zeta(a) with the given mean logarithm, which decreases with
+ * a. */
 static double power_of(double mean_log) {
     double low = 1.01, high = 20;
     for (int k = 0; k < 60; k++) {
@@ -32,7 +33,7 @@ static double power_of(double mean_log) {
     return 0.5 * (low + high);
 }
 
-/* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 50 leave 14 %. */
+/* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 14 % for 50 events. */
 enum { EVENTS_LEAST = 50 };
 
 void gn_readings_of_bursts(const gn_tested *t, gn_readings *r) {

@@ -1,10 +1,10 @@
-/* Readings of the tests that have their own. */
+/* Readings of single test kinds. */
 #include "measure/readings.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* At the peak, if there is one. */
+/* Reads a column at the peak, if there is one. */
 static void at_peak(const gn_curves *c, gn_reading which, const double *column, double factor,
                     double *value, gn_readings *r) {
     const char *reason = gn_no_peak(c);
@@ -12,7 +12,7 @@ static void at_peak(const gn_curves *c, gn_reading which, const double *column, 
     if (column) *value = factor * column[c->largest];
 }
 
-/* One of the average strain. */
+/* Reads an average strain at the peak. */
 static void strain_at_peak(const gn_curves *c, gn_reading which, const char *name, double *value,
                            gn_readings *r) {
     const double *column = gn_history_column(c->history, name);
@@ -84,10 +84,10 @@ static void read_bending(const gn_curves *c, gn_readings *r) {
 
 /* --- fracture energy --- */
 
-/* What is left of the load when a section counts as broken through. */
+/* Fraction of the largest load below which a section counts as separated. */
 static const double broken_through = 0.1;
 
-/* Trapezoidal, from the first row to the last. */
+/* Integrates by the trapezoidal rule from the first row to the last. */
 static void read_fracture_energy(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_fracture_energy;
     const double *force = gn_history_column(c->history, "force"),
@@ -161,7 +161,8 @@ static void read_shear(const gn_curves *c, gn_readings *r) {
 
 /* --- of any loading along an axis --- */
 
-/* Rows from the first with a share of the largest stress to the first with another. */
+/* Returns the rows from the first with one fraction of the largest stress to the first with
+ * another. */
 static gn_row_span between(const gn_curves *c, double low, double high) {
     gn_row_span s = {.first = c->begin};
     const double most = c->stress[c->largest];
@@ -185,7 +186,7 @@ static void slope_between(const gn_curves *c, gn_reading which, double low, doub
     gn_need_modulus(f, which, r);
 }
 
-/* Between two rows, whatever broke or yielded from the one to the other. */
+/* Reads the modulus between two rows, whatever broke or yielded in between. */
 static void read_secant(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_secant_modulus;
     const gn_row_span s = c->loading;
@@ -210,7 +211,7 @@ static void read_initiation(const gn_curves *c, gn_readings *r) {
                           all);
 }
 
-/* The row of the least volume, if there are rows behind it before the peak. */
+/* Finds the row of the least volume, if rows follow it before the peak. */
 static void read_damage(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_crack_damage_stress;
     const char *reason = gn_no_peak(c);

@@ -1,4 +1,4 @@
-/* What the readings of all tests look at: slopes, peaks, and why there is none. */
+/* Functions of the readings of all tests: slopes, peaks, and reasons of their absence. */
 #include "measure/readings.h"
 
 #include <math.h>
@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
- * take off a rising curve. */
+/* A stress is a peak if it has then decreased by this fraction: more than vibrations and single
+ * bonds cause on a rising curve. */
 static const double fall = 0.05;
 
 /* --- absent --- */
@@ -63,12 +63,12 @@ void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
 
 /* --- the elastic rows --- */
 
-/* Below this share of the largest stress platens break single grains that stick out, which is not
+/* Below this fraction of the largest stress, platens break single protruding grains, which is not
  * yet the failure of the specimen. */
 static const double seating = 0.1;
 
-/* Share of the work that dissipation in bonds may have: the slope of the work over the square of
- * the strain is then off by as much. */
+/* Fraction of the work that dissipation in bonds may have, which is then the error of the slope of
+ * the work over the square of the strain. */
 static const double dissipated = 0.01;
 
 double gn_breaks_until(const gn_curves *c, size_t row) {
@@ -77,13 +77,13 @@ double gn_breaks_until(const gn_curves *c, size_t row) {
     return tension && shear ? tension[row] + shear[row] : 0;
 }
 
-/* A hundredth of the bonds through a section of the specimen. */
+/* Returns a hundredth of the bonds through a section of the specimen. */
 static double few_bonds(const gn_curves *c) {
     const double *intact = gn_history_column(c->history, "bonds_intact"), d = c->tested->dimension;
     return intact ? 0.01 * pow(fmax(intact[c->begin], 0), (d - 1) / d) : 0;
 }
 
-/* The first row of the span before which breaks count; its end if there is none. */
+/* Returns the first row of the span after significant breaks; its end if there is none. */
 static size_t first_break(const gn_curves *c) {
     const double few = few_bonds(c), most = c->stress[c->largest];
     double before = gn_breaks_until(c, c->loading.first);
@@ -113,8 +113,8 @@ static double stored(const gn_curves *c, size_t row) {
     return sum;
 }
 
-/* The first row of the span before which a loss has taken its share of the work. Without the
- * energy ledger nothing is known of it. */
+/* Returns the first row of the span in which a loss exceeds its fraction of the work. Without the
+ * energy ledger losses are unknown. */
 static size_t first_loss(const gn_curves *c, const char *column) {
     size_t row = c->loading.first;
     for (; row < c->loading.last; row++) {
@@ -144,7 +144,7 @@ double gn_nonlinearity(const gn_curves *c, gn_slope_of *slope) {
 
 /* --- slopes and peaks --- */
 
-/* How many parts of the way from the row before count each as a row: 1 where steps went on. */
+/* Returns the number of rows for which the interval before a row counts: 1 for time steps. */
 static size_t parts_of(const gn_curves *c, size_t row, gn_row_span s) {
     const double wide = 1.5, most = 1e4;
     if (row == s.first || !(c->interval > 0)) return 1;
@@ -174,7 +174,7 @@ gn_line_fit gn_line(const gn_curves *c, const double *x, const double *y, gn_row
         }
     if (!(xx > 0)) return (gn_line_fit){NAN, NAN};
     double slope = xy / xx,
-           rest = fmax(0, yy - slope * xy) * (rows / n); /* over the rows there are */
+           rest = fmax(0, yy - slope * xy) * (rows / n); /* scaled to the actual number of rows */
     return (gn_line_fit){slope, sqrt(rest / (rows - 2) / xx)};
 }
 
@@ -183,9 +183,9 @@ static double last_of(const gn_history *history, const char *name) {
     return column ? column[history->row_count - 1] : NAN;
 }
 
-/* Whether what is sheared slides by friction, over a third of the way of its ends or more: from
- * where the stress first comes within `fall` of its largest on, most of the work of the ends is
- * friction. */
+/* Tells whether a sheared specimen slides by friction over a third of the displacement of its ends
+ * or more: from the row at which the stress first comes within `fall` of its largest, most of the
+ * work of the ends is friction. */
 static bool slides(const gn_curves *c) {
     const double *friction = gn_history_column(c->history, "energy_friction"),
                  *force = gn_history_column(c->history, "force"),
