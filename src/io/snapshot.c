@@ -15,12 +15,12 @@
 
 enum { VTK_VERTEX = 1, VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRA = 10 };
 
-/* A grid of lines may be empty (all bonds broken); its line arrays tell what it is. */
+/* A grid of lines may be empty (all bonds broken); its line arrays identify it. */
 static bool is_lines(const gn_snapshot *s) {
     return s->line_count > 0 || s->line_array_count > 0;
 }
 
-/* Points of a cell. */
+/* Returns the points of a cell. */
 static size_t cell_points(const gn_snapshot *s) {
     if (!is_lines(s)) return 1;
     return s->line_points ? s->line_points : 2;
@@ -44,8 +44,7 @@ static gneiss_status put_number(gn_h5 *file, const char *name, size_t value, gne
     return gn_h5_put(file, name, GN_I64, 1, 1, 0, &number, NULL, NULL, error);
 }
 
-/* Connectivity, offsets and types, filled one after the other into `work`, which has room for each.
- */
+/* Writes connectivity, offsets and types in sequence; `work` has room for each. */
 static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *s, size_t cells, int64_t *work,
                                   gneiss_error *error) {
     static const int types[] = {0, VTK_VERTEX, VTK_LINE, VTK_TRIANGLE, VTK_TETRA};
@@ -93,7 +92,7 @@ static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *e
     GN_TRY(put_cells(file, s, error));
     GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, s->point_count, 3, 0, s->points, "m", NULL,
                      error));
-    /* An attribute makes the group, which the reader wants even when it is empty. */
+    /* An attribute creates the group, which the reader requires even if it is empty. */
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "text", on_points, error));
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "text", "arrays on cells", error));
     GN_TRY(put_arrays(file, "VTKHDF/PointData", s->point_arrays, s->point_array_count,
@@ -138,7 +137,7 @@ gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *erro
 
 /* --- the series --- */
 
-/* Where a step is, or would have to be put in. */
+/* Returns the place of a step, or the place at which to insert it. */
 static size_t place_of(const gn_snapshot_times *times, int64_t step) {
     size_t low = 0, high = times->count;
     while (low < high) {
@@ -191,7 +190,7 @@ static gneiss_status read_time(const char *path, double *time, gneiss_error *err
     return status;
 }
 
-/* One entry of the series, or the removal of a file that is later than the series. */
+/* Adds an entry to the series, or removes a file that is later than the series. */
 static gneiss_status add_to_series(gn_json *json, const char *path, int64_t step, bool later,
                                    gn_snapshot_times *times, gneiss_error *error) {
     if (later) {
