@@ -1,7 +1,7 @@
 /* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the
- * build) and expanded per kind of list, space and spins with literal arguments, so that what a kind
- * does not have leaves no code. Damping, energies and periods are branches: all contacts of a list
- * take them alike, and kernels of their own would be eight times as much to compile.
+ * build) and expanded per kind of list, space and spins with literal arguments, so that absent
+ * features of a kind generate no code. Damping, energies and periods are branches: all contacts of
+ * a list take the same one, and separate kernels would be eight times as much to compile.
  *
  * Per contact: geometry and motion from the rows of the two particles, forces by the law
  * (law_<name>.h). Output: the block's partial sums of force and moment per particle, which
@@ -30,9 +30,10 @@ GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inver
 /* From i to j, its length, and the stretch. Sums over the two ends are written symmetrically, so
  * that exchanging i and j mirrors every bit. */
 #if GN_MIXED
-/* Single precision resolves neither positions nor the difference of two lengths. Both come from the
- * branch D and the stretch s of the instant when the lists were made (computed in double) and from
- * the travel u since then: |D + u|^2 - |D|^2 = (2 D + u).u has the relative precision of u. */
+/* Single precision resolves neither positions nor the difference of two lengths. Both are computed
+ * from the branch D and the stretch s of the instant when the lists were built (in double) and from
+ * the displacement u since then: |D + u|^2 - |D|^2 = (2 D + u).u has the relative precision of
+ * u. */
 GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
                        gn_v *distance, gn_v *stretch, variant w) {
     const gn_contacts *list = a->contacts;
@@ -73,10 +74,10 @@ GN_INLINE void find_branch(const gn_contact_args *a, size_t c, stage *g, variant
 GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     pair_geometry *s = &g->geometry;
     gn_v distance = s->distance;
-    /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
+    /* Coincident centres have no direction: GN_TINY gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
     s->n = gn_scale(inverse, s->n, w.space);
-    /* Of centres that (nearly) coincide there is no telling which way the normal goes. */
+    /* The direction of the normal is undefined if centres (nearly) coincide. */
     gn_m apart = gn_less(gn_set(0.05) * (s->arm_i + s->arm_j), distance);
     g->rate = gn_keep(apart, gn_set(0.5 * a->dt) * inverse);
     if (w.shear && w.rotation) {
@@ -86,11 +87,11 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     }
 }
 
-/* Velocities belong to the middle of the step that led here, so that what they do to the contact is
- * seen with the normal and the arms of the middle: a cluster that turns as a whole then strains no
- * contact, whatever the angle of a step. (The arms of the force stay at the end, so that force and
- * moment keep the angular momentum.) With arms to the middle of the gap a rigid rotation gives
- * exactly no relative velocity: those arms add up to the length of the middle branch. */
+/* Velocities belong to the middle of the step that led here, so that they are evaluated with the
+ * normal and the arms of the middle: a cluster in rigid rotation then strains no contact, for any
+ * angle of a step. (The arms of the force are those of the end, so that force and moment preserve
+ * the angular momentum.) With arms to the middle of the gap a rigid rotation gives exactly no
+ * relative velocity: those arms add up to the length of the middle branch. */
 GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *out, variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
     const pair_geometry *p = &g->geometry;
@@ -134,7 +135,7 @@ GN_INLINE void write_rows(brief *g, gn_v3 force, gn_v3 moment, variant w) {
     }
 }
 
-/* What a reading needs of each contact; only in steps that are measured. */
+/* Adds a contact's contributions to readings; only in measured steps. */
 GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, variant w) {
     gn_v3 l = gn_scale(s->distance, s->n, w.space);
     const gn_v from[3] = {f.x, f.y, f.z}, to[3] = {l.x, l.y, l.z};
@@ -182,12 +183,12 @@ GN_INLINE int rolls(contact_law law) {
     return law == LAW_rolling || law == LAW_hertz_rolling;
 }
 
-/* Whether contacts exert a couple besides: the same on both particles but for the sign. */
+/* Tells whether contacts exert a couple in addition: equal and opposite on both particles. */
 GN_INLINE int exerts_couple(variant w) {
     return (w.law == LAW_beam || rolls(w.law)) && w.rotation;
 }
 
-/* Rows of those couples, as the law has left them: x y z 0. */
+/* Rows of those couples, as the law has stored them: x y z 0. */
 typedef struct couple_rows {
     _Alignas(64) gn_real row[4 * GN_W];
 } couple_rows;
@@ -199,9 +200,10 @@ GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *ou
     gn_store_rows4(out->row, row);
 }
 
-/* Contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple comes
- * right after its force, so that what a particle gets is added in one order whatever the width of
- * vectors. Places 0 to 2 of a row are forces in space; in the plane the third is the moment. */
+/* Adds contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple
+ * follows its force immediately, so that the contributions to a particle are added in one order for
+ * any width of vectors. Places 0 to 2 of a row are forces in space; in 2D the third is the
+ * moment. */
 GN_INLINE void add_row(const stage *g, const brief *from, const couple_rows *couples, size_t k,
                        const uint16_t *place, gn_real *sums, variant w) {
     const size_t moment = w.space ? 4 : 0;
@@ -218,9 +220,9 @@ GN_INLINE void add_row(const stage *g, const brief *from, const couple_rows *cou
                     &none, 0);
 }
 
-/* Adds the rows of a vector, of contacts from c on, and keeps them if `rows` says where. The force
- * has opposite signs for the two particles; the moment has the same sign, because arm and force
- * both turn round. */
+/* Adds the rows of a vector of contacts from c on, and stores them if `rows` is given. The force
+ * has opposite signs for the two particles; the moment has the same sign, because arm and force are
+ * both reversed. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                         const brief *from, const couple_rows *couples, gn_real *sums, gn_real *rows,
                         variant w) {
@@ -229,13 +231,13 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
         memcpy(rows + width * c, from->row, width * count * sizeof *rows);
     if (!sums) return;
     const uint16_t *place = a->partials->place + 2 * c;
-    if (__builtin_expect(count == GN_W, 1)) /* nothing to ask between contacts */
+    if (__builtin_expect(count == GN_W, 1)) /* no test between contacts */
         for (size_t k = 0; k < GN_W; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
     else
         for (size_t k = 0; k < count; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
 }
 
-/* The vector that entered `lag` turns ago, and whether there is one. */
+/* The vector that entered `lag` iterations ago, and whether it exists. */
 #define AT(lag)        (&ring[(v - (lag)) % RING])
 #define UNDER_WAY(lag) (v - (lag) < vectors) /* below `lag` the difference wraps round */
 
@@ -254,7 +256,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     const gn_partials *q = a->partials;
     const size_t width = (size_t)row_width(w);
     gn_real *partial = NULL, *rows = NULL;
-#if !GN_MIXED /* output looks at contacts in double */
+#if !GN_MIXED /* output evaluates contacts in double */
     rows = gn_contacts_row(a->contacts);
 #endif
     if (q) partial = gn_clear_block_rows(q, begin, width * sizeof *partial, COLUMN(q, row));
@@ -301,8 +303,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
-/* In mixed precision the branch at the start knows the period. Hertz's law is one of spheres; what
- * rolls turns. */
+/* In mixed precision the initial branch contains the period. Hertz's law is one of spheres; rolling
+ * requires rotation. */
 #define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
 #define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
 #define ABSENT(options, law, shear, friction, bonds)                                               \
@@ -311,7 +313,7 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
-#ifndef GN_KERNEL /* for what reads this file by itself */
+#ifndef GN_KERNEL /* for tools that read this file on its own */
 #define GN_KERNEL(variant) gn_contact_##variant
 #endif
 #define DECLARE(options, name, law, shear, friction, bonds)                                        \

@@ -1,4 +1,4 @@
-/* What the element kernels of both precisions share. */
+/* Declarations shared by the element kernels of both precisions. */
 #ifndef GN_KERNELS_ELEMENT_INTERNAL_H
 #define GN_KERNELS_ELEMENT_INTERNAL_H
 
@@ -15,7 +15,8 @@ GN_INLINE const int32_t *gn_node_column(const gn_elements *q, int n) {
     return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
 }
 
-/* How many nodes to fetch per vector: tetrahedra share more of them than triangles. */
+/* Returns the number of nodes to prefetch per vector: tetrahedra share more of them than
+ * triangles. */
 GN_INLINE int gn_nodes_ahead(int space) {
     return space ? (GN_W + 1) / 2 : GN_W;
 }
@@ -24,7 +25,7 @@ GN_INLINE gn_v gn_component(gn_v3 a, int k) {
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
 }
 
-/* Column k of F s, from the columns of F and the stress in the order 00 11 22 01 12 20. */
+/* Returns column k of F s, from the columns of F and the stress in the order 00 11 22 01 12 20. */
 GN_INLINE gn_v3 gn_first_piola(const gn_v3 f[3], const gn_v s[6], int k, int space) {
     static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     gn_v3 p = gn_scale(s[at[k][0]], f[0], space);

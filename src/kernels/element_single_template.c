@@ -1,13 +1,13 @@
 /* The element kernel in mixed precision: displacement form, forces in single precision, their sums
- * in double. Compiled per instruction set, as element_template.c, whose equations it has.
+ * in double. It is compiled per instruction set and has the equations of element_template.c.
  *
- * Single precision resolves neither positions nor F^T F - I. Both are gone when one starts from the
- * displacements u since the start (differences that motion kernels take in double): with
- * H = sum_a (u_a - u_0) (x) dN_a/dX the strain is 2 E = H + H^T + H^T H, and small terms are sums
- * of small ones. What is left is the rounding of u: a force is off by some 6e-8 |u|/(h |E|) of
- * itself, h the size of the element. Energies and det F are for the kernel in double.
+ * Single precision resolves neither positions nor F^T F - I. Neither is needed with the
+ * displacements u since the start (differences that motion kernels compute in double): with H =
+ * sum_a (u_a - u_0) (x) dN_a/dX the strain is 2 E = H + H^T + H^T H, and small terms are sums of
+ * small ones. The rounding of u remains: the relative error of a force is some 6e-8 |u|/(h |E|), h
+ * the size of the element. Energies and det F are computed by the kernel in double.
  *
- * No stages as in element_template.c: with twice the lanes they gain nothing. */
+ * It has no stages as in element_template.c: with twice the lanes they gain nothing. */
 #include "kernels/element_internal.h"
 
 /* Columns of H and F, strain c = 2 E and stress s = -V0 S in the order 00 11 22 01 12 20. */
@@ -16,7 +16,7 @@ typedef struct state {
     gn_v c[6], s[6];
 } state;
 
-/* What nodes 1 2 3 have moved more than node 0. */
+/* Loads the displacements of nodes 1 2 3 relative to node 0. */
 GN_INLINE void load_travel(const gn_element_args *a, size_t e, gn_v3 moved[3], int space) {
     gn_v first[4], x[4];
     gn_gather4(a->travel, gn_node_column(a->elements, 0) + e, first);
@@ -41,12 +41,12 @@ GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, int space) {
     }
 }
 
-/* 2 E of the columns k and l. */
+/* Returns 2 E of the columns k and l. */
 GN_INLINE gn_v strain(const state *t, int k, int l, int space) {
     return (gn_component(t->h[k], l) + gn_component(t->h[l], k)) + gn_dot(t->h[k], t->h[l], space);
 }
 
-/* From here on t->h is F. */
+/* Computes the strain; from here on t->h is F. */
 GN_INLINE void find_strain(state *t, int space) {
     const gn_v one = gn_set(1.0);
     t->c[0] = strain(t, 0, 0, space);
@@ -84,7 +84,7 @@ GN_INLINE void write_row(gn_real *row, gn_v3 force) {
     gn_store_rows4(row, columns);
 }
 
-/* From the strain to rows of forces. */
+/* Computes rows of forces from the strain. */
 GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, gn_element_rows *out,
                       int space) {
     const gn_v zero = gn_set(0.0);

@@ -8,8 +8,8 @@
  * strains it is linear elasticity.
  *
  * Pressure form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda
- * = -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
- * pressures is the first pass, below (docs/fem.md has the equations). */
+ * = -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. The first pass,
+ * below, computes the pressures (docs/fem.md has the equations). */
 #include "kernels/element_internal.h"
 #include "kernels/expand.h"
 
@@ -19,13 +19,13 @@ typedef struct variant {
     int space, measure, pressure;
 } variant;
 
-/* GN_W elements. Columns of F are the deformed base vectors; the strain is c = F^T F - I = 2 E in
- * the order 00 11 22 01 12 20, the stress s = -V0 S. */
+/* The state of GN_W elements. Columns of F are the deformed base vectors; the strain is c = F^T F -
+ * I = 2 E in the order 00 11 22 01 12 20, the stress s = -V0 S. */
 typedef struct state {
     gn_v3 f[3], gradient[3]; /* gradient: of nodes 1 2 3 */
     gn_v c[6], s[6];
     gn_v volume;
-    gn_v pressure[4]; /* pressure form: of node 0, and what nodes 1 2 3 have more */
+    gn_v pressure[4]; /* pressure form: of node 0, and differences of nodes 1 2 3 from it */
     gn_v3 slope;      /* pressure form: every node's share of tau times the pressure's gradient */
 } state;
 
@@ -51,8 +51,8 @@ GN_INLINE void load_gradients(const gn_elements *q, size_t e, state *t, variant 
     t->volume = gn_load(q->volume + e);
 }
 
-/* |f|^2 - 1; first the component that is near one while rotations are small, which then cancels
- * without a rounding. */
+/* Returns |f|^2 - 1; the component that is near one for small rotations comes first, which then
+ * cancels without rounding. */
 GN_INLINE gn_v stretched(gn_v near_one, gn_v a, gn_v b, variant w) {
     gn_v c = gn_fma(a, a, gn_fma(near_one, near_one, gn_set(-1.0)));
     return w.space ? gn_fma(b, b, c) : c;
@@ -91,7 +91,7 @@ GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, variant
     t->s[5] = mu * t->c[5];
 }
 
-/* What the pressure adds to column k of F s: -V0 p cof(F). */
+/* Adds the contribution of the pressure to column k of F s: -V0 p cof(F). */
 GN_INLINE gn_v3 add_pressure(const state *t, int k, gn_v3 piola, variant w) {
     gn_v sum = t->pressure[1] + t->pressure[2];
     if (w.space) sum = sum + t->pressure[3];
@@ -106,12 +106,12 @@ GN_INLINE gn_v3 add_pressure(const state *t, int k, gn_v3 piola, variant w) {
     return piola;
 }
 
-/* A row of two where a row of four has the place `place`. */
+/* Returns the row of two for a row of four at `place`. */
 GN_INLINE double *row_of_two(double *rows, uint16_t place) {
     return (double *)((char *)rows + sizeof(double) / 2 * (size_t)place);
 }
 
-/* sum_n gradient_n d_n over nodes 1 2 3. */
+/* Returns sum_n gradient_n d_n over nodes 1 2 3. */
 GN_INLINE gn_v3 gradient_of(const gn_v3 gradient[3], const gn_v d[3], int space) {
     gn_v3 g = gn_axpy(gn_scale(d[0], gradient[0], space), d[1], gradient[1], space);
     return space ? gn_axpy(g, d[2], gradient[2], 1) : g;
@@ -122,7 +122,7 @@ GN_INLINE void find_slope(const gn_element_args *a, size_t e, state *t, variant 
     t->slope = gn_scale(share, gradient_of(t->gradient, t->pressure + 1, w.space), w.space);
 }
 
-/* In the pressure form the numbers of a row that a force leaves free are those of the slope. */
+/* In the pressure form, the slope uses the numbers of a row that the force leaves free. */
 GN_INLINE void write_row(gn_real *row, gn_v3 force, const state *t, variant w) {
     const gn_v zero = gn_set(0.0);
     gn_v columns[4] = {force.x, force.y, force.z, zero};
@@ -151,7 +151,7 @@ GN_INLINE void find_forces(const state *t, gn_v3 piola[3], gn_element_rows *out,
     write_row(out->row[0], first, t, w);
 }
 
-/* The rest of the slope of tetrahedra. */
+/* Adds the rest of the slope of tetrahedra. */
 GN_INLINE void add_slopes(const gn_element_args *a, size_t e, size_t end, const state *t,
                           double *sums) {
     const size_t nodes = 4, count = end - e < GN_W ? end - e : GN_W;
@@ -184,7 +184,7 @@ GN_INLINE gn_v determinant(const state *t, variant w) {
     return w.space ? gn_dot(normal, t->f[2], 1) : normal.z;
 }
 
-/* Padding has no volume, and its det F does not count. */
+/* Padding has no volume, and its det F is ignored. */
 GN_INLINE void measure(const state *t, const gn_v3 piola[3], size_t e, size_t end, lane_sums *s,
                        variant w) {
     static const double lanes[8] = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
@@ -225,7 +225,7 @@ GN_INLINE void fold_sums(const lane_sums *s, gn_element_sums *out) {
 
 /* --- a block --- */
 
-/* From the nodes to the strain. */
+/* Computes the strain from the nodes. */
 GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
     gn_v3 edge[3];
     load_nodes(a, e, edge, t, w);
@@ -233,7 +233,7 @@ GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
     find_strain(edge, t, w);
 }
 
-/* From the strain to rows of forces. `slopes`: of the block, pressure form in space. */
+/* Computes rows of forces from the strain. `slopes`: those of the block, pressure form in space. */
 GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t,
                       gn_element_rows *rows, double *slopes, lane_sums *s, variant w) {
     gn_v3 piola[3];
@@ -244,9 +244,9 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t,
     if (w.measure) measure(t, piola, e, end, s, w);
 }
 
-/* Tetrahedra of the displacement form go through three stages, a vector in each in every turn of
- * the loop: the chain of one vector is longer than what a core can look ahead (see
- * contact_template.c). The others gain nothing by it. */
+/* Tetrahedra of the displacement form pass through three stages, one vector in each per iteration:
+ * the chain of one vector is longer than the instruction window of a core (see contact_template.c).
+ * Other variants gain nothing by it. */
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
     double *partial = gn_clear_block_rows(a->partials, begin, 4 * sizeof(double), a->partials->row),
@@ -280,13 +280,13 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
 
 /* --- first pass of the pressure form --- */
 
-/* Per element: growth in volume V - V0, from the edges, and g = grad q - mean of the nodes'
- * projected gradients; node a takes (V - V0)/nodes and tau V0 grad N_a . g. */
+/* An element's first pass: growth in volume V - V0, from the edges, and g = grad q - mean of the
+ * nodes' projected gradients; node a receives (V - V0)/nodes and tau V0 grad N_a . g. */
 typedef struct dilation {
     gn_v growth, term[4];
 } dilation;
 
-/* Edges, and what nodes 1 2 3 have more of q than node 0. */
+/* Loads edges, and the differences of q at nodes 1 2 3 from node 0. */
 GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], gn_v dq[3],
                            int space) {
     gn_v first[4], x[4];
@@ -298,7 +298,7 @@ GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], g
     }
 }
 
-/* Sum of the projected gradients over the nodes. */
+/* Returns the sum of the projected gradients over the nodes. */
 GN_INLINE gn_v3 load_gradient_sum(const gn_dilation_args *a, size_t e, int space) {
     const int32_t *node[4];
     gn_v sum[4];
@@ -330,7 +330,7 @@ GN_INLINE dilation find_dilation(const gn_dilation_args *a, size_t e, int space)
     return out;
 }
 
-/* Rows of two nodes each. */
+/* Rows of two for each node. */
 typedef struct dilation_rows {
     gn_real row[2][4 * GN_W];
 } dilation_rows;
@@ -352,7 +352,7 @@ GN_INLINE void add_dilation(const gn_dilation_args *a, size_t e, size_t end,
                        rows->row[n / 2] + 4 * k + n % 2 * 2);
 }
 
-/* In three stages for tetrahedra, as element_core. */
+/* Tetrahedra pass through three stages, as in element_core. */
 GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
     double *sums = gn_clear_block_rows(a->partials, begin, 2 * sizeof(double), a->row);
     const double *const read[2] = {a->place, a->smooth};

@@ -1,23 +1,23 @@
 /* Bonds that carry moments, in the contact kernel: the linear brittle law, with the bond a beam of
- * circular section of radius R between the two particles (the parallel bond of Potyondy and
- * Cundall 2004, Int. J. Rock Mech. Min. Sci. 41, eq. 10-19; with R_b = R). A spring of k_n per area
- * over the section gives way to a bend by k_n I/A, one of k_t per area to a twist by k_t J/A: with
- * A = pi R^2, I = pi R^4/4 and J = pi R^4/2 these are k_n R^2/4 and k_t R^2/2; in 2D, of a section
- * 2R x 1 m, k_n R^2/3 and no twist. Moments are incremental: k (w_j - w_i) dt, bending across the
- * normal and twist along it. The extreme fibre has the normal stress f_n/A + s |M_b| R/I and the
- * shear stress |F_t|/A + s |M_t| R/J, with s the share of moments in the strength, and the bond
- * breaks when they reach R_n/A or R_t/A; with the friction of law_mohr.h R_t is R_t + mu_1 <-f_n>,
- * and coupled by squares it breaks where the sum of the squares of both shares is 1, the larger one
- * being the cause.
+ * circular section of radius R between the two particles (the parallel bond of Potyondy and Cundall
+ * 2004, Int. J. Rock Mech. Min. Sci. 41, eq. 10-19; with R_b = R). A spring of k_n per area over
+ * the section has a bending stiffness of k_n I/A, one of k_t per area a twisting stiffness of k_t
+ * J/A: with A = pi R^2, I = pi R^4/4 and J = pi R^4/2 these are k_n R^2/4 and k_t R^2/2; in 2D, for
+ * a section 2R x 1 m, k_n R^2/3 and no twist. Moments are incremental: k (w_j - w_i) dt, bending
+ * across the normal and twist along it. The extreme fibre has the normal stress f_n/A + s |M_b| R/I
+ * and the shear stress |F_t|/A + s |M_t| R/J, with s the fraction of moments in the strength, and
+ * the bond breaks when they reach R_n/A or R_t/A. With the friction of law_mohr.h R_t is R_t + mu_1
+ * <-f_n>. With quadratic coupling it breaks where the sum of the squares of both ratios is 1, and
+ * the larger one is the cause.
  *
  * Columns: those of the linear law and beam (R), share (s); state: moment, that on the first
- * particle, bending and twist together. In 2D only its third component is looked at. */
+ * particle, bending and twist together. In 2D only its third component is used. */
 #ifndef GN_KERNELS_LAW_BEAM_H
 #define GN_KERNELS_LAW_BEAM_H
 
 #include "kernels/law_linear.h"
 
-/* Stiffness against bending and twist, N m. */
+/* Stiffnesses against bending and twist, N m. */
 typedef struct beam_stiffness {
     gn_v bend, twist;
 } beam_stiffness;
@@ -36,7 +36,8 @@ GN_INLINE beam_stiffness stiffness_of_beam(const gn_contact_args *a, size_t c, v
     return s;
 }
 
-/* Moments stand in three columns, the first of them `column`; in 2D the third alone counts. */
+/* Loads moments from three columns, the first of which is `column`; in 2D only the third is
+ * used. */
 GN_INLINE gn_v3 load_moment(const gn_contact_args *a, const gn_real *column, size_t c, variant w) {
     const gn_real *at = column + c;
     uint64_t stride = a->contacts->soa.capacity;
@@ -55,15 +56,15 @@ GN_INLINE void store_moment(const gn_contact_args *a, gn_real *column, size_t c,
         gn_store(at + 2 * stride, m.z);
 }
 
-/* A moment or a turn, across the normal (in 2D: out of the plane) and along it. */
+/* A moment or a rotation, across the normal (in 2D: out of the plane) and along it. */
 typedef struct beam_parts {
     gn_v3 bend;
     gn_v twist;
 } beam_parts;
 
-/* Of a moment now, or of one at the last instant, when the normal was the mirror image q m - n of
- * this one, q = 2/|m|^2, m = `middle`; bending is then turned as gn_turn_with_normal does it, which
- * written out is what stands here. */
+/* Splits a present moment; or one of the last instant, when the normal was the mirror image q m - n
+ * of the present one, q = 2/|m|^2, m = `middle`. Bending is then rotated as by gn_turn_with_normal,
+ * written out here. */
 GN_INLINE beam_parts parts_of(gn_v3 moment, gn_v3 n) {
     beam_parts p = {.twist = gn_dot(moment, n, 1)};
     p.bend = gn_axmy(moment, p.twist, n, 1);
@@ -77,17 +78,17 @@ GN_INLINE beam_parts parts_turned(gn_v3 moment, gn_v3 n, gn_v3 middle, gn_v q) {
     return (beam_parts){gn_axmy(bend, gn_fma(twist, q, left), middle, 1), twist};
 }
 
-/* By which the two ends turn against each other in a second, seen from this instant. What is across
- * the middle normal is not only turned but also shortened by the cosine of half the angle, and so
- * is what is along it: the work of a moment that turns with the bond is then what the springs take
- * up, whatever the angle. */
+/* Returns the relative rotation rate of the two ends, seen from this instant. Its part across the
+ * middle normal is rotated and also shortened by the cosine of half the angle, and so is its part
+ * along it: the work of a moment that rotates with the bond then equals the energy of the springs,
+ * for any angle. */
 GN_INLINE beam_parts turn_rate(gn_v3 spin, gn_v3 n, gn_v3 middle, gn_v q) {
     gn_v along = gn_set(0.5) * q * gn_dot(spin, middle, 1);
     gn_v3 across = gn_axmy(spin, along, middle, 1);
     return (beam_parts){gn_axmy(across, gn_dot(spin, n, 1) - along, n, 1), along};
 }
 
-/* 2/|m|^2; |m|^2 = 1 + tan^2 of half the angle of the step, whose square is next to nothing. */
+/* Returns 2/|m|^2; |m|^2 = 1 + tan^2 of half the angle of the step, whose square is negligible. */
 GN_INLINE gn_v mirror_factor(gn_v3 middle) {
     gn_v e = gn_dot(middle, middle, 1) - gn_set(1.0);
     return gn_fma(gn_set(2.0) * e, e - gn_set(1.0), gn_set(2.0));
@@ -99,7 +100,7 @@ GN_INLINE gn_v3 relative_spin(const gn_contact_args *a, size_t c) {
     return (gn_v3){spin[0], spin[1], spin[2]};
 }
 
-/* The elastic moment stands in its column until beam_force has looked at it. */
+/* Stores the elastic moment in its column, until beam_force limits it. */
 GN_INLINE void beam_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
                           variant w) {
     const gn_v3 n = g->geometry.n, middle = from->motion.middle;
@@ -119,8 +120,9 @@ GN_INLINE void beam_trial(const gn_contact_args *a, size_t c, const brief *from,
     store_moment(a, COLUMN(a->contacts, moment), c, m, w);
 }
 
-/* Coupled by squares: which reach their strength in this step, and of them those whose larger share
- * is that of tension. Both strengths and forces are times R; `pull`: at the extreme fibre. */
+/* Quadratic coupling: finds the bonds that reach their strength in this step, and of them those
+ * with the larger ratio in tension. Both strengths and forces are times R; `pull`: at the extreme
+ * fibre. */
 GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull, gn_v sheared,
                                    gn_m *in_tension) {
     gn_v share = gn_max(pull, gn_set(0.0)) / strength, share2 = share * share;
@@ -130,8 +132,9 @@ GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull
     return beyond;
 }
 
-/* Which intact bonds reach their strength in this step, the extreme fibre looked at; tension counts
- * first. f_n + z s |M_b|/R >= R_n, z = A R^2/I, and alike in shear, without roots or divisions. */
+/* Finds the intact bonds that reach their strength in this step at the extreme fibre; tension takes
+ * precedence. f_n + z s |M_b|/R >= R_n, z = A R^2/I, and similarly in shear, without roots or
+ * divisions. */
 GN_INLINE void break_beams(const gn_contact_args *a, size_t c, size_t end, const beam_parts *m,
                            contact_state *q, gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
@@ -165,7 +168,8 @@ GN_INLINE void break_beams(const gn_contact_args *a, size_t c, size_t end, const
         record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
 }
 
-/* Half of the product of two moments over the stiffness; of one with itself what it stores. */
+/* Returns half of the product of two moments over the stiffness; for equal moments the stored
+ * energy. */
 GN_INLINE gn_v moment_work(const beam_parts *m, const beam_parts *of, beam_stiffness k, variant w) {
     const gn_v half = gn_set(0.5), tiny = gn_set(GN_TINY);
     if (!w.space) return half * m->bend.z * of->bend.z / gn_max(k.bend, tiny);
@@ -173,7 +177,7 @@ GN_INLINE gn_v moment_work(const beam_parts *m, const beam_parts *of, beam_stiff
            half * m->twist * of->twist / gn_max(k.twist, tiny);
 }
 
-/* The middle normal once more, as find_motion has it. */
+/* Returns the middle normal again, as in find_motion. */
 GN_INLINE gn_v3 middle_again(const gn_contact_args *a, size_t c, const stage *g, variant w) {
     gn_v pi[4], pj[4], distance = g->geometry.distance;
     gn_rows4(COLUMN(a, pos), a->contacts->i + c, pi);
@@ -183,8 +187,8 @@ GN_INLINE gn_v3 middle_again(const gn_contact_args *a, size_t c, const stage *g,
     return gn_middle(opening_velocity(a, c, &g->geometry, w), g->geometry.n, g->speed, rate, 1);
 }
 
-/* Rare: what the moments of breaking bonds release, half their product with those of the last
- * instant over the stiffness; these are found anew. */
+/* Rare: returns the energy that the moments of breaking bonds release, half their product with
+ * those of the last instant over the stiffness; these are recomputed. */
 GN_INLINE gn_v released_moments(const gn_contact_args *a, size_t c, const stage *g,
                                 const beam_parts *m, variant w) {
     const gn_v dt = gn_set(a->dt);

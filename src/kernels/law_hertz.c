@@ -1,4 +1,4 @@
-/* Hertz-Mindlin contacts (law_hertz.h) for all but the kernels. Of two materials E* and G* are
+/* Hertz-Mindlin contacts (law_hertz.h) outside of the kernels. For two materials E* and G* are
  * those of both in series, friction and restitution the smaller. */
 #include "kernels/combine.h"
 #include "kernels/law_scalar.h"
@@ -7,13 +7,13 @@
 
 /* --- parameters --- */
 
-/* Restitution below which none is told apart where the dashpot never pulls: the fit has no end
- * there. */
+/* Least restitution that is distinguished if the dashpot never causes tension: the fit is unbounded
+ * below. */
 static const double least_fitted = 0.05;
 
-/* c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e) of the
- * linear oscillator (Antypov and Elliott 2011), 1 at e = 0; where the sum of both forces is cut at
- * zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
+/* Returns c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e)
+ * of the linear oscillator (Antypov and Elliott 2011), 1 at e = 0; if the sum of both forces is cut
+ * at zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
 static double damping_of(double e, bool pulls) {
     static const double h[] = {-6.918798, -16.41105, 146.8049,  -796.4559, 2928.711,
                                -7206.864, 11494.29,  -11342.18, 6276.757,  -1489.915};
@@ -26,7 +26,7 @@ static double damping_of(double e, bool pulls) {
     return 2.0 * sqrt(fmax(1.0 / (1.0 - (1.0 + e) * (1.0 + e) * exp(p)) - 1.0, 0.0));
 }
 
-/* What a material, or the scene, says of it. */
+/* Returns the damping of a material, or of the scene. */
 static double damping_by(const gn_scene *s, const gn_material *m) {
     double e = m->restitution >= 0.0 ? m->restitution : s->restitution;
     if (e >= 0.0) return damping_of(e, s->pull);
@@ -103,8 +103,8 @@ void gn_hertz_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_con
 
 /* --- springs --- */
 
-/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j goes with sqrt(x/(1 + x)) (A/x^3 + B),
- * which falls and then rises. */
+/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j is proportional to sqrt(x/(1 + x)) (A/x^3
+ * + B), which decreases and then increases. */
 gn_law_spring gn_hertz_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
     parameters p = parameters_of(m, pair);
     double root = sqrt(overlap);
@@ -120,7 +120,7 @@ gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap)
 
 /* --- what a contact holds --- */
 
-/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
 static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
@@ -134,7 +134,7 @@ gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, doub
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = gn_hertz_stored(p.normal, overlap);
-    /* What has opened since the last forces holds nothing. */
+    /* A contact that opened since the last forces has no energy. */
     const double kt = list->kt[c] * p.root;
     if (shear2 > 0.0 && kt > 0.0) h.stored += 0.5 * shear2 / kt;
     return h;
@@ -187,7 +187,7 @@ static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side
     return step->pulls ? viscous : fmin(viscous, -p->normal);
 }
 
-/* The tangential force of the last step and that of this one, in *shear; what it stores is added to
+/* Replaces the tangential force of the last step by that of this one, in *shear; adds its energy to
  * *elastic. */
 static double touch_shear(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
                           const gn_hertz_press *p, double limit, double *shear, size_t stride,

@@ -1,21 +1,21 @@
-/* Hertz-Mindlin contacts without slip in the contact kernel, of pairs that are not bonded
- * (hertz.h; Thornton, Cummins and Cleary 2013, Powder Technology 233, 30-46).
+/* Hertz-Mindlin contacts without slip in the contact kernel, for unbonded pairs (hertz.h; Thornton,
+ * Cummins and Cleary 2013, Powder Technology 233, 30-46).
  *
- * A contact that closes or opens within a step needs no share of it (gn_linear_cross): force and
- * stiffness begin at 0. With N steps from touching to parting each of the two ends misses
+ * A contact that closes or opens within a step needs no fraction of it (gn_linear_cross): force and
+ * stiffness begin at 0. With N steps from touching to separation each of the two ends misses
  * zeta(-3/2, s) (2.94/N)^(5/2)/0.4 of the energy, s the phase: together 0.3 % at most at thirteen
  * steps, of either sign and 0 in the mean.
  *
  * Columns: kn (2 E* sqrt(R)), kt (8 G* sqrt(R)), mu, cn (of the dashpot over sqrt(S_n)), lag; most,
- * the overlap up to which the step was looked at; state: shear, fd, closeness. */
+ * the overlap up to which the step was checked; state: shear, fd, closeness. */
 #ifndef GN_KERNELS_LAW_HERTZ_H
 #define GN_KERNELS_LAW_HERTZ_H
 
 #include "kernels/contact_internal.h"
 #include "kernels/hertz.h"
 
-/* `before` becomes the tangential force of the last step, turned; `trial` the way across the
- * normal. What the spring makes of them waits for the overlap. */
+/* Sets `before` to the tangential force of the last step, rotated, and `trial` to the displacement
+ * across the normal. The spring's force follows later, as it depends on the overlap. */
 GN_INLINE void hertz_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
                            variant w) {
     const gn_contacts *list = a->contacts;
@@ -30,12 +30,12 @@ GN_INLINE void hertz_trial(const gn_contact_args *a, size_t c, const brief *from
                                w.space);
 }
 
-/* What the dashpot of a contact is made of. */
+/* The quantities of a contact's dashpot. */
 typedef struct hertz_pot {
     gn_v kn, c, lag, path, coefficient; /* path: of the step */
 } hertz_pot;
 
-/* Rare: coefficients where contacts closed or opened within the step. */
+/* Rare: computes coefficients of contacts that closed or opened within the step. */
 static __attribute__((noinline)) gn_v hertz_crossing(const hertz_pot *q, gn_v stretch, gn_m closing,
                                                      gn_m opening) {
     const gn_v zero = gn_set(0.0), one = gn_set(1.0);
@@ -48,8 +48,8 @@ static __attribute__((noinline)) gn_v hertz_crossing(const hertz_pot *q, gn_v st
     return gn_where(opening, most * gn_hertz_opening(left), r);
 }
 
-/* The dashpot's force along the normal; with the speed along the last normal, as `damped` of the
- * linear law. `beyond`: the stretch and the rounding of positions. */
+/* Returns the dashpot's force along the normal; it uses the speed along the last normal, as
+ * `damped` of the linear law. `beyond`: the stretch and the rounding of positions. */
 GN_INLINE gn_v hertz_viscous(const gn_contact_args *a, size_t c, const stage *g, gn_v kn,
                              gn_v beyond, const gn_hertz_press *p, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
@@ -101,7 +101,7 @@ GN_INLINE gn_v3 hertz_shear(const gn_contact_args *a, size_t c, const stage *g,
     return t;
 }
 
-/* Rare: contacts pressed beyond what the step was looked at for. */
+/* Rare: counts contacts with an overlap beyond that for which the step was checked. */
 static __attribute__((noinline)) void count_pressed(unsigned over, size_t c, size_t end,
                                                     gn_contact_sums *sums) {
     for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) sums->pressed += over >> lane & 1;

@@ -1,9 +1,9 @@
-/* The linear brittle law (law_linear.h) for all but the kernels. Parameters from materials and
+/* The linear brittle law (law_linear.h) outside of the kernels. Parameters from materials and
  * radii: Rojek et al. 2012, sec. 2, models 1, 2, 3, 3a, 3b, 3c.
  *
- * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
- * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
- * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
+ * A contact is modelled as a bar between the centres. In 3D its section is (2r)^2 and its length
+ * 2r, so that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m,
+ * so that k_n = E_c x 1 m for any r, and R = 2 sigma_c r x 1 m. */
 #include "kernels/combine.h"
 #include "kernels/dashpot.h"
 #include "kernels/law_scalar.h"
@@ -76,14 +76,15 @@ static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, par
     p->rt = GN_OWN(q, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * section;
 }
 
-/* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
+/* Each material has its k_t/k_n; two different ones act in series as the normal springs do. */
 static double shear_of(const gn_law_pair *q, double kn) {
     double ka = GN_OWN(q, kratio, q->a->kratio), kb = GN_OWN(q, kratio, q->b->kratio);
     double ta = ka > 0.0 ? 1.0 / ka : 0.0, tb = kb > 0.0 ? 1.0 / kb : 0.0;
     return ta + tb > 0.0 ? kn * gn_series(ta, tb) : 0.0;
 }
 
-/* Of two materials with scatter of their own the smaller number counts: each from the same draw. */
+/* If both materials have their own scatter, the smaller of the two numbers from the same draw is
+ * used. */
 static void scatter(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
     enum { STRENGTH = 1, STIFFNESS = 2 };
     const uint64_t seed = m->scene->seed;
@@ -134,7 +135,7 @@ void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_co
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
-/* Every force is linear in these, and every limit of one. */
+/* Every force is linear in these parameters, and so is every limit of a force. */
 void gn_linear_weigh(gn_contacts *list, size_t c, double part) {
     double *columns[] = {list->kn, list->kt, list->cn, list->rn, list->rt};
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
@@ -172,7 +173,7 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
 /* --- springs --- */
 
 /* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
- * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
+ * (harmonic) or A/x^d + B, each of which decreases and then increases, or only decreases. */
 gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
     (void)overlap;
     parameters p = parameters_of(m, pair, true);
@@ -188,7 +189,7 @@ gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap
 
 /* --- what a contact holds --- */
 
-/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
 static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
@@ -206,7 +207,7 @@ gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, dou
     return h;
 }
 
-/* To kernels it is as if broken, and has no stiffness. */
+/* For kernels a released contact is broken and has no stiffness. */
 void gn_linear_release(gn_contacts *list, size_t c) {
     if (list->rn) list->rn[c] = -fabs(list->rn[c]);
     list->kn[c] = 0.0;
@@ -226,7 +227,7 @@ double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, dou
     return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 
-/* A contact that slides is at its limit, up to rounding (of single precision, in mixed). */
+/* A sliding contact is at its limit, up to rounding (of single precision, in mixed). */
 bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear) {
     return list->mu && shear > 0.0 && shear >= list->mu[c] * fmax(-normal, 0.0) * (1.0 - 1e-6);
 }
@@ -245,7 +246,7 @@ gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_m
                            2.0 * damping_fraction * sqrt(kn / inverse_mass)};
 }
 
-/* Across, contacts that share have all of the stiffness each. */
+/* Contacts that share their stiffness have the full tangential stiffness each. */
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2) {
     double kn = side->part * side->stiffness, kt = touch_kt(side);
     double stored = kn > 0.0 ? 0.5 * normal * normal / kn : 0.0;
@@ -273,41 +274,43 @@ static double touch_friction(const gn_touch_step *step, const gn_touch *s, doubl
     return lost;
 }
 
-/* The smaller root in size of b x^2 - a x + c = 0, b >= 0, within +-most; where there is none, what
- * leaves the least over. */
+/* Returns the root of b x^2 - a x + c = 0, b >= 0, with the smaller absolute value, within +-most;
+ * if there is none, the minimum of the residual. */
 static double smaller_root(double a, double b, double c, double most) {
     double square = a * a - 4.0 * b * c;
     double root = square > 0.0 ? 2.0 * c / (a + copysign(sqrt(square), a)) : 0.5 * a / b;
     return fmax(-most, fmin(most, root));
 }
 
-/* Closed by the path p > 0 to the overlap u: the force f with which the trapezoidal works of this
- * step and of the next, of path q, are the energy of the spring after both, u + q pressed: f (p +
- * q) = k u (u + q), where q = p - other dt^2 - f dt^2/m. (gn_linear_cross is that to first order,
- * with nothing else acting.) Where the contact opens again in the next step the same holds, with a
- * force that may pull a little, for the sum with what is taken back then. */
+/* Returns the force of a contact that closed by the path p > 0 to the overlap u: the force f with
+ * which the trapezoidal works of this step and of the next, of path q, are the energy of the spring
+ * after both, at the overlap u + q: f (p + q) = k u (u + q), where q = p - other dt^2 - f dt^2/m.
+ * (gn_linear_cross is its first order without other forces.) If the contact opens again in the next
+ * step, the same holds for the sum with the correction then, with a force that may be slightly
+ * tensile. */
 static double closing_force(double kn, const gn_touch *t, double p, double dt) {
     double u = -t->gap, free = p - t->other * dt * dt, give = dt * dt * t->inverse_mass;
     double full = kn * u;
     return smaller_root(p + free + full * give, give, full * (u + free), full);
 }
 
-/* Opened by the path p > 0 to the gap s p, with u = (1 - s) p pressed before: f (p + q) = k u (p -
- * u) takes back what the full force of the last instant did beyond the opening. */
+/* Returns the correction of a contact that opened by the path p > 0 to the gap s p, with the
+ * overlap u = (1 - s) p before: f (p + q) = k u (p - u) subtracts the work of the full force of the
+ * last instant beyond the opening. */
 static double opening_force(double kn, const gn_touch *t, double p, double dt) {
     double u = p - t->gap, free = p + t->other * dt * dt, give = dt * dt * t->inverse_mass;
     return smaller_root(p + free, give, kn * u * t->gap, kn * u);
 }
 
-/* Up to this (w dt)^2 the works of a crossing close exactly: three steps to a contact, which
- * automatic steps give (src/timestep/collisions.c). A longer step that is given has the full force
- * wherever there is an overlap: shares of steps that do not resolve the contact made platens
+/* Largest (w dt)^2 at which the works of a crossing are closed exactly: three steps per contact,
+ * which automatic steps provide (src/sim/resolution.c). With a longer prescribed step the full
+ * force acts at any overlap: fractions of steps that do not resolve the contact made platens
  * chatter. */
 static const double crossing_resolved = 1.0;
 
-/* What acts along the normal but for the dashpot, whose share of the step is given back too. A
- * plane's or facet's normal does not turn within a step: the path is all along it. To the next one
- * the dashpot is as good as anything else that acts. */
+/* Computes the normal force without the dashpot, whose factor is also returned. The normal of a
+ * plane or facet does not rotate within a step: the path is entirely along it. For the next step
+ * the dashpot counts among the other forces. */
 static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *t, double path,
                                        double dt) {
     bool touching = t->gap < -t->rounding;

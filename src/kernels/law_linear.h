@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Elastic tangential force before any limit; *turned: the old one, across the new normal. */
+/* Returns the elastic tangential force before any limit; *turned: the old one, rotated across the
+ * new normal. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
                             gn_v3 *turned, gn_v angle, gn_v kt, variant w) {
     gn_v3 t = gn_turn_with_normal(*turned, p->n, s->middle, w.space);
@@ -18,8 +19,8 @@ GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, co
     return gn_linear_shear(t, s->relative, kt, a->dt, p->n, angle, w.space && w.rotation, w.space);
 }
 
-/* Pressure that the friction of a bond sees: its own normal force, or that of the mean stress
- * around it. Tension counts only where it takes from the strength. */
+/* Returns the compression that friction of a bond uses: its own normal force, or that of the mean
+ * stress around it. Tension counts only if it reduces the strength. */
 GN_INLINE gn_v pressed_of(const gn_contact_args *a, size_t c, gn_v normal) {
     const gn_contacts *k = a->contacts;
     gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
@@ -28,7 +29,7 @@ GN_INLINE gn_v pressed_of(const gn_contact_args *a, size_t c, gn_v normal) {
     return gn_max(pressed, least);
 }
 
-/* Rare: writes down which bonds broke and why. */
+/* Rare: records which bonds broke and why. */
 static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
                                                     unsigned tension, unsigned shear,
                                                     gn_contact_sums *sums) {
@@ -49,7 +50,8 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
     }
 }
 
-/* Rare: what each of the lanes that break releases, for the list of events; parts add up. */
+/* Rare: records the energy released by each breaking lane, for the list of events; contributions
+ * are added. */
 static __attribute__((noinline)) void note_released(const gn_contact_args *a, size_t c,
                                                     unsigned lanes, gn_v energy) {
     double *released = a->contacts->released;
@@ -62,17 +64,17 @@ static __attribute__((noinline)) void note_released(const gn_contact_args *a, si
 
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
-    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: its acting part */
     gn_v beyond;                           /* the stretch and the rounding of positions */
     gn_v way;                              /* normal times this is twice the energy of the spring */
-    gn_v share;                            /* of the dashpot's force */
-    gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
+    gn_v share;                            /* factor of the dashpot's force */
+    gn_v3 before, trial, t; /* tangential: of the last step, rotated; unlimited; acting */
     gn_m touching, intact, breaking, slipping;
 } contact_state;
 
-/* Coulomb limit for whatever is not an intact bond; open contacts lose their force. Sizes are
- * compared by their squares, so that only a vector with a slipping contact pays for the root and
- * the division. */
+/* Applies the Coulomb limit to all but intact bonds; open contacts lose their force. Magnitudes are
+ * compared by their squares, so that only a vector with a slipping contact needs the root and the
+ * division. */
 GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, contact_state *q,
                            variant w) {
     const gn_contacts *k = a->contacts;
@@ -86,7 +88,7 @@ GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, conta
     if (gn_bits(q->slipping)) q->t = gn_linear_slip(q->trial, size2, limit, q->slipping, w.space);
 }
 
-/* Whether all of a vector are bonds that hold, which is the rule. */
+/* Tells whether all of a vector are intact bonds, which is the common case. */
 GN_INLINE bool all_hold(const gn_contact_args *a, size_t c, const contact_state *q, variant w) {
     const gn_contacts *k = a->contacts;
     gn_v rn = gn_load(COLUMN(k, rn) + c);
@@ -98,7 +100,7 @@ GN_INLINE bool all_hold(const gn_contact_args *a, size_t c, const contact_state 
     return gn_bits(gn_not(hold)) == 0;
 }
 
-/* Which intact bonds reach their strength in this step; tension counts first. */
+/* Finds the intact bonds that reach their strength in this step; tension takes precedence. */
 GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
                            gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
@@ -116,7 +118,7 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
         record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
 }
 
-/* Rare: energy that slipping and breaking contacts release. */
+/* Rare: books the energy that slipping and breaking contacts release. */
 GN_INLINE void book_release(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
                             const contact_state *q, lane_sums *e, variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
@@ -135,7 +137,7 @@ GN_INLINE void book_release(const gn_contact_args *a, size_t c, const stage *g, 
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
 }
 
-/* In measured steps: energy stored in the springs. */
+/* In measured steps: books the energy stored in the springs. */
 GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
     gn_v half = gn_set(0.5);
     e->elastic_normal = e->elastic_normal + half * q->normal * q->way;
@@ -144,8 +146,8 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
             e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
 }
 
-/* What the rare branch reads and gives, apart from the state of the vector: an address of that
- * would keep all of it out of registers. */
+/* Input and output of the rare branch, apart from the state of the vector: taking its address would
+ * keep all of it out of registers. */
 typedef struct crossing_state {
     gn_v kn, cn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
@@ -155,13 +157,14 @@ typedef struct crossing {
     gn_v elastic;
 } crossing;
 
-/* How two ends give way to each other along the normal where some components of some particles are
- * prescribed, and by what else their gap opens. */
+/* The mobility of two ends along the normal if some components of some particles are prescribed,
+ * and the other accelerations of their gap. */
 typedef struct end_sums {
     gn_v inverse_mass, acceleration;
 } end_sums;
 
-/* Whether any end of a vector is; only if all slots are negative so are all their common bits. */
+/* Tells whether any end of a vector has prescribed components; the AND of all slots is negative
+ * only if all are. */
 GN_INLINE bool any_held(const gn_contact_args *a, size_t c) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
     int32_t common = -1;
@@ -198,22 +201,22 @@ static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v m
     return (end_sums){gn_load(inverse), gn_load(acceleration)};
 }
 
-/* In single precision the travel of the two particles and their velocities are rounded one by one,
- * whatever they have in common, and the path of a step is off by that: a contact that began at 0
- * would count as begun, or as open again, by chance. `speeds`: sum of both. In double it is within
- * GN_OVERLAP_ROUNDING. */
+/* Adds the rounding of the path. In single precision the displacements of the two particles and
+ * their velocities are rounded separately, however much they have in common, and the path of a step
+ * has that error: otherwise a contact that began at 0 would count as begun, or as open again, by
+ * chance. `speeds`: sum of both. In double it is within GN_OVERLAP_ROUNDING. */
 GN_INLINE gn_v with_path_rounding(const gn_contact_args *a, gn_v of, gn_v speeds) {
     return gn_pick(GN_MIXED, gn_fma(gn_set(0x1p-20 * a->dt), speeds, of), of);
 }
 
-/* More than that of any contact. */
+/* Adds an upper bound of the rounding of any contact's path. */
 GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *a, gn_v of) {
     double speeds = a->speed_most > 0.0 ? 4.0 * a->speed_most : (double)INFINITY;
     double most = a->dt > 0.0 ? 0x1p-20 * a->dt * speeds : 0.0; /* nothing moved before the start */
     return gn_pick(GN_MIXED, gn_set(most) + of, of);
 }
 
-/* A contact that closed or opened within the step, or did not after all. */
+/* Handles a contact that closed or opened within the step, or possibly did not. */
 static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
                                                 const crossing_state *q) {
     gn_v vi[4], vj[4];
@@ -223,7 +226,7 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_v side2 = gn_set(a->dt * a->dt) * across2_of(v, g->speed, 1);
     end_sums ends = ends_of(a, c, g->geometry.n, vi[3], vj[3]);
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * ends.inverse_mass;
-    /* Up to rounding the stretch that was found a step ago. */
+    /* Up to rounding, this is the stretch of the previous step. */
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
     gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
     gn_v path = along - side2 / past, before = q->stretch - path;
@@ -232,8 +235,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_m touched = gn_less(with_path_rounding(a, q->beyond, speeds), path);
     gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
     gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
-    /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
-     * rounding: then it may as well never have been there. */
+    /* A bond that breaks in this step was a two-sided spring until now, unless it was stretched
+     * only within that rounding, and then it may be ignored. */
     gn_m never = gn_less(before, q->beyond - q->stretch);
     closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
     gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
@@ -243,22 +246,22 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_v drag = gn_set(a->dt) * q->cn * ends.inverse_mass;
     r.of =
         gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, drag, closing, opening, acting);
-    /* Nothing is left to release. */
+    /* No energy remains to be released. */
     r.elastic = gn_where(opening, r.of.normal, q->elastic);
     return r;
 }
 
-/* Rare: the path of those that are not bonded (any more); of an intact bond the first term is all
- * that anything asks for. In the plane the third component is 0. */
+/* Rare: returns the path of unbonded contacts (or broken bonds); an intact bond only needs the
+ * first term. In 2D the third component is 0. */
 static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
                                                  gn_m intact) {
-    const variant space = {.space = 1, .periodic = 1}; /* without a box that moves the same */
+    const variant space = {.space = 1, .periodic = 1}; /* correct also without a moving box */
     gn_v3 v = opening_velocity(a, c, &g->geometry, space);
     return gn_set(a->dt) * gn_where(intact, g->speed, growth_of(v, g->speed, g->rate, 1));
 }
 
-/* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
- * and the most that any particle moves across a normal. Most contacts are far from either. */
+/* Finds contacts that may have closed or opened within the step, possibly too many: by the normal
+ * speed alone and an upper bound of motion across a normal. Most contacts are far from either. */
 GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact_state *q) {
     gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
     gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
@@ -270,9 +273,9 @@ GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact
     return gn_not(gn_or(gn_and(q->touching, surely), gn_and(gn_not(q->touching), apart)));
 }
 
-/* What acts along the normal but for the dashpot, of a contact whose path is known to much less
- * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
- * Every lane by itself: what shares a vector with it must not count. */
+/* Computes the normal force without the dashpot if the error of the path is far below `slack`, the
+ * effect of the motion across the normal: contacts closer to a transition are examined exactly.
+ * Lanes are independent: the others of a vector must not have an effect. */
 GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
                              gn_m loose, contact_state *q, variant w) {
     gn_v before = q->beyond - path;
@@ -298,8 +301,8 @@ GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g,
     q->elastic = gn_where(crosses, r.elastic, q->elastic);
 }
 
-/* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
- * step, as far as anything asks for it. */
+/* Computes the normal force without the dashpot if not all are intact bonds; and the path of the
+ * step as far as it is needed. */
 GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
                                  contact_state *q, variant w) {
     gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact), asked = loose;
@@ -315,10 +318,10 @@ GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage
     return path;
 }
 
-/* `speed`: of a bond the mean of the step, so that a damped cluster that turns as a whole
- * dissipates nothing. In a collision the speed along the last normal: with part of the centrifugal
- * acceleration it is nearer to the end of the step, at which the force acts, and keeps restitution
- * beside fast sideways motion. */
+/* Adds the dashpot. `speed` is, for a bond, the mean of the step, so that a damped cluster in rigid
+ * rotation dissipates nothing. In a collision it is the speed along the last normal: with part of
+ * the centrifugal acceleration it is closer to the end of the step, at which the force acts, and
+ * preserves restitution in fast tangential motion. */
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
                       const contact_state *q, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
@@ -340,7 +343,7 @@ GN_INLINE void linear_trial(const gn_contact_args *a, size_t c, const brief *fro
     g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
 }
 
-/* A contact as its spring alone would have it; what a law does to bonds goes between this and
+/* Computes the state of a contact with its spring alone; a law modifies bonds between this and
  * act_of. */
 GN_INLINE contact_state state_of(const gn_contact_args *a, size_t c, const stage *g, variant w) {
     const gn_contacts *list = a->contacts;
@@ -357,15 +360,15 @@ GN_INLINE contact_state state_of(const gn_contact_args *a, size_t c, const stage
     return q;
 }
 
-/* What acts, once it is known which bonds hold: dashpot, contacts that open or close, friction, and
- * what is lost and stored. */
+/* Completes the force once it is known which bonds hold: dashpot, contacts that open or close,
+ * friction, and lost and stored energies. */
 GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
                                lane_sums *e, variant w) {
     const gn_contacts *list = a->contacts;
     const pair_geometry *p = &g->geometry;
     gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q->normal;
     if (w.bonds && __builtin_expect(gn_bits(gn_not(q->intact)) == 0, 1)) {
-        /* Bonds that hold have nothing to limit. */
+        /* Intact bonds have no such limits. */
         if (w.damping) total = damped(a, c, g->growth, path, q, e, w);
     } else {
         q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, q->stretch);

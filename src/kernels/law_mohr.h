@@ -1,19 +1,19 @@
-/* The linear law (law_linear.h) with bonds whose strength in shear the normal force changes
- * (Mohr-Coulomb; Santasusana 2013, eq. 4.36, where the strength stands for the force):
+/* The linear law (law_linear.h) with bonds whose shear strength depends on the normal force
+ * (Mohr-Coulomb; Santasusana 2013, eq. 4.36, with the strength in place of the force):
  *     S = R_t + mu_1 <-f_n>,
- * so that pressure makes a bond stronger. Tension takes nothing, unless they are coupled:
+ * so that pressure increases it. Tension does not reduce it without coupling:
  *     quadratic  (f_n/R_n)^2 + (|F_t|/S)^2 >= 1 breaks,
  *     linear     S = R_t - mu_1 f_n (as YADE's JCFpm), never below 0.
  * f_n is that of the spring, or with `confinement: mean` -A p, p the pressure around the bond
- * (column confined, src/particles/confinement.c). What a bond is once it has broken is the linear
- * law's: friction mu, here the second one. Columns besides those of the linear law: mu1. */
+ * (column confined, src/sim/confinement.c). A broken bond follows the linear law with
+ * friction mu, the second coefficient. Columns in addition to those of the linear law: mu1. */
 #ifndef GN_KERNELS_LAW_MOHR_H
 #define GN_KERNELS_LAW_MOHR_H
 
 #include "kernels/law_linear.h"
 
-/* Shares of the strength that tension and shear take are squared, so that of those that break
- * together the larger one is the cause. */
+/* The ratios of tension and shear to their strengths are squared, so that for bonds that fail by
+ * both the larger one is the cause. */
 GN_INLINE gn_m break_coupled(gn_v rn, gn_v size2, gn_v *strength2, const contact_state *q) {
     gn_v share = gn_max(q->elastic, gn_set(0.0)) / rn, share2 = share * share;
     gn_v whole = *strength2;
@@ -22,7 +22,7 @@ GN_INLINE gn_m break_coupled(gn_v rn, gn_v size2, gn_v *strength2, const contact
     return gn_and(together, gn_at_least(share2 * whole, size2));
 }
 
-/* Which intact bonds reach their strength in this step; tension counts first. */
+/* Finds the intact bonds that reach their strength in this step; tension takes precedence. */
 GN_INLINE void break_mohr(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
                           gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;

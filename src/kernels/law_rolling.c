@@ -1,5 +1,5 @@
-/* Rolling and twisting resistance (law_rolling.h) beside the linear law and that of Hertz, for all
- * but the kernels. Of two materials the smaller coefficient, as with friction. */
+/* Rolling and twisting resistance (law_rolling.h) with the linear law and that of Hertz, outside of
+ * the kernels. For two materials the smaller coefficient is used, as for friction. */
 #include "base/vec3.h"
 #include "kernels/combine.h"
 #include "kernels/law_scalar.h"
@@ -32,7 +32,8 @@ static void set_hertz(const gn_law_model *m, const gn_law_pair *pair, gn_contact
 
 /* --- what a contact holds --- */
 
-/* Of moments with the stiffness kr, that of a contact pressed most for the limit of the step. */
+/* Returns moments with the stiffness kr, that of a contact at its largest overlap for the limit of
+ * the step. */
 static gn_law_moments moments_of(const gn_contacts *list, size_t c, double kr, double most) {
     gn_law_moments m = {.bend = most, .twist = most};
     double size2 = 0.0;
@@ -67,7 +68,7 @@ typedef struct grip {
     double kt, root, past, now;
 } grip;
 
-/* What is left of a moment of which `way` more was turned, at most `limit`. */
+/* Returns a moment after a further rotation `way`, with the magnitude limited to `limit`. */
 static gn_v3 turn_on(gn_v3 before, gn_v3 way, double kr, double limit, const grip *g,
                      gn_contact_sums *sums) {
     gn_v3 m = gn_axpy(gn_hertz_rescaled(before, g->past, g->root, 1), kr * g->root, way, 1);

@@ -1,30 +1,28 @@
-/* Rolling and twisting resistance of contacts that are not bonded, beside the linear law or that of
+/* Rolling and twisting resistance of unbonded contacts, in addition to the linear law or that of
  * Hertz: elastic-plastic (type C of Ai, Chen, Rotter and Ooi 2011, Powder Technology 206, 269-282,
- * without its dashpot). The two particles turn against each other by w = w_j - w_i; across the
- * normal that is rolling, along it twisting. Each has a moment that grows by k_r w dt and stays
- * below a limit:
- *     |M_r| <= mu_r R f, |M_t| <= mu_t R f, k_r = k_t R^2,
- * f the pressing force, R the reduced radius (at a plane that of the particle), k_t the tangential
- * stiffness. Both are the same on the two particles but for the sign, and vanish when the pair
- * turns as a whole. By Hertz's law k_t follows the overlap: moments shrink with the contact as
- * tangential forces do (hertz.h).
+ * without its dashpot). The relative rotation of the two particles is w = w_j - w_i; across the
+ * normal it is rolling, along it twisting. Each has a moment that grows by k_r w dt and stays below
+ * a limit: |M_r| <= mu_r R f, |M_t| <= mu_t R f, k_r = k_t R^2, f the compressive force, R the
+ * reduced radius (at a plane that of the particle), k_t the tangential stiffness. Both are equal
+ * and opposite on the two particles, and vanish in rigid rotation of the pair. By Hertz's law k_t
+ * follows the overlap: moments shrink with the contact as tangential forces do (hertz.h).
  *
- * Columns besides those of the law: rolling (mu_r R), twisting (mu_t R), reduced (R); state: roll,
- * the moment on the first particle, both parts together; in 2D only its third component counts. */
+ * Columns in addition to those of the law: rolling (mu_r R), twisting (mu_t R), reduced (R); state:
+ * roll, the moment on the first particle, both parts together; in 2D only its third component is
+ * used. */
 #ifndef GN_KERNELS_LAW_ROLLING_H
 #define GN_KERNELS_LAW_ROLLING_H
 
 #include "kernels/law_beam.h"
 #include "kernels/law_hertz.h"
 
-/* How far the tangential spring is pressed: k_t times `root`, `past` and `now` its inverse in the
- * last step and in this one; of the linear law all 1. */
+/* Dependence of the tangential spring on the overlap: k_t is times `root`; `past` and `now` are its
+ * inverse in the last step and in this one; for the linear law all are 1. */
 typedef struct roll_grip {
     gn_v root, past, now;
 } roll_grip;
 
-/* The moments of the last step, turned, and the angles by which the ends turned against each other.
- */
+/* The moments of the last step, rotated, and the relative rotations of the ends. */
 typedef struct roll_step {
     beam_parts before, way;
 } roll_step;
@@ -48,7 +46,8 @@ GN_INLINE roll_step roll_step_of(const gn_contact_args *a, size_t c, const stage
     return s;
 }
 
-/* The moment on the first particle under the pressing force `pressed` >= 0, into its column. */
+/* Computes the moment on the first particle under the compressive force `pressed` >= 0, and stores
+ * it in its column. */
 GN_INLINE void roll(const gn_contact_args *a, size_t c, const stage *g, gn_v pressed,
                     roll_grip grip, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
@@ -86,7 +85,7 @@ GN_INLINE void roll(const gn_contact_args *a, size_t c, const stage *g, gn_v pre
     store_moment(a, COLUMN(k, roll), c, w.space ? gn_axpy(bend, twist, g->geometry.n, 1) : bend, w);
 }
 
-/* Of a dashpot that pulls nothing is left to press. */
+/* Returns the compressive force, which is zero where the dashpot causes tension. */
 GN_INLINE gn_v pressing(const stage *g, gn_v normal) {
     gn_v beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, g->geometry.stretch);
     return gn_keep(gn_less(beyond, gn_set(0.0)), gn_max(gn_set(0.0) - normal, gn_set(0.0)));

@@ -1,13 +1,13 @@
-/* Bonds that soften and yield (law_softening.h) for all but the kernels. Areas are those that
- * strengths follow from (gn_linear_section). Of two materials the weaker strength, the smaller
- * energy, strain and ratio, and the lower line of pressure count. */
+/* Bonds that soften and yield (law_softening.h) outside of the kernels. Areas are those from which
+ * strengths follow (gn_linear_section). For two materials the weaker strength, the smaller energy,
+ * strain and ratio, and the lower compression curve are used. */
 #include "kernels/combine.h"
 #include "kernels/softening.h"
 #include "soa/bond_causes.h"
 
 #include <math.h>
 
-/* m, where nothing is left of a strength R over the stiffness k. */
+/* Returns the stretch at which a strength R over the stiffness k has softened to zero, m. */
 static double end_of(const gn_law_model *m, double area, double strength, double limit,
                      double energy, double strained, double ratio) {
     switch (m->scene->softening) {
@@ -23,22 +23,23 @@ static double end_of(const gn_law_model *m, double area, double strength, double
     return 0.0;
 }
 
-/* Where shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
- * crack open and slip at once, and with this much those of a notched beam dissipate their fracture
- * energy (docs/physics.md). */
+/* If shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
+ * crack open and slip at once, and with this factor those of a notched beam dissipate their
+ * fracture energy (docs/physics.md). */
 #define SHEAR_SHARE 2.0
-/* But it is not less than the elastic energy at the strength and this part of what is dissipated
- * beyond that in tension, so that a bond which softens in tension softens in shear. */
+/* The automatic shear energy is at least the elastic energy at the strength and this fraction of
+ * the dissipation beyond that in tension, so that a bond which softens in tension softens in
+ * shear. */
 #define LEAST_SHARE 0.5
 
 typedef struct ends {
-    double first;         /* share of the energies under the first line */
-    double end, pulled;   /* m, of opening: where a single line ends, the elastic limit */
+    double first;         /* fraction of the energies under the first line */
+    double end, pulled;   /* m, of opening: the end of a single line, the elastic limit */
     double pull, shear;   /* N, strengths */
     double sheared, area; /* m, the elastic limit in shear; m2 */
 } ends;
 
-/* m, of slip, where a single line ends. */
+/* Returns the slip at which a single line ends, m. */
 static double slip_of(const gn_law_model *m, const gn_material *a, const ends *e) {
     const bool by_energy = m->scene->softening == GN_SOFTENING_ENERGY;
     if (by_energy && a->shear_fracture_energy == GN_SHEAR_ENERGY_AUTO) {
@@ -51,11 +52,11 @@ static double slip_of(const gn_law_model *m, const gn_material *a, const ends *e
                   a->shear_fracture_strain * sqrt(e->area), a->fracture_ratio);
 }
 
-/* The second line, from the share `kink` of the strengths. The first one, down to an opening that
- * holds a part of the fracture energy, is there already; `all` and `all_slip`, m, are where a
- * single line would end that holds all of it. From the kink at the opening w_k (of which the
- * stretch is more by what is elastic) the second one goes to w_c = (all - w_k)/kink, which makes
- * the area under both that under the single one. */
+/* Sets the second line, from the fraction `kink` of the strengths. The first one, down to an
+ * opening that dissipates a fraction of the fracture energy, is already set; `all` and `all_slip`,
+ * m, are the ends of a single line that dissipates all of it. From the kink at the opening w_k (the
+ * stretch is larger by the elastic part) the second one continues to w_c = (all - w_k)/kink, so
+ * that the area under both is that under the single one. */
 static void bend(double kink, double all, double all_slip, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double *fade = list->fade + c;
@@ -101,8 +102,8 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
 
 static const double never = 1e30; /* N, also in single precision */
 
-/* The line of pressure as what it lacks of an elastic one: beyond the elastic force at each kink,
- * the part 1/Y_before - 1/Y of it. */
+/* Expresses the compression curve as a deviation from the elastic one: beyond the elastic force at
+ * each kink, the fraction 1/Y_before - 1/Y of it. */
 static void set_crush(const gn_material *m, double area, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double elastic = 0.0, stress = 0.0, ratio = 1.0;
@@ -121,7 +122,7 @@ static void set_crush(const gn_material *m, double area, gn_contacts *list, size
     if (list->yields_f) list->yields_f[c] = (float)first;
 }
 
-/* The material that yields first; one that does not is the stronger one. */
+/* Returns the material that yields first; one that does not yield is the stronger one. */
 static const gn_material *weaker(const gn_material *a, const gn_material *b) {
     if (!(a->yield_stress[0] > 0.0)) return b;
     return b->yield_stress[0] > 0.0 && b->yield_stress[0] < a->yield_stress[0] ? b : a;
@@ -137,7 +138,7 @@ static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, 
     if (list->crush) set_crush(weaker(q->a, q->b), area, list, c);
 }
 
-/* Stretches stay what they are, forces of kinks and limits are parts. */
+/* Stretches stay unchanged, forces of kinks and limits are scaled. */
 static void weigh(gn_contacts *list, size_t c, double part) {
     const size_t stride = list->soa.capacity;
     gn_linear_weigh(list, c, part);
@@ -163,7 +164,8 @@ static gn_law_held held(const gn_contacts *list, size_t c, double length, double
     return h;
 }
 
-/* Of the stretch over that at which softening ends, and of force over strength as it is. */
+/* Returns the ratio of the stretch to that at which softening ends, and of the force to the present
+ * strength. */
 static double criterion(const gn_contacts *list, size_t c, double normal, double bent,
                         double shear) {
     (void)bent; /* these bonds have no moments */

@@ -1,49 +1,48 @@
 /* Bonds that soften in tension and shear and yield under pressure (Santasusana 2013, sec. 4.7, eq.
- * 4.36-4.45), beside the Mohr-Coulomb strength of law_mohr.h.
+ * 4.36-4.45), with the Mohr-Coulomb strength of law_mohr.h.
  *
  * Normal force, u the stretch beyond the permanent one u_p, k = k_n:
- *     pulled   (1 - d) k u, at most the line R_n (u_f - u)/(u_f - u_l), u_l = R_n/k. Where it is
- *              met, d = 1 - f/(k u) = u_f (u - u_l)/(u (u_f - u_l)): linear softening, eq. 4.43.
+ *     tension  (1 - d) k u, at most the line R_n (u_f - u)/(u_f - u_l), u_l = R_n/k. On the line
+ *              d = 1 - f/(k u) = u_f (u - u_l)/(u (u_f - u_l)): linear softening, eq. 4.43.
  *              (Eq. 4.39, d = (u - u_l)/(u_f - u_l), is a parabola that rises above R_n.) Unloading
- *              goes down the secant; d never falls; u_f ends the bond.
- *     pressed  k u, at most a line of up to four pieces over the whole pressed path, of the
- *              stiffnesses k, k/Y_1, k/Y_2, k/Y_3 with kinks at the forces F_i. What is beyond goes
- *              into u_p; unloading and loading again are with k.
+ *              follows the secant; d never decreases; the bond breaks at u_f.
+ *     compression  k u, at most a line of up to four pieces over the whole path, with the
+ *              stiffnesses k, k/Y_1, k/Y_2, k/Y_3 and kinks at the forces F_i. Stretch beyond it
+ *              is added to u_p; unloading and reloading have the stiffness k.
  * Shear: trial |F_t| beyond the surface
  *     S = (1 - D) C + ((1 - kappa) mu_1 + kappa mu_2) N, D = max(d, kappa), N = <-f_n>
  * slips by ds and returns along its direction onto S - H ds with kappa += ds/u_s, so that it
- * softens linearly to the friction of the broken bond without a jump; kappa = 1 ends the bond.
- * Where the slope H of S is not below k_t it breaks at once.
+ * softens linearly to the friction of the broken bond without a jump; the bond breaks at
+ * kappa = 1. If the slope H of S is not below k_t, it breaks at once.
  *
- * Coupled by squares one damage kappa takes both strengths: R_n and C by 1 - kappa, and the pulled
- * stiffness by 1 - d = (1 - kappa)/(1 + (n - 1) kappa), n = u_f/u_l, which pulled alone is the line
- * above. Where (f_n/R_n)^2 + (|F_t|/C)^2 >= 1 under tension, kappa grows by what takes the forces
- * back onto that ellipse, with openings u_f and slips u_s per kappa along its normal: shares
- * a = f_n/R_n and b = |F_t|/C of the strength that is left, du_i = a u_f dkappa, ds = b u_s dkappa.
- * With a fixed ratio of the two that dissipates a^2 G_n + b^2 G_t.
+ * With quadratic coupling one damage kappa reduces both strengths, R_n and C by 1 - kappa, and the
+ * tensile stiffness by 1 - d = (1 - kappa)/(1 + (n - 1) kappa), n = u_f/u_l, which in pure tension
+ * is the line above. If (f_n/R_n)^2 + (|F_t|/C)^2 >= 1 in tension, kappa grows so that the forces
+ * return to that ellipse, with openings u_f and slips u_s per kappa along its normal: with the
+ * ratios a = f_n/R_n and b = |F_t|/C to the remaining strengths, du_i = a u_f dkappa, ds = b u_s
+ * dkappa. At a fixed ratio of the two that dissipates a^2 G_n + b^2 G_t.
  *
- * All in closed form from the state at the start of the step, kinks within a step included. Losses
- * are the trapezoidal work of the step less what is stored in the end, as everywhere, so that the
- * ledger closes; where a kink lies within a step that differs from the path's own energy by the
- * square of the step.
+ * Everything has a closed form from the state at the start of the step, kinks within a step
+ * included. Losses are the trapezoidal work of the step minus the change of stored energy, so that
+ * the ledger closes; if a kink lies within a step, they differ from the energy of the path by
+ * the square of the step.
  *
- * Columns besides those of the Mohr-Coulomb law: soft = 1 - d, kappa, plastic = u_p, yields (the
- * pressure at which u_p grows), parameters fade and crush (below). rn, rt and mu1 are those of the
- * bond as it is: R_n on the line, (1 - D) C, and the friction in S. Whatever changes them is rare
- * and done in double precision, lane by lane; in mixed precision both forms are written. kappa
- * grows by small increments and is double in either; d follows from the stretch anew each time. */
+ * Columns in addition to those of the Mohr-Coulomb law: soft = 1 - d, kappa, plastic = u_p, yields
+ * (the compressive force at which u_p grows), parameters fade and crush (below). rn, rt and mu1 are
+ * those of the damaged bond: R_n on the line, (1 - D) C, and the friction in S. Their changes are
+ * rare and computed in double precision, lane by lane; in mixed precision both forms are written.
+ * kappa grows by small increments and is double in either; d is recomputed from the stretch. */
 #ifndef GN_KERNELS_LAW_SOFTENING_H
 #define GN_KERNELS_LAW_SOFTENING_H
 
 #include "kernels/law_linear.h"
 #include "kernels/softening.h"
 
-/* What the rare branch reads and gives, lane by lane. */
+/* Input and output of the rare branch, lane by lane. */
 typedef struct soft_lanes {
     gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
-    gn_real was[GN_W],
-        before[3][GN_W];       /* at the start of the step, where both are damaged as one */
-    unsigned tension, sheared; /* lanes that break */
+    gn_real was[GN_W], before[3][GN_W]; /* at the start of the step, if both share one damage */
+    unsigned tension, sheared;          /* lanes that break */
 } soft_lanes;
 
 static inline void write_softened(const gn_contacts *k, size_t c, const gn_softening_bond *b) {
@@ -60,7 +59,7 @@ static inline void write_softened(const gn_contacts *k, size_t c, const gn_softe
 #endif
 }
 
-/* For the list of events. */
+/* Records an event. */
 static inline void note_beginning(const gn_contacts *k, size_t c, gn_happening what,
                                   gn_contact_sums *sums) {
     if (!k->happened || k->cause[c] != GN_INTACT) return;
@@ -98,7 +97,8 @@ static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c,
     }
 }
 
-/* Rare: permanent stretch of those that yield, from the whole stretch, so that nothing adds up. */
+/* Rare: computes the permanent stretch of yielding bonds from the total stretch, so that errors do
+ * not accumulate. */
 static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_t c, gn_v kn,
                                                  gn_v stretch, gn_v now, gn_m yielding,
                                                  gn_contact_sums *sums) {
@@ -119,17 +119,17 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_
     return plastic;
 }
 
-/* What becomes of a vector besides its contact_state. */
+/* The state of a vector in addition to its contact_state. */
 typedef struct soft_state {
     gn_v soft, shift; /* at the start of the step */
-    gn_v line;        /* pressure at which it would yield then, where it may */
+    gn_v line;        /* force at which it would then yield in compression, if it can */
     gn_v3 slipped;    /* tangential force of bonds that softened */
     gn_v stored;      /* twice the normal energy, where `crossing` */
     gn_m bonds;       /* intact at the start of the step */
     gn_m yielding, softening, crossing;
 } soft_state;
 
-/* Permanent stretch and what yields of it in this step. */
+/* Computes the permanent stretch and its change in this step. */
 GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
                      soft_state *s, gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
@@ -146,20 +146,20 @@ GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact
     q->normal = q->elastic = q->kn * q->stretch;
 }
 
-/* Rare: by how much the distance grew in the step. */
+/* Rare: returns the growth of the distance in the step. */
 static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *a, size_t c, const stage *g,
                                                  variant w) {
     if (growth_known(w)) return gn_set(a->dt) * g->growth;
     return loose_path(a, c, g, gn_m_none());
 }
 
-/* The tangential force at the start of the step, as it lies after the turn of both ends. */
+/* Returns the tangential force at the start of the step, after the rotation of both ends. */
 GN_INLINE gn_v3 sheared_before(const stage *g, const contact_state *q, variant w) {
     bool turns = w.space && w.rotation;
     return turns ? gn_turn_about_normal(q->before, g->geometry.n, g->angle) : q->before;
 }
 
-/* Damage, and which bonds break. */
+/* Computes damage, and which bonds break. */
 GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                       contact_state *q, soft_state *s, gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
@@ -202,8 +202,8 @@ GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, const stag
     if (l.tension | l.sheared) record_breaks(a, c, end, l.tension, l.sheared, sums);
 }
 
-/* More than may_cross by what any particle moves at most, and without a division: where every bond
- * is damaged all of them are asked, and next to none is near. */
+/* Exceeds may_cross by an upper bound of the particles' motion, and needs no division: if every
+ * bond is damaged all of them are tested, and almost none is near. */
 GN_INLINE gn_m near_no_force(const gn_contact_args *a, const stage *g, const contact_state *q) {
     double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
     double most = a->dt > 0.0 ? a->dt * fastest : 0.0;
@@ -213,8 +213,8 @@ GN_INLINE gn_m near_no_force(const gn_contact_args *a, const stage *g, const con
     return gn_not(gn_less(gn_set(1.03 * most * most), beyond));
 }
 
-/* Rare: a damaged bond is a spring (1 - d) k both ways and beside it one of d k that pushes only.
- * That one closes or opens within a step as any contact does. */
+/* Rare: a damaged bond is a two-sided spring (1 - d) k in parallel with one of d k in compression
+ * only. The latter closes or opens within a step as any contact does. */
 GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
                               soft_state *s) {
     gn_m weak = gn_and(q->intact, gn_less(s->soft, gn_set(1.0)));
@@ -226,12 +226,12 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
     q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q->stretch);
     q->touching = gn_less(q->beyond, gn_set(0.0));
-    stage seen = *g; /* rate and growth share a place */
+    stage seen = *g; /* rate and growth share storage */
     seen.rate = gn_set(0.5 * a->dt) / gn_max(g->geometry.distance, gn_set(GN_TINY));
     s->crossing = gn_and(weak, may_cross(a, &seen, q));
     if (__builtin_expect(gn_bits(s->crossing) == 0, 1)) return;
     gn_v gone = (gn_set(1.0) - s->soft) * q->kn;
-    /* The dashpot is the bond's, on both sides. */
+    /* The dashpot belongs to the bond, on both sides. */
     crossing_state state = {.kn = gone,
                             .cn = gn_set(0.0),
                             .stretch = q->stretch,
@@ -241,7 +241,7 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
                             .loose = s->crossing,
                             .breaking = gn_m_none()};
     crossing r = cross(a, c, &seen, &state);
-    /* Those that were only near it act as any other, whoever asked. */
+    /* Contacts that were only near the transition act as any other, whatever else was examined. */
     gn_m as_ever = gn_and(gn_at_least(r.of.way, q->stretch), gn_at_least(q->stretch, r.of.way));
     s->crossing = gn_and(s->crossing, gn_not(as_ever));
     gn_v whole = s->soft * q->elastic;
@@ -249,7 +249,7 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     s->stored = gn_fma(whole, q->stretch, r.of.normal * r.of.way);
 }
 
-/* Rare: what bonds that soften, yield or break lose, and contacts that slip. */
+/* Rare: books the losses of bonds that soften, yield or break, and of slipping contacts. */
 GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g,
                               const contact_state *q, const soft_state *s, lane_sums *e,
                               variant w) {
@@ -270,10 +270,10 @@ GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g
     e->damage = e->damage + gn_keep(s->softening, gn_where(crushed, shear, both));
 }
 
-/* Rare: contacts, no bonds any more, that yield in the step. One that pressed before it acts as any
- * does, also where it had moved less than it yields by. One that closed in it at the share s = u/p
- * of its path acted from there: what gn_linear_cross gives of the elastic part is less than that
- * by what it yields, a loss of (F_0 + F) du/2 between the pressures F_0 and F, over the path. */
+/* Rare: contacts (bonds no more) that yield in the step. One that was in compression before acts as
+ * any does, also if it moved by less than it yields. One that closed in it at the fraction s = u/p
+ * of its path acted from there: the force of gn_linear_cross of the elastic part is smaller by the
+ * yield, a loss of (F_0 + F) du/2 between the forces F_0 and F, over the path. */
 GN_INLINE void close_yielding(const stage *g, gn_v path, gn_m yielding, const soft_state *s,
                               contact_state *q) {
     const gn_v zero = gn_set(0.0), half = gn_set(0.5);

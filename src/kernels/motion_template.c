@@ -1,6 +1,6 @@
-/* Gather and integrate: central differences (leap-frog) with variable step. The partial sums of a
- * block of particles are added up in the L1 cache, then the block is integrated lane by lane. One
- * body, expanded per variant and compiled per instruction set, as contact_template.c. */
+/* Gathering and integration: central differences (leap-frog) with variable step. The partial sums
+ * of a block of particles are added up in the L1 cache, then the block is integrated lane by lane.
+ * One body, expanded per variant and compiled per instruction set, as contact_template.c. */
 #include "kernels/expand.h"
 #include "kernels/motion.h"
 #include "kernels/simd.h"
@@ -29,7 +29,7 @@ typedef double row8 __attribute__((vector_size(64), aligned(8)));
 typedef float row4_f __attribute__((vector_size(16), aligned(4)));
 typedef float row8_f __attribute__((vector_size(32), aligned(4)));
 
-/* Sums are in double also when rows are not. */
+/* Sums are in double even if rows are not. */
 GN_INLINE void add_row(const gn_partials *from, int64_t row, int single, double *to, variant w) {
     const bool wide = w.space && w.rotation;
     if (wide && single)
@@ -65,7 +65,7 @@ GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, doub
     for (int32_t c = a->wall_first[begin]; c < a->wall_first[end]; c++) {
         double *to = load + (size_t)row_width(w) * ((size_t)walls->i[c] - begin);
         const double *row = walls->row + 8 * (int64_t)c;
-        if (w.space && w.rotation) { /* what is fourth of four is nothing in both */
+        if (w.space && w.rotation) { /* the fourth number of a row of four is zero in both */
             *(row8 *)to += *(const row8 *)row;
         } else if (w.space) {
             *(row4 *)to += *(const row4 *)row;
@@ -84,12 +84,12 @@ GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, d
     if (GN_BUILT(WALLS) && a->wall_contacts) add_walls(a, begin, end, row, w);
 }
 
-/* Consecutive rows of four as four columns. */
+/* Loads consecutive rows of four as four columns. */
 GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
     gn_rows4_every(rows + 4 * p, 1, out);
 }
 
-/* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
+/* Returns forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
 GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant w) {
     gn_v r[4], zero = gn_set(0.0);
     if (w.space && w.rotation) {
@@ -110,7 +110,7 @@ typedef struct motion {
     gn_v inverse;   /* 1/m (inertia); 0 for removed particles */
 } motion;
 
-/* m, 0 for removed particles; only where it is called for, as it takes a division. */
+/* Returns the mass, kg, 0 for removed particles; only if it is needed, as it takes a division. */
 GN_INLINE gn_v mass_of(const motion *q) {
     return gn_keep(gn_less(gn_set(0.0), q->inverse), gn_set(1.0) / q->inverse);
 }
@@ -124,9 +124,9 @@ GN_INLINE gn_v opposing(double damping, gn_v f, gn_v v) {
     return gn_where(gn_less(zero, v), zero - size, gn_keep(gn_less(v, zero), size));
 }
 
-/* Background damping and new velocity. Viscous damping is taken at the middle of the kick,
- * -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds have
- * nothing to oppose. */
+/* Computes background damping and the new velocity. Viscous damping is evaluated at the middle of
+ * the kick, -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds
+ * vanish. */
 GN_INLINE void kick(const gn_motion_args *a, double damping, motion *q, double interval, int space,
                     variant w) {
     gn_v zero = gn_set(0.0), rate = gn_set(interval) * q->inverse;
@@ -155,8 +155,8 @@ GN_INLINE gn_v half_work(gn_v3 f, gn_v3 v, double dt, int space) {
     return gn_set(0.5 * dt) * gn_dot(f, v, space);
 }
 
-/* Kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of a linear
- * system; at the start v(-) is what a full kick would have come from. */
+/* Returns the kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of
+ * a linear system; at the start v(-) is the velocity before a full kick. */
 GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
     gn_v3 before = q->v;
     if (!(a->dt_past > 0.0)) before = gn_sub(gn_scale(gn_set(2.0), q->v, space), q->v_new, space);
@@ -168,8 +168,8 @@ typedef struct lane_sums {
     gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2, change2;
 } lane_sums;
 
-/* Work of a force, and what background damping takes, in the halves before and after the instant.
- */
+/* Books the work of a force, and that of background damping, in the halves before and after the
+ * instant. */
 GN_INLINE void book_work(gn_v halves[2], const gn_motion_args *a, gn_v3 f, const motion *q) {
     halves[0] = halves[0] + half_work(f, q->v, a->dt_past, 1);
     halves[1] = halves[1] + half_work(f, q->v_new, a->dt, 1);
@@ -181,8 +181,8 @@ GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *a, const motion *
 
 /* --- prescribed particles, lane by lane --- */
 
-/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and notes the
- * load it took. Nothing that is driven has background damping. */
+/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and records
+ * the load they took. Prescribed components have no background damping. */
 GN_INLINE void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, double interval,
                               int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
                               double f[3][GN_W], double d[3][GN_W], double work[2]) {
@@ -203,8 +203,8 @@ GN_INLINE void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, 
     }
 }
 
-/* Damping against the velocity sees what is free to move alone: the reaction of a component that is
- * driven is no force out of balance. */
+/* Damping against the velocity considers free components only: the reaction of a prescribed one is
+ * no unbalanced force. */
 static void damp_free(double damping, unsigned held, double rate, int lane, const double v[3][GN_W],
                       double v_new[3][GN_W], const double f[3][GN_W], double d[3][GN_W]) {
     double force2 = 0.0, speed2 = 0.0;
@@ -231,8 +231,8 @@ static gn_v3 pack(double in[3][GN_W]) {
     return (gn_v3){gn_load(in[0]), gn_load(in[1]), gn_load(in[2])};
 }
 
-/* Some of the lanes are prescribed. `vector`: coefficient of damping against the velocity, 0: none.
- * By value: a motion whose address is known has to live in memory. */
+/* Handles a vector with prescribed lanes. `vector`: coefficient of damping against the velocity, 0:
+ * none. The motion is passed by value, since taking its address would force it into memory. */
 static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_t p, int first,
                                                   double vector, double interval, motion m,
                                                   gn_motion_sums *s) {
@@ -259,7 +259,7 @@ static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_
     return m;
 }
 
-/* Only if all are negative so are all their common bits. */
+/* The AND of all slots is negative only if all are. */
 GN_INLINE bool any_prescribed(const gn_motion_args *a, size_t p) {
     const int32_t *slot = a->particles->slot + p;
     const size_t left = a->particles->soa.count - p;
@@ -271,7 +271,7 @@ GN_INLINE bool any_prescribed(const gn_motion_args *a, size_t p) {
     return common >= 0;
 }
 
-/* 1 for lanes whose resultant counts (free particles), else 0. */
+/* Returns 1 for lanes whose resultant counts (free particles), else 0. */
 static gn_v free_lanes(const gn_motion_args *a, size_t p, bool prescribed) {
     double lanes[GN_W];
     for (int lane = 0; lane < GN_W; lane++) {
@@ -290,7 +290,7 @@ static void note_bad(const gn_motion_args *a, size_t p, unsigned bad, gn_motion_
             s->bad = (int64_t)p + lane;
 }
 
-/* Turns a quaternion by the spin over dt (first order in the angle, renormalised). */
+/* Rotates a quaternion by the spin over dt (first order in the angle, renormalised). */
 static void turn_orientation(double q[4], const double spin[3], double dt) {
     double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
     double r[4] = {q[0] - x * q[1] - y * q[2] - z * q[3], q[1] + x * q[0] + y * q[3] - z * q[2],

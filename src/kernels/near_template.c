@@ -1,4 +1,5 @@
-/* Which pairs act before long, and their columns: compiled once per instruction set, in double. */
+/* Selection of pairs that act soon, and packing of their columns: compiled once per instruction
+ * set, in double. */
 #include "kernels/near.h"
 
 #include "kernels/block_rows.h"
@@ -6,7 +7,7 @@
 
 _Static_assert(GN_NEAR_GROUP % GN_W == 0, "a group has whole vectors");
 
-/* Of both ends of pairs from c on, one vector. */
+/* Returns the margins of both ends of pairs from c on, one vector. */
 GN_INLINE gn_v margins(const gn_near_args *a, size_t c) {
     double both[GN_W];
     for (size_t k = 0; k < GN_W; k++)
@@ -15,8 +16,8 @@ GN_INLINE gn_v margins(const gn_near_args *a, size_t c) {
     return gn_load(both);
 }
 
-/* Of pairs from c on, one vector. Centres at d that move at v against each other are never nearer
- * than d.(d + v t)/|d|, whatever t. */
+/* Returns the active pairs from c on, one vector. Centres at d with the relative velocity v are
+ * never closer than d.(d + v t)/|d|, for any t. */
 GN_INLINE unsigned acting(const gn_near_args *a, size_t c, int periodic) {
     gn_v p[4], q[4], v[4], d[3], d2 = gn_set(0.0), along = gn_set(0.0);
     gn_rows4(a->pos, a->i + c, p);
@@ -36,7 +37,7 @@ GN_INLINE unsigned acting(const gn_near_args *a, size_t c, int periodic) {
     return gn_bits(gn_or(near, gn_less(distance * (distance - reach), way)));
 }
 
-/* Rows are asked for ahead of the kernel, which goes through the block several times as fast. */
+/* Rows are prefetched for the kernel, which processes the block several times as fast. */
 GN_INLINE size_t find_core(const gn_near_args *a, uint8_t *act, int periodic) {
     size_t found = 0;
     gn_block_particles ahead = {a->particle, a->particle + a->particles};

@@ -22,8 +22,8 @@ static void gather_growth(const gn_pressure_args *a, size_t begin, double sum[][
     }
 }
 
-/* What the ledger wants of node n: energy of the pressures, and S times the past rate, from the
- * change of the stabilising term S q. */
+/* Books the energies of node n: that of the pressures, and S times the past rate, from the change
+ * of the stabilising term S q. */
 static void book_term(const gn_pressure_args *a, size_t n, const double sum[2],
                       gn_pressure_sums *s) {
     const gn_particles *q = a->nodes;
@@ -65,8 +65,8 @@ static void gather_slopes(const gn_pressure_args *a, size_t begin, double *sum) 
     }
 }
 
-/* Energies of the inertia S/w^2 of the stabilising pressure. A loss is booked when its interval has
- * passed: its second half (with the mean rate of the instant at which it began) and its first. */
+/* Books the energies of the inertia S/w^2 of the stabilising pressure. A loss is booked after its
+ * interval: its second half (with the mean rate of the instant at which it began) and its first. */
 static void book_rate(const gn_pressure_args *a, size_t n, double before, double after,
                       gn_pressure_sums *s) {
     double *past = a->nodes->mean_rate + n, mean = 0.5 * (before + after);
@@ -76,8 +76,8 @@ static void book_rate(const gn_pressure_args *a, size_t n, double before, double
     *past = mean;
 }
 
-/* The row of a node: projected gradient and value of the stabilising pressure q follow those of the
- * pressure; the mean of the damping over the kick as in motion_template.c. */
+/* Integrates the row of a node: projected gradient and value of the stabilising pressure q follow
+ * those of the pressure; damping uses the mean over the kick as in motion_template.c. */
 static void follow(const gn_pressure_args *a, size_t begin, size_t end, gn_pressure_sums *sums) {
     const gn_particles *p = a->nodes;
     const double interval = 0.5 * (a->dt_past + a->dt), half = 0.5 * a->damping * interval;

@@ -1,5 +1,5 @@
-/* One bond that softens, in plain doubles: what law_softening.h derives. For kernels, whose rare
- * branch it is, and for what else looks at such bonds. */
+/* One bond that softens, in plain doubles, as derived in law_softening.h: for the rare branch of
+ * kernels, and for other code that evaluates such bonds. */
 #ifndef GN_KERNELS_SOFTENING_H
 #define GN_KERNELS_SOFTENING_H
 
@@ -7,29 +7,29 @@
 
 #include <math.h>
 
-/* Parameters that only bonds at their strength read (column fade). */
+/* Parameters that are read only for bonds at their strength (column fade). */
 enum {
     GN_FADE_SLOPE,    /* N/m, R_n/(u_f - u_l) of the first line; 0: brittle in tension */
-    GN_FADE_END,      /* m, u_f, where that line is at nothing; 0: brittle */
+    GN_FADE_END,      /* m, u_f, where that line reaches zero; 0: brittle */
     GN_FADE_COHESION, /* N, C of the whole bond */
-    GN_FADE_SLIP,     /* m, u_s, where its line is at nothing; 0: brittle in shear */
+    GN_FADE_SLIP,     /* m, u_s, where its line reaches zero; 0: brittle in shear */
     GN_FADE_FRICTION, /* mu_1 of the whole bond */
-    GN_FADE_KINK,     /* share of the strength that is lost where a second line begins; 0: none */
+    GN_FADE_KINK, /* fraction of the strength that is lost where a second line begins; 0: none */
     GN_FADE_SLOPE_SECOND, /* N/m */
-    GN_FADE_END_SECOND,   /* m, where nothing is left of the second line */
-    GN_FADE_SLIP_SECOND,  /* m, slip by the second line for a loss of all of the strength */
+    GN_FADE_END_SECOND,   /* m, where the second line reaches zero */
+    GN_FADE_SLIP_SECOND,  /* m, slip by the second line for a loss of the entire strength */
     GN_FADES
 };
-/* Forces F_i at which the line of pressure bends, in N, as if the bond were elastic; then by how
- * much of k_n its slope falls there (column crush). */
+/* Elastic forces F_i at the kinks of the compression curve, in N; then the fraction of k_n by which
+ * its slope decreases there (column crush). */
 enum { GN_KINKS = 3 };
 
 typedef struct gn_softening_bond {
     double fade[GN_FADES];
     double kn, kt, mu2;
-    double least;    /* N, of the pressure that friction sees */
-    double confined; /* N, that pressure; NaN: of the bond's own normal force */
-    bool together;   /* coupled by squares: kappa is the damage of both */
+    double least;    /* N, least compression for friction */
+    double confined; /* N, that compression; NaN: the bond's own normal force */
+    bool together;   /* quadratic coupling: kappa is the damage of both */
     double soft, rn, rt, mu1, kappa;
 } gn_softening_bond;
 
@@ -51,19 +51,19 @@ static inline bool gn_softening_whole(const gn_softening_bond *b) {
     return b->soft == 1.0 && b->kappa == 0.0;
 }
 
-/* Of the parameters of a bond, every `stride`-th: the stretch at which it is broken, m; 0: brittle.
- */
+/* Returns the stretch at which a bond is broken, m, from its parameters, every `stride`-th; 0:
+ * brittle. */
 static inline double gn_softening_end(const double *fade, size_t stride) {
     double second = fade[GN_FADE_END_SECOND * stride];
     return second > 0.0 ? second : fade[GN_FADE_END * stride];
 }
 
-/* Has as much of the strength gone (kappa) that the second line goes on? */
+/* Tells whether so much of the strength (kappa) is lost that the second line applies. */
 static inline bool gn_softening_second(const gn_softening_bond *b) {
     return b->fade[GN_FADE_KINK] > 0.0 && b->kappa >= b->fade[GN_FADE_KINK];
 }
 
-/* Pulled to the stretch u: down the lines of softening; false: broken. */
+/* Stretches a bond to u along the softening lines; returns false if it breaks. */
 static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *normal) {
     if (!(u > 0.0) || b->soft * b->kn * u < b->rn) return true;
     double left = gn_softening_end(b->fade, 1) - u;
@@ -77,8 +77,8 @@ static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *norm
     return true;
 }
 
-/* Slip of the trial force of size `size` under the pressure n; the size that is left, negative:
- * broken. Until kappa has overtaken d the cohesion is that of d. */
+/* Applies slip to the trial force of size `size` under the compression n; returns the remaining
+ * size, negative: broken. Until kappa exceeds d the cohesion is that of d. */
 static inline double gn_soften_sheared(gn_softening_bond *b, double n, double size) {
     const double cohesion = b->fade[GN_FADE_COHESION], mu1 = b->fade[GN_FADE_FRICTION];
     const double kink = b->fade[GN_FADE_KINK], d = b->together ? 0.0 : 1.0 - b->soft;
@@ -108,8 +108,8 @@ static inline double gn_soften_sheared(gn_softening_bond *b, double n, double si
     return size;
 }
 
-/* Coupled by squares the pulled stiffness is (1 - kappa)/(base + more kappa) of itself: base = 1
- * and more = n - 1 by the first line, by the second one what goes on from there. */
+/* With quadratic coupling the tensile stiffness is reduced by (1 - kappa)/(base + more kappa): base
+ * = 1 and more = n - 1 by the first line; the second one continues from there. */
 typedef struct gn_softening_secant {
     double base, more;
 } gn_softening_secant;
@@ -122,7 +122,7 @@ static inline gn_softening_secant gn_softening_secant_of(const gn_softening_bond
     return (gn_softening_secant){1.0 + (more - second) * b->fade[GN_FADE_KINK], second};
 }
 
-/* Of both strengths, kappa has become `kappa`; b->rn and b->soft follow it. */
+/* Sets kappa of both strengths; b->rn and b->soft follow it. */
 static inline void gn_soften_both(gn_softening_bond *b, double kappa) {
     if (!(kappa > b->kappa)) return;
     b->rn *= (1.0 - kappa) / (1.0 - b->kappa);
@@ -131,25 +131,25 @@ static inline void gn_soften_both(gn_softening_bond *b, double kappa) {
     b->soft = (1.0 - kappa) / (s.base + s.more * kappa);
 }
 
-/* The g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1, of a sum that is 1 at least at g = 0;
- * 1: it lies there or beyond. By Newton's method on 1/root of the sum, which is concave in g and
- * linear where one of A and B is 0, so that it comes from below and nearly at once. */
+/* Returns the g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1, for a sum that is at least 1
+ * at g = 0; 1: it lies there or beyond. Newton's method is applied to 1/root of the sum, which is
+ * concave in g and linear if A or B is 0, so that it converges from below in few iterations. */
 static inline double gn_soften_growth(double A, double B, double P, double Q) {
     double g = 0.0;
     for (int k = 0; k < 64; k++) {
         double a = A / (1.0 + P * g), b = B / (1.0 + Q * g), square = a * a + b * b;
         double rate = a * a * P / (1.0 + P * g) + b * b * Q / (1.0 + Q * g);
         double more = (sqrt(square) - 1.0) * square / rate;
-        if (!(g + more < 1.0)) return 1.0; /* also with no rate: nothing softens */
+        if (!(g + more < 1.0)) return 1.0; /* also without a rate: nothing softens */
         if (!(more > 0x1p-52)) break;
         g += more;
     }
     return g;
 }
 
-/* How far tension and shear are each on their own from the end of a bond that both damage, at the
- * stretch u and the tangential force of size `size`: the shares A and B of what is left of the
- * strengths; what kappa takes from them while it goes to 1, by 1 + P and 1 + Q. */
+/* Fractions of tension and shear in the failure of a bond that both damage, at the stretch u and
+ * the tangential force of size `size`: the ratios A and B to the remaining strengths; and the
+ * factors 1 + P and 1 + Q by which they decrease while kappa grows to 1. */
 typedef struct gn_softening_shares {
     double A, B, P, Q;
 } gn_softening_shares;
@@ -170,16 +170,16 @@ static inline double gn_softening_size(const double t[3]) {
     return sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
 }
 
-/* What a bond does in a step: the stretch and the tangential force, as they were at its start and
- * as they would be at its end without any limit. */
+/* The path of a bond in a step: the stretch and the tangential force at its start, and at its end
+ * without any limit. */
 typedef struct gn_softening_way {
     double u[2], t[2][3];
 } gn_softening_way;
 
-/* Which of the two took the last of a bond that broke of both, by the larger share at the place
- * within the step where nothing was left, which lies where A/(1 + P) and B/(1 + Q) reach the
- * ellipse. (Not at its end: what is left at the start may be as little as one likes, and whatever
- * the step moves across is then a large share of it.) */
+/* Returns the cause of failure of a bond under both: the larger ratio at the point within the step
+ * where the strength vanished, which is where A/(1 + P) and B/(1 + Q) reach the ellipse. (Not at
+ * the end of the step: the strength at its start may be arbitrarily small, and any tangential
+ * motion of the step is then a large fraction of it.) */
 static inline gn_cause gn_softening_cause(const gn_softening_bond *b, const gn_softening_way *way) {
     double low = 0.0, high = 1.0, a = 0.0, c = 0.0;
     for (int turn = 0; turn < 60; turn++) {
@@ -193,14 +193,15 @@ static inline gn_cause gn_softening_cause(const gn_softening_bond *b, const gn_s
             high = at;
         else
             low = at;
-        if (!(high > 0.0)) break; /* at the start, up to rounding or where pressure held it */
+        if (!(high > 0.0)) break; /* at the start, up to rounding, or held by pressure */
     }
     return a >= c ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
 }
 
-/* Pulled and sheared, coupled by squares. A share (1 - g) of the strength is left after growth by
- * g: the trial force along the secant becomes (1 - g)/(1 + P g) of itself, the tangential one (1 -
- * g)/(1 + Q g). Growth beyond a kink goes up to it and on from there. False: nothing is left. */
+/* Stretches and shears a bond with quadratic coupling. The fraction (1 - g) of the strength remains
+ * after growth by g: the trial force along the secant is multiplied by (1 - g)/(1 + P g), the
+ * tangential one by (1 - g)/(1 + Q g). Growth beyond a kink goes up to it and continues from there.
+ * Returns false if no strength remains. */
 static inline bool gn_soften_together(gn_softening_bond *b, double u, double *normal, double t[3]) {
     const double kink = b->fade[GN_FADE_KINK];
     for (;;) {
@@ -213,7 +214,7 @@ static inline bool gn_soften_together(gn_softening_bond *b, double u, double *no
         if (bends) {
             g = (kink - b->kappa) / (1.0 - b->kappa);
             kappa = kink;
-            b->rt *= 1.0 - g; /* of which the next share is */
+            b->rt *= 1.0 - g; /* basis of the next fraction */
         }
         if (!(kappa < 1.0)) return false;
         gn_soften_both(b, kappa);
@@ -223,7 +224,7 @@ static inline bool gn_soften_together(gn_softening_bond *b, double u, double *no
     }
 }
 
-/* Along the normal first, then across it. */
+/* Applies the limits along the normal first, then across it. */
 static inline gn_cause gn_soften_apart(gn_softening_bond *b, double u, double *normal,
                                        double t[3]) {
     if (!b->together && !gn_soften_pulled(b, u, normal)) return GN_BROKEN_TENSION;
@@ -240,8 +241,8 @@ static inline gn_cause gn_soften_apart(gn_softening_bond *b, double u, double *n
     return GN_INTACT;
 }
 
-/* A step along `way` under the normal force *normal of the bond as it was; that and the tangential
- * force t are set to what is left of them, unless it broke. */
+/* Does a step along `way` under the normal force *normal of the undamaged bond; that and the
+ * tangential force t are reduced to what the bond carries, unless it broke. */
 static inline gn_cause gn_soften(gn_softening_bond *b, const gn_softening_way *way, double *normal,
                                  double t[3]) {
     const double u = way->u[1];

@@ -1,13 +1,13 @@
 /* With C the contact damping, K the stiffness, x = M^1/2 u and tau = 1/dt, a step is stable exactly
  * if lambda_max(A + 2 tau B) <= 4 tau^2, where A = M^-1/2 K M^-1/2 and B = M^-1/2 C M^-1/2: every
- * eigenvector of the amplification problem sees the scalar recurrence
+ * eigenvector of the amplification problem obeys the scalar recurrence
  *     z^2 - (2 - c dt - k dt^2) z + 1 - c dt = 0
  * of its own Rayleigh quotients k and c, whose roots leave the unit circle at z = -1. A and B need
- * not commute. The tau that follows from the quotients of any vector is a lower bound with an error
- * of second order in that of the vector: so both the blocks of single particles and the whole
- * system are solved.
+ * not commute. The tau from the quotients of any vector is a lower bound with an error of second
+ * order in that of the vector; this solves both the blocks of single particles and the whole
+ * system.
  *
- * Left out: the geometric stiffness of the contact forces (force over length, small against k_n
+ * Neglected are the geometric stiffness of the contact forces (force over length, small against k_n
  * while overlaps are small against radii) and background damping. Sliding contacts count as
  * sticking. */
 #include "limit/step_limits.h"

@@ -152,14 +152,14 @@ static int32_t *outer_particles(const gn_particles *q, int dimension, const doub
     return outer;
 }
 
-/* Outer particles without the smallest radius r of all. The hull of balls is that of these, with a
- * ball of radius r added (Minkowski), and Steiner's formula gives its volume,
+/* Outer particles, with radii reduced by the smallest one, r. The hull of the balls is the
+ * Minkowski sum of their hull and a ball of radius r, and Steiner's formula gives its volume,
  *
  *   V = V' + S' r + M' r^2 + 4/3 pi r^3,     in 2D  A = A' + L' r + pi r^2,
  *
  * with S' the surface and M' the integral of the mean curvature, which is that of the reach h'(n) =
- * max(n.x + r_i - r) over all directions n (Schneider 2014, Convex Bodies, 4.2 and 5.3). Of equal
- * radii the hull of what is left is a polytope. */
+ * max(n.x + r_i - r) over all directions n (Schneider 2014, Convex Bodies, 4.2 and 5.3). For equal
+ * radii the reduced hull is a polytope. */
 typedef struct core {
     size_t count;
     double radius; /* r */

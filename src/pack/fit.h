@@ -7,13 +7,13 @@
  *   + 1/2 sum_walls w_b (2 r)^(d-2) (depth - r)^2                          planes near a particle
  *   + 1/2 sum_particles stiffness 2^d r^(d-2) (r - wanted)^2               springs on the radii
  *
- * Weights are held within an iteration (Gauss-Newton). w_c is 1 where the spheres are too close,
- * `pull` where the gap is within reach (`gap`, or the pair is held), else 0. The first two are
- * Labra's residuals divided by about two radii, weighted so that a relative overlap costs energy in
- * proportion to volume: the springs then press on every particle with the same pressure, whatever
- * its size, and as that pressure falls to zero the sum of the volumes comes to a maximum under the
- * constraint that nothing overlaps. At such a maximum a particle has as many contacts as unknowns
- * on the average: 6 in 2D and 8 in 3D. */
+ * Weights are constant within an iteration (Gauss-Newton). w_c is 1 where the spheres are too
+ * close, `pull` where the gap is within reach (`gap`, or the pair is held), else 0. The first two
+ * are Labra's residuals divided by about two radii, weighted so that a relative overlap costs
+ * energy in proportion to volume: the springs then exert the same pressure on particles of any
+ * size, and as that pressure decreases to zero the sum of the volumes reaches a maximum under the
+ * constraint of no overlap. At such a maximum the mean number of contacts of a particle is that of
+ * its unknowns: 6 in 2D and 8 in 3D. */
 #ifndef GN_PACK_FIT_H
 #define GN_PACK_FIT_H
 
