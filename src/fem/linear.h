@@ -1,5 +1,5 @@
 /* A solid linearised at its start: for the limit of its step (limit.c), and for larger systems of
- * which it is a part (src/sim/coupling_limit.c). */
+ * which it is a part (src/timestep/coupled_limit.c). */
 #ifndef GN_FEM_LINEAR_H
 #define GN_FEM_LINEAR_H
 

@@ -38,7 +38,8 @@ typedef struct gn_contact_args {
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
     /* 1/s: relative growth of branches with the box in the interval dt, see flows */
     double flow[3];
-    /* the sides of the periodic box moved: velocities are relative to the mean flow (sim/box.h) */
+    /* the sides of the periodic box moved: velocities are relative to the mean flow (drive/box.h)
+     */
     bool flows;
     /* [particles] of those with prescribed components, -1: none; NULL: no particle has any */
     const int32_t *slot;

@@ -135,7 +135,7 @@ typedef struct gn_law {
     void (*weigh)(gn_contacts *list, size_t c, double part);
     /* Returns the largest stiffness of two particles that meet unbonded. For a given partner k_n
      * (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius of a material
-     * (src/sim/resolution.c evaluates no others). */
+     * (src/timestep/collisions.c evaluates no others). */
     gn_law_spring (*meeting)(const gn_law_model *model, const gn_law_pair *pair, double overlap);
     /* Returns the largest stiffness that contact c can have. */
     gn_law_spring (*spring)(const gn_contacts *list, size_t c, double overlap);

@@ -1,7 +1,8 @@
 /* Parameters by area (Santasusana 2013, ch. 4): a bond is a bar of section A between the centres,
  * k_n = alpha E A/L, k_t = beta G A/L, G = E/(2 (1 + nu)), R_n = sigma A, R_t = tau A, L the
  * distance at which it has no normal force. The section of a bond is found once, when it is made
- * (src/sim/areas.c); pairs that meet later have gamma times Dempack's, and L = r_i + r_j. */
+ * (src/particles/bond_sections.c); pairs that meet later have gamma times Dempack's, and L = r_i +
+ * r_j. */
 #include "kernels/combine.h"
 
 double gn_dempack_area(int dimension, double ri, double rj) {

@@ -303,7 +303,7 @@ static double opening_force(double kn, const gn_touch *t, double p, double dt) {
 }
 
 /* Largest (w dt)^2 at which the works of a crossing are closed exactly: three steps per contact,
- * which automatic steps provide (src/sim/resolution.c). With a longer prescribed step the full
+ * which automatic steps provide (src/timestep/collisions.c). With a longer prescribed step the full
  * force acts at any overlap: fractions of steps that do not resolve the contact made platens
  * chatter. */
 static const double crossing_resolved = 1.0;

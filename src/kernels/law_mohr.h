@@ -5,7 +5,7 @@
  *     quadratic  (f_n/R_n)^2 + (|F_t|/S)^2 >= 1 breaks,
  *     linear     S = R_t - mu_1 f_n (as YADE's JCFpm), never below 0.
  * f_n is that of the spring, or with `confinement: mean` -A p, p the pressure around the bond
- * (column confined, src/sim/confinement.c). A broken bond follows the linear law with
+ * (column confined, src/particles/confinement.c). A broken bond follows the linear law with
  * friction mu, the second coefficient. Columns in addition to those of the linear law: mu1. */
 #ifndef GN_KERNELS_LAW_MOHR_H
 #define GN_KERNELS_LAW_MOHR_H

@@ -1,5 +1,5 @@
 /* Selection of the pairs of a block on which a contact kernel has to work, and packing of their
- * columns (sim/near.h). */
+ * columns (particles/active_pairs.h). */
 #ifndef GN_KERNELS_NEAR_H
 #define GN_KERNELS_NEAR_H
 

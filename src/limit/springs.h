@@ -1,6 +1,6 @@
 /* The springs of the linearised system, on which gn_step_limits and gn_step_holds operate. For
  * src/limit/springs.c, step_limits.c, step_holds.c and equilibrium.c, and for larger systems that
- * include these springs (src/sim/coupling_limit.c). */
+ * include these springs (src/timestep/coupled_limit.c). */
 #ifndef GN_LIMIT_SPRINGS_H
 #define GN_LIMIT_SPRINGS_H
 

@@ -522,8 +522,8 @@ static gneiss_status set_sharp_of_awake(const gn_springs *y, const uint8_t *awak
     return status;
 }
 
-/* If most particles are dormant (src/sim/conversion.c), vectors contain only the others: the limit
- * is the same to the bit. */
+/* If most particles are dormant (src/conversion/conversion.c), vectors contain only the others: the
+ * limit is the same to the bit. */
 static gneiss_status set_sharp_of_all(const gn_springs *y, double tolerance, gn_step_limit *limit,
                                       gneiss_error *error) {
     enum { FEW = 64 };

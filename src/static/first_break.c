@@ -1,11 +1,11 @@
 /* The path of equilibria of a loaded specimen up to shortly before its first bond failure.
  *
  * An increment of time moves the prescribed particles and walls; Newton's method brings the rest
- * into equilibrium, with the forces of the actual contacts (sim/trial.h) and the tangent of the
- * stability limit, whose contacts open, close and slide as in the last trial. Increments start from
- * the rates of the previous one. The failure time of each bond is extrapolated from its forces at
- * the ends of the last increment by the law's own criterion; the path ends at the wanted fraction
- * of the earliest.
+ * into equilibrium, with the forces of the actual contacts (timestep/trial.h) and the tangent of
+ * the stability limit, whose contacts open, close and slide as in the last trial. Increments start
+ * from the rates of the previous one. The failure time of each bond is extrapolated from its forces
+ * at the ends of the last increment by the law's own criterion; the path ends at the wanted
+ * fraction of the earliest.
  *
  * In steady loading, what moves at a constant rate has no resultant. Non-viscous damping is
  * proportional to the resultant and therefore vanishes, and the state is the same with or without
