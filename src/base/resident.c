@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 /* getrusage does not serve: its peak includes that of the parent before the fork. */
-bool gn_resident_read(gn_resident *r) {
+bool gn_resident_read(gn_resident *resident) {
     char line[256];
     double peak = 0.0, now = 0.0;
     FILE *file = fopen("/proc/self/status", "r");
@@ -13,6 +13,6 @@ bool gn_resident_read(gn_resident *r) {
         (void)sscanf(line, "VmRSS: %lf", &now);
     }
     fclose(file);
-    *r = (gn_resident){1024.0 * peak, 1024.0 * now};
+    *resident = (gn_resident){1024.0 * peak, 1024.0 * now};
     return peak > 0.0 && now > 0.0;
 }

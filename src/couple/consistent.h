@@ -23,15 +23,15 @@ typedef struct gn_consistent {
     double *work[5]; /* [nodes of ties][3] */
 } gn_consistent;
 
-gneiss_status gn_consistent_create(const gn_ties *t, gn_consistent *y, gneiss_error *error);
+gneiss_status gn_consistent_create(const gn_ties *ties, gn_consistent *system, gneiss_error *error);
 /* Assembles N^T M N from the masses of the particles of ties, kg; 0: removed. */
-void gn_consistent_weigh(gn_consistent *y, const double *mass);
-void gn_consistent_free(gn_consistent *y);
+void gn_consistent_assemble(gn_consistent *system, const double *mass);
+void gn_consistent_free(gn_consistent *system);
 
 /* Computes `rate` from `load`; returns the number of iterations. */
-int gn_consistent_solve(gn_consistent *y);
+int gn_consistent_solve(gn_consistent *system);
 /* out = (lump - N^T M N) rate, N, [nodes of ties][3]. With this added to the loads, the lumped
  * masses accelerate as the consistent ones do. The sum is zero for any rates. */
-void gn_consistent_difference(const gn_consistent *y, const double *rate, double *out);
+void gn_consistent_difference(const gn_consistent *system, const double *rate, double *out);
 
 #endif

@@ -35,24 +35,24 @@ typedef struct front {
     uint8_t *reached, *crest; /* [nodes] */
 } front;
 
-static double *part_of(const front *f, size_t n) {
-    return f->solid->nodes.blend + 2 * n;
+static double *part_of(const front *advance, size_t n) {
+    return advance->solid->nodes.blend + 2 * n;
 }
 
-static size_t corner(const front *f, size_t e, int a) {
-    return (size_t)gn_elements_node(&f->solid->elements, a)[e];
+static size_t corner(const front *advance, size_t e, int a) {
+    return (size_t)gn_elements_node(&advance->solid->elements, a)[e];
 }
 
-static void find_fresh(front *f) {
-    f->fresh_count = 0;
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
-        if (f->kind[e] != GN_FRONT_LEAVING || f->counted[e]) continue;
-        f->counted[e] = 1;
-        for (int a = 0; a <= f->solid->dimension; a++) {
-            const size_t n = corner(f, e, a);
-            if (f->reached[n]) continue;
-            f->reached[n] = 1;
-            f->fresh[f->fresh_count++] = (int32_t)n;
+static void find_fresh(front *advance) {
+    advance->fresh_count = 0;
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
+        if (advance->kind[e] != GN_FRONT_LEAVING || advance->counted[e]) continue;
+        advance->counted[e] = 1;
+        for (int a = 0; a <= advance->solid->dimension; a++) {
+            const size_t n = corner(advance, e, a);
+            if (advance->reached[n]) continue;
+            advance->reached[n] = 1;
+            advance->fresh[advance->fresh_count++] = (int32_t)n;
         }
     }
 }
@@ -64,80 +64,82 @@ static void find_fresh(front *f) {
 
 /* Updates the distances from the front and the weights that follow. A distance that decreases by
  * rounding alone is kept, since the nodes and particles there have not changed. */
-static void spread(front *f) {
-    const gn_particles *q = &f->solid->nodes;
-#pragma omp parallel for schedule(static) num_threads(f->solid->threads)
+static void spread(front *advance) {
+    const gn_particles *q = &advance->solid->nodes;
+#pragma omp parallel for schedule(static) num_threads(advance->solid->threads)
     for (size_t n = 0; n < q->soa.count; n++) {
-        const double before = part_of(f, n)[1] * part_of(f, n)[1];
+        const double before = part_of(advance, n)[1] * part_of(advance, n)[1];
         double least = before;
-        for (size_t k = 0; k < f->fresh_count; k++) {
-            const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)f->fresh[k];
+        for (size_t k = 0; k < advance->fresh_count; k++) {
+            const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)advance->fresh[k];
             double d2 = 0.0;
             for (int a = 0; a < 3; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
             least = fmin(least, d2);
         }
         if (!(least < (1.0 - DISTANCE_ROUNDING) * before)) continue;
-        part_of(f, n)[1] = sqrt(least);
-        const double part = part_of(f, n)[1] / f->width;
-        part_of(f, n)[0] = part < 1.0 - DISTANCE_ROUNDING ? part : 1.0;
+        part_of(advance, n)[1] = sqrt(least);
+        const double part = part_of(advance, n)[1] / advance->width;
+        part_of(advance, n)[0] = part < 1.0 - DISTANCE_ROUNDING ? part : 1.0;
     }
 }
 
 /* Finds the crests: nodes of remaining elements with a weight below 1 that is a local maximum. */
-static void find_crests(front *f) {
-    for (size_t n = 0; n < f->solid->nodes.soa.count; n++) f->crest[n] = part_of(f, n)[0] < 1.0;
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
+static void find_crests(front *advance) {
+    for (size_t n = 0; n < advance->solid->nodes.soa.count; n++)
+        advance->crest[n] = part_of(advance, n)[0] < 1.0;
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
         double highest = 0.0;
-        if (f->kind[e] == GN_FRONT_LEAVING) continue;
-        for (int a = 0; a <= f->solid->dimension; a++)
-            highest = fmax(highest, part_of(f, corner(f, e, a))[0]);
-        for (int a = 0; a <= f->solid->dimension; a++)
-            if (part_of(f, corner(f, e, a))[0] < (1.0 - DISTANCE_ROUNDING) * highest)
-                f->crest[corner(f, e, a)] = 0;
+        if (advance->kind[e] == GN_FRONT_LEAVING) continue;
+        for (int a = 0; a <= advance->solid->dimension; a++)
+            highest = fmax(highest, part_of(advance, corner(advance, e, a))[0]);
+        for (int a = 0; a <= advance->solid->dimension; a++)
+            if (part_of(advance, corner(advance, e, a))[0] < (1.0 - DISTANCE_ROUNDING) * highest)
+                advance->crest[corner(advance, e, a)] = 0;
     }
 }
 
 /* Tells whether an element has no room for a zone: it is at a crest, or entirely on the front. */
-static bool is_remnant(const front *f, size_t e) {
+static bool is_remnant(const front *advance, size_t e) {
     bool at_crest = false;
     double highest = 0.0;
-    for (int a = 0; a <= f->solid->dimension; a++) {
-        const size_t n = corner(f, e, a);
-        at_crest = at_crest || f->crest[n];
-        highest = fmax(highest, part_of(f, n)[0]);
+    for (int a = 0; a <= advance->solid->dimension; a++) {
+        const size_t n = corner(advance, e, a);
+        at_crest = at_crest || advance->crest[n];
+        highest = fmax(highest, part_of(advance, n)[0]);
     }
     return at_crest || !(highest > 0.0);
 }
 
-static bool is_shared(const front *f, size_t e) {
+static bool is_shared(const front *advance, size_t e) {
     bool shared = false;
-    for (int a = 0; a <= f->solid->dimension; a++)
-        shared = shared || part_of(f, corner(f, e, a))[0] < 1.0;
+    for (int a = 0; a <= advance->solid->dimension; a++)
+        shared = shared || part_of(advance, corner(advance, e, a))[0] < 1.0;
     return shared;
 }
 
 /* Marks remnants for conversion as well; returns false if there are none. */
-static bool mark_remnants(front *f, int64_t *stuck) {
+static bool mark_remnants(front *advance, int64_t *stuck) {
     bool more = false;
-    find_crests(f);
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
-        if (f->kind[e] == GN_FRONT_LEAVING) continue;
-        const bool goes = is_remnant(f, e);
-        const bool may = f->kind[e] == GN_FRONT_READY;
-        if (*stuck < 0 && ((goes && !may) || (f->kind[e] == GN_FRONT_FIXED && is_shared(f, e))))
+    find_crests(advance);
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
+        if (advance->kind[e] == GN_FRONT_LEAVING) continue;
+        const bool goes = is_remnant(advance, e);
+        const bool may = advance->kind[e] == GN_FRONT_READY;
+        if (*stuck < 0 &&
+            ((goes && !may) || (advance->kind[e] == GN_FRONT_FIXED && is_shared(advance, e))))
             *stuck = (int64_t)e;
         if (!goes || !may) continue;
-        f->kind[e] = GN_FRONT_LEAVING;
+        advance->kind[e] = GN_FRONT_LEAVING;
         more = true;
     }
     return more;
 }
 
-static void free_front(front *f) {
-    gn_free(f->counted);
-    gn_free(f->fresh);
-    gn_free(f->reached);
-    gn_free(f->crest);
+static void free_front(front *advance) {
+    gn_free(advance->counted);
+    gn_free(advance->fresh);
+    gn_free(advance->reached);
+    gn_free(advance->crest);
 }
 
 gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind, int64_t *stuck,

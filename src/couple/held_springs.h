@@ -32,7 +32,7 @@ static inline size_t gn_held_work(size_t particles) {
  * preconditioning, until the residual is `tolerance` of the load in the metric of the diagonal, or
  * for `most` iterations. Components without resistance are regularised by 1e-3 of the diagonal.
  * Returns the iterations. It is serial, so that sums have one order. */
-int gn_held_solve(const gn_held_system *y, const double *load, double tolerance, int most,
+int gn_held_solve(const gn_held_system *system, const double *load, double tolerance, int most,
                   double *u);
 
 #endif

@@ -30,14 +30,14 @@ typedef struct gn_ties {
 } gn_ties;
 
 /* Finds the particles that are initially in an element, boundaries included. */
-gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_ties *t,
+gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *particles, gn_ties *ties,
                            gneiss_error *error);
 /* Returns a tie without particle for a position in an element. */
 gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place);
 
 /* Creates ties for particles with a given element, `element` [particles] by place; -1: none. */
-gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, const int32_t *element,
-                           gn_ties *t, gneiss_error *error);
+gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *particles,
+                           const int32_t *element, gn_ties *ties, gneiss_error *error);
 void gn_ties_free(gn_ties *ties);
 
 /* Computes the gradients of the shape functions of a tie's element at the present node positions,

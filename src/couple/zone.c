@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-static double width2(const gn_couple_edge *e, int dimension) {
+static double width2(const gn_couple_edge *edge, int dimension) {
     double sum = 0.0;
-    for (int a = 0; a < dimension; a++) sum += (e->to[a] - e->from[a]) * (e->to[a] - e->from[a]);
+    for (int a = 0; a < dimension; a++)
+        sum += (edge->to[a] - edge->from[a]) * (edge->to[a] - edge->from[a]);
     return sum;
 }
 

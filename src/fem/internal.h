@@ -46,10 +46,10 @@ void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure);
 /* --- pressure form (pressure.c) --- */
 
 /* Returns the bulk modulus, Pa. */
-double gn_fem_bulk(const gn_elements *q, size_t e);
+double gn_fem_bulk(const gn_elements *elements, size_t e);
 /* Returns the largest eigenvalue of the stabilising term over the lumped pressure mass of a single
  * element. */
-double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e);
+double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e);
 /* Sets weights, rows and the rate of the stabilising pressure; to be called before anything is
  * prescribed. */
 gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error);
@@ -61,14 +61,15 @@ void gn_fem_find_pressures(const gn_fem_solid *solid);
 
 /* --- the solid linearised at its start (linear.h, limit.c) --- */
 
-void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
-/* Fills y->stiffness (bound.c). */
-void gn_fem_sum_stiffness(gn_fem_linear *y);
+void gn_fem_gradients(const gn_elements *elements, size_t e, double gradient[4][3]);
+/* Fills system->stiffness (bound.c). */
+void gn_fem_sum_stiffness(gn_fem_linear *system);
 /* Computes the bound and the element that determines it. */
-gneiss_status gn_fem_find_bound(const gn_fem_linear *y, gn_fem_limit *limit, gneiss_error *error);
+gneiss_status gn_fem_find_bound(const gn_fem_linear *system, gn_fem_limit *limit,
+                                gneiss_error *error);
 /* Returns a limit without any result (limit.c). */
 gn_fem_limit gn_fem_limit_none(void);
-void gn_fem_known_free(struct gn_fem_known *known);
+void gn_fem_known_free(struct gn_fem_bound_cache *known);
 
 /* The pressure form (linear_pressure.c): operator and metric over M^1/2 u and q, [nodes][dimension]
  * and [nodes]. */

@@ -24,12 +24,12 @@ static const double c_stabilising = 1.0;
 static const double rate_share = 0.25;
 
 /* Returns the squared size of an element: the side of a regular element of that volume. */
-static double size2(const gn_elements *q, size_t e) {
-    const int d = gn_elements_dimension(q);
+static double size2(const gn_elements *elements, size_t e) {
+    const int d = gn_elements_dimension(elements);
     double sum = 0.0, rest[3] = {0.0};
     for (int a = 1; a <= d; a++)
         for (int k = 0; k < d; k++) {
-            double g = gn_elements_gradient(q, a, k)[e];
+            double g = gn_elements_gradient(elements, a, k)[e];
             rest[k] -= g;
             sum += g * g;
         }
@@ -37,8 +37,8 @@ static double size2(const gn_elements *q, size_t e) {
     return 2.0 * d / sum;
 }
 
-double gn_fem_bulk(const gn_elements *q, size_t e) {
-    return q->lambda[e] + 2.0 / 3.0 * q->mu[e];
+double gn_fem_bulk(const gn_elements *elements, size_t e) {
+    return elements->lambda[e] + 2.0 / 3.0 * elements->mu[e];
 }
 
 static void weigh(gn_fem_solid *solid) {
@@ -60,18 +60,18 @@ static void weigh(gn_fem_solid *solid) {
 
 /* Returns the eigenvalue of M_p^-1 S of a single element with its own M_p: nodes K tau times the
  * largest eigenvalue of sum_a grad N_a (x) grad N_a. */
-double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e) {
-    const int d = gn_elements_dimension(q);
+double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e) {
+    const int d = gn_elements_dimension(elements);
     double a[9] = {0.0}, rest[3] = {0.0}, values[3], vectors[9];
     for (int n = 1; n <= d + 1; n++)
         for (int i = 0; i < d; i++) {
-            double gi = n <= d ? gn_elements_gradient(q, n, i)[e] : rest[i];
+            double gi = n <= d ? gn_elements_gradient(elements, n, i)[e] : rest[i];
             if (n <= d) rest[i] -= gi;
             for (int k = 0; k < d; k++)
-                a[d * i + k] += gi * (n <= d ? gn_elements_gradient(q, n, k)[e] : rest[k]);
+                a[d * i + k] += gi * (n <= d ? gn_elements_gradient(elements, n, k)[e] : rest[k]);
         }
     gn_eigen_symmetric(d, a, values, vectors);
-    return (d + 1) * gn_fem_bulk(q, e) * q->tau[e] * values[0];
+    return (d + 1) * gn_fem_bulk(elements, e) * elements->tau[e] * values[0];
 }
 
 /* Chooses the rate at which q does not change the bound of the time step. */
@@ -97,7 +97,7 @@ gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error) 
         return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the pressures of %zu nodes",
                        solid->name, solid->nodes.soa.count);
     weigh(solid);
-    gn_fem_moved(solid);
+    gn_fem_positions_changed(solid);
     return choose_rate(solid, error);
 }
 
@@ -111,7 +111,7 @@ static void copy_places(const gn_fem_solid *solid) {
     }
 }
 
-void gn_fem_moved(gn_fem_solid *solid) {
+void gn_fem_positions_changed(gn_fem_solid *solid) {
     if (solid->form == GN_FEM_PRESSURE) copy_places(solid);
     gn_particles_to_single(&solid->nodes, solid->nodes.start, solid->threads);
 }

@@ -102,8 +102,8 @@ typedef struct gn_fem_solid {
 
     gn_deal deal; /* work distribution of steps */
     gn_hold hold; /* nodes that wait for an exchange */
-    /* result of the last gn_fem_bound_again (bound.c); NULL: none yet */
-    struct gn_fem_known *known;
+    /* result of the last gn_fem_bound_update (bound.c); NULL: none yet */
+    struct gn_fem_bound_cache *bound_cache;
     bool measured; /* whether the step between gn_fem_forces and gn_fem_move measures */
 
     int64_t step;
@@ -119,8 +119,8 @@ typedef struct gn_fem_solid {
 gneiss_status gn_fem_solid_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_solid *solid,
                                   gneiss_error *error);
 /* Changes gravity and background damping, as gn_fem_spec has them. */
-gneiss_status gn_fem_surround(gn_fem_solid *solid, const double gravity[3], gn_effects damping,
-                              double coefficient, gneiss_error *error);
+gneiss_status gn_fem_set_environment(gn_fem_solid *solid, const double gravity[3],
+                                     gn_effects damping, double coefficient, gneiss_error *error);
 void gn_fem_solid_free(gn_fem_solid *solid);
 
 /* Returns the bytes held by nodes, elements and partial sums. */
@@ -138,22 +138,23 @@ int32_t *gn_fem_places(const gn_fem_solid *solid, size_t *count);
 gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error *error);
 /* Recomputes volumes of elements, and masses of nodes with what they carry, from the weights at the
  * nodes (blend). */
-void gn_fem_weigh(gn_fem_solid *solid);
+void gn_fem_apply_weights(gn_fem_solid *solid);
 /* Rebuilds the data of a step by blocks of elements after their record was replaced. */
 gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
 /* Returns the elastic energy of some elements [count] after nodes have moved for `ahead` s at their
  * velocities, J; displacement form. */
-double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count, double ahead);
+double gn_fem_elastic_energy(const gn_fem_solid *solid, const int32_t *element, size_t count,
+                             double ahead);
 /* Computes the forces [corners] of an element on its nodes at the present positions, with its
  * weight, N; displacement form. */
 void gn_fem_force_of(const gn_fem_solid *solid, size_t element, double force[4][3]);
 /* Returns the elastic energy density of an element at the present positions, with its F, J/m3;
  * displacement form. */
-double gn_fem_held_density(const gn_fem_solid *solid, size_t element);
+double gn_fem_energy_density(const gn_fem_solid *solid, size_t element);
 void gn_fem_gradient_of(const gn_fem_solid *solid, size_t element, double f[3][3]);
 /* Computes the rotation R of F = R U of an element at the present positions; elements are numbered
  * by place. */
-void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]);
+void gn_fem_rotation(const gn_fem_solid *solid, size_t element, double turn[3][3]);
 
 /* --- sets and loads (loads.c) --- */
 
@@ -249,7 +250,7 @@ gneiss_status gn_fem_limits(gn_fem_solid *solid, double tolerance, gn_fem_limit 
 gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 /* Updates the bound in *limit after changes of the body; from the second call on it costs little if
  * most of the body is unchanged. */
-gneiss_status gn_fem_bound_again(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
+gneiss_status gn_fem_bound_update(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 
 /* Returns the factor by which strain and tension may have reduced the limit since the start
  * (measures.c): the limit is at least `bound`/factor, to first order in the strain. It is 1 without
@@ -273,7 +274,7 @@ gneiss_status gn_fem_move(gn_fem_solid *solid, double dt, gneiss_error *error);
 
 /* Updates the copies of positions in the pressure form and single precision; to be called after
  * positions were changed outside of steps. */
-void gn_fem_moved(gn_fem_solid *solid);
+void gn_fem_positions_changed(gn_fem_solid *solid);
 /* Recomputes all single precision data, if the solid has it, after records were read. */
 void gn_fem_to_single(gn_fem_solid *solid);
 

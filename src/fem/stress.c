@@ -20,16 +20,16 @@ double gn_fem_deformation(const gn_fem_solid *solid, size_t e, double f[3][3]) {
            f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
 }
 
-static inline void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
-                                double s[3][3]) {
+static inline void second_piola(const gn_elements *elements, size_t e, bool pressure,
+                                double f[3][3], double s[3][3]) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++) {
             double c = f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l);
-            s[k][l] = q->mu[e] * c;
+            s[k][l] = elements->mu[e] * c;
             if (k == l) trace += 0.5 * c;
         }
-    const double lambda = pressure ? -2.0 / 3.0 * q->mu[e] : q->lambda[e];
+    const double lambda = pressure ? -2.0 / 3.0 * elements->mu[e] : elements->lambda[e];
     for (int k = 0; k < 3; k++) s[k][k] += lambda * trace;
 }
 
@@ -129,7 +129,7 @@ static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]
     return solid->elements.volume[e] * energy_density(solid, e, f);
 }
 
-double gn_fem_held_density(const gn_fem_solid *solid, size_t e) {
+double gn_fem_energy_density(const gn_fem_solid *solid, size_t e) {
     double f[3][3];
     gn_fem_deformation(solid, e, f);
     return energy_density(solid, e, f);
@@ -156,8 +156,8 @@ static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
 }
 
 /* Threads compute the energies of single elements, which are summed in their order. */
-double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count,
-                     double ahead) {
+double gn_fem_elastic_energy(const gn_fem_solid *solid, const int32_t *element, size_t count,
+                             double ahead) {
     enum { SOME = 4096 };
     double sum = 0.0, held[SOME];
     for (size_t from = 0; from < count; from += SOME) {

@@ -22,11 +22,12 @@ static range items_of(size_t block, size_t length, size_t count) {
     size_t end = (block + 1) * length;
     return (range){block * length, end < count ? end : count};
 }
-static range elements_of(const work *k, size_t block) {
-    return items_of(block, k->solid->partials.length, k->solid->elements.soa.count);
+static range elements_of(const work *context_work, size_t block) {
+    return items_of(block, context_work->solid->partials.length,
+                    context_work->solid->elements.soa.count);
 }
-static range nodes_of(const work *k, size_t block) {
-    return items_of(block, GN_PARTICLE_BLOCK, k->solid->nodes.soa.count);
+static range nodes_of(const work *context_work, size_t block) {
+    return items_of(block, GN_PARTICLE_BLOCK, context_work->solid->nodes.soa.count);
 }
 
 /* --- one block --- */

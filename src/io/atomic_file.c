@@ -49,7 +49,7 @@ static gneiss_status check_target(const char *path, gneiss_error *error) {
                    S_ISDIR(info.st_mode) ? "a folder" : "a device or pipe");
 }
 
-bool gn_own_temporary(int descriptor, const char *path) {
+bool gn_lock_temporary(int descriptor, const char *path) {
     struct stat mine, there;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
     return fstat(descriptor, &mine) == 0 && lstat(path, &there) == 0 &&
@@ -64,7 +64,7 @@ static int open_temporary(const char *name) {
     int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0 && (errno == ELOOP || errno == ENXIO)) errno = EWOULDBLOCK;
     if (descriptor < 0) return -1;
-    if (!gn_own_temporary(descriptor, name))
+    if (!gn_lock_temporary(descriptor, name))
         errno = EWOULDBLOCK;
     else if (ftruncate(descriptor, 0) == 0)
         return descriptor;

@@ -39,7 +39,7 @@ void gn_atomic_abort(gn_atomic_file *file);
 
 /* Locks an open temporary file until it is closed. Returns false if another process writes it, or
  * `path` is another file by now. On file systems without locks the file counts as locked. */
-bool gn_own_temporary(int descriptor, const char *path);
+bool gn_lock_temporary(int descriptor, const char *path);
 
 /* Syncs the folder that holds `path`: otherwise a power failure may undo a new name. Some file
  * systems cannot do it. */

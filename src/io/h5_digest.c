@@ -149,24 +149,24 @@ typedef struct attribute_sum {
     gneiss_error *error;
 } attribute_sum;
 
-static gneiss_status add_values(attribute_sum *s, const char *name, hid_t id, hid_t type,
+static gneiss_status add_values(attribute_sum *sum, const char *name, hid_t id, hid_t type,
                                 hsize_t points) {
     char head[512], code[32] = "";
     size_t size = 0, item = H5Tis_variable_str(type) != 0 ? 0 : H5Tget_size(type);
     if (!item || __builtin_mul_overflow((size_t)points, item, &size) || size > ATTRIBUTE_BYTES_MOST)
-        return gn_fail(s->error, GNEISS_ERROR_INPUT,
+        return gn_fail(sum->error, GNEISS_ERROR_INPUT,
                        "%s: attribute %s of %s: expected values of fixed length, found others",
-                       s->file->path, name, shown(s->object));
+                       sum->file->path, name, shown(sum->object));
     void *bytes = calloc(size + 1, 1);
     if (!bytes)
-        return gn_fail(s->error, GNEISS_ERROR_MEMORY, "%s: no memory to read attribute %s",
-                       s->file->path, name);
+        return gn_fail(sum->error, GNEISS_ERROR_MEMORY, "%s: no memory to read attribute %s",
+                       sum->file->path, name);
     gneiss_status status = !points || H5Aread(id, type, bytes) >= 0
                                ? GNEISS_OK
-                               : unreadable(s->file, s->object, s->error);
+                               : unreadable(sum->file, sum->object, sum->error);
     type_code(type, code);
     snprintf(head, sizeof head, "%.400s %s %llu", name, code, (unsigned long long)points);
-    s->sum += mix(gn_h5_digest(bytes, size, digest_of_text(head)));
+    sum->sum += mix(gn_h5_digest(bytes, size, digest_of_text(head)));
     free(bytes);
     return status;
 }
@@ -243,11 +243,12 @@ static herr_t visit(hid_t root, const char *name, const H5O_info_t *info, void *
     return w->status == GNEISS_OK ? 0 : -1;
 }
 
-static gneiss_status walk_all(walk *w) {
-    herr_t ended = H5Ovisit2(w->file->id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, w, H5O_INFO_BASIC);
-    if (w->status != GNEISS_OK || ended >= 0) return w->status;
-    return gn_h5_fail(w->file, w->error,
-                      w->file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
+static gneiss_status walk_all(walk *visitor) {
+    herr_t ended =
+        H5Ovisit2(visitor->file->id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, visitor, H5O_INFO_BASIC);
+    if (visitor->status != GNEISS_OK || ended >= 0) return visitor->status;
+    return gn_h5_fail(visitor->file, visitor->error,
+                      visitor->file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
                       "its objects cannot be listed");
 }
 

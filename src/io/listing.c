@@ -67,7 +67,7 @@ static void remove_abandoned(const char *directory, const char *name) {
     char *path = gn_text_format("%s/%s", directory, name);
     int descriptor = path ? open(path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK) : -1;
     if (descriptor >= 0) {
-        if (gn_own_temporary(descriptor, path)) (void)unlink(path);
+        if (gn_lock_temporary(descriptor, path)) (void)unlink(path);
         close(descriptor);
     }
     free(path);

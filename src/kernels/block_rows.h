@@ -11,10 +11,10 @@
 
 /* Returns the zeroed rows of the block that begins with item `begin`. `row`: rows of all blocks, of
  * `bytes` bytes each. */
-static inline void *gn_clear_block_rows(const gn_partials *q, size_t begin, size_t bytes,
+static inline void *gn_clear_block_rows(const gn_partials *partials, size_t begin, size_t bytes,
                                         void *row) {
-    size_t block = begin / q->length, first = (size_t)q->first[block];
-    size_t rows = (size_t)q->first[block + 1] - first;
+    size_t block = begin / partials->length, first = (size_t)partials->first[block];
+    size_t rows = (size_t)partials->first[block + 1] - first;
     return memset((char *)row + bytes * first, 0, bytes * rows);
 }
 
@@ -24,10 +24,10 @@ typedef struct gn_block_particles {
 } gn_block_particles;
 
 /* Returns the particles of the block that begins with item `begin`; none without partial sums. */
-static inline gn_block_particles gn_block_particles_of(const gn_partials *q, size_t begin) {
-    if (!q) return (gn_block_particles){NULL, NULL};
-    const int32_t *first = q->first + begin / q->length;
-    return (gn_block_particles){q->particle + first[0], q->particle + first[1]};
+static inline gn_block_particles gn_block_particles_of(const gn_partials *partials, size_t begin) {
+    if (!partials) return (gn_block_particles){NULL, NULL};
+    const int32_t *first = partials->first + begin / partials->length;
+    return (gn_block_particles){partials->particle + first[0], partials->particle + first[1]};
 }
 
 /* Prefetches the next few of them into the caches, from `kinds` arrays of rows of four. Particles

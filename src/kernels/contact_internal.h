@@ -93,24 +93,25 @@ GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
 /* Tells whether the growth is computed, where the velocities are at hand. The dashpots of bonds use
  * it, the ledger needs it for the work of all dashpots, and those of Hertz's law need it to
  * determine when they began to act. */
-GN_INLINE int growth_known(variant w) {
-    return w.damping && (w.bonds || w.energy || w.law == LAW_hertz || w.law == LAW_hertz_rolling);
+GN_INLINE int growth_known(variant with) {
+    return with.damping &&
+           (with.bonds || with.energy || with.law == LAW_hertz || with.law == LAW_hertz_rolling);
 }
 
-/* Returns the opening velocity; `p` has a normal of unit length. */
-GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, const pair_geometry *p,
-                                 variant w) {
+/* Returns the opening velocity; `geometry` has a normal of unit length. */
+GN_INLINE gn_v3 opening_velocity(const gn_contact_args *args, size_t c,
+                                 const pair_geometry *geometry, variant with) {
     gn_v opening[4];
-    gn_rows4_less(COLUMN(a, vel), a->contacts->j + c, a->contacts->i + c, opening);
-    gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
+    gn_rows4_less(COLUMN(args, vel), args->contacts->j + c, args->contacts->i + c, opening);
+    gn_v3 v = {opening[0], opening[1], gn_pick(with.space, opening[2], gn_set(0.0))};
 #if !GN_MIXED
-    if (w.periodic && a->flows) {
-        v.x = v.x + gn_set(a->flow[0]) * (p->distance * p->n.x);
-        v.y = v.y + gn_set(a->flow[1]) * (p->distance * p->n.y);
-        if (w.space) v.z = v.z + gn_set(a->flow[2]) * (p->distance * p->n.z);
+    if (with.periodic && args->flows) {
+        v.x = v.x + gn_set(args->flow[0]) * (geometry->distance * geometry->n.x);
+        v.y = v.y + gn_set(args->flow[1]) * (geometry->distance * geometry->n.y);
+        if (with.space) v.z = v.z + gn_set(args->flow[2]) * (geometry->distance * geometry->n.z);
     }
 #else
-    (void)p;
+    (void)geometry;
 #endif
     return v;
 }

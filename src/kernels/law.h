@@ -34,7 +34,7 @@ typedef struct gn_law_pair {
     double inverse_mass;
     const gn_contact_def *own; /* parameters of this pair of materials; NULL: none */
     double area, length;       /* m2, m: section and length of a bond; 0: none is stored */
-    uint64_t lot;              /* number of the random properties of a bond; 0: none are random */
+    uint64_t draw_id;          /* number of the random properties of a bond; 0: none are random */
 } gn_law_pair;
 
 /* A contact as a spring of the linearised system. */
@@ -87,10 +87,11 @@ typedef struct gn_touch {
     double inverse_mass; /* 1/kg, sum over both sides */
     /* 1/kg, inverse_mass with a deformable surface replaced by its whole body, for the dashpot; 0:
      * inverse_mass */
-    double whole;
-    double other; /* m/s2, of the gap, by all forces but this contact; only where it may cross */
-    double most;  /* m, overlap up to which the step was checked; with GN_FX_HERTZ */
-    /* m^-1/2, in: of the last step, out: of this one; with it and a shear force */
+    double body_inverse_mass;
+    double other_acceleration; /* m/s2, of the gap, by all forces but this contact; only where it
+                                  may cross */
+    double checked_overlap;    /* m, overlap up to which the step was checked; with GN_FX_HERTZ */
+    /* m^-1/2, in: of the last step, out: of this one; with GN_FX_HERTZ and a shear force */
     double *closeness;
     double spin[3]; /* rad/s, of the wall relative to the particle; with GN_FX_ROLLING */
     /* [3] columns of roll_stride, N m: in: moment on the particle of the last step, rotated with
@@ -109,13 +110,13 @@ typedef struct gn_touch_step {
 } gn_touch_step;
 
 /* Returns the inverse of the mass to which a dashpot refers, 1/kg. */
-static inline double gn_touch_damped(const gn_touch *t) {
-    return t->whole > 0.0 ? t->whole : t->inverse_mass;
+static inline double gn_touch_damped(const gn_touch *touch) {
+    return touch->body_inverse_mass > 0.0 ? touch->body_inverse_mass : touch->inverse_mass;
 }
 
 /* Tells whether a contact closed or opened within the step, if its gap grew by `path`. */
-static inline bool gn_touch_crosses(const gn_touch *t, double path) {
-    return (t->gap < -t->rounding) != (t->gap - path < -t->rounding);
+static inline bool gn_touch_crosses(const gn_touch *touch, double path) {
+    return (touch->gap < -touch->rounding) != (touch->gap - path < -touch->rounding);
 }
 
 /* The functions of a law. `overlap`, m: the largest overlap of an unbonded contact for which the
@@ -184,7 +185,7 @@ GN_LAWS(X)
 typedef struct gn_area_parameters {
     double kn, kt, rn, rt;
 } gn_area_parameters;
-gn_area_parameters gn_area_parameters_of(const gn_law_model *m, const gn_law_pair *q);
+gn_area_parameters gn_area_parameters_of(const gn_law_model *model, const gn_law_pair *pair);
 gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair *pair);
 /* Returns Dempack's section of a pair without gamma, m2, in 2D m x 1 m (Santasusana 2013, 4.5). */
 double gn_dempack_area(int dimension, double ri, double rj);

@@ -7,12 +7,13 @@
 
 #include <math.h>
 
-static void beam_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_linear_set(m, pair, list, c);
+static void beam_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                     size_t c) {
+    gn_linear_set(model, pair, list, c);
     if (list->mu1) list->mu1[c] = gn_bond_friction(pair);
     if (!list->beam) return;
-    list->beam[c] = m->scene->bond_radius_multiplier * fmin(pair->ri, pair->rj);
-    list->share[c] = m->scene->bond_moment_share;
+    list->beam[c] = model->scene->bond_radius_multiplier * fmin(pair->ri, pair->rj);
+    list->share[c] = model->scene->bond_moment_share;
 }
 
 static bool is_space(const gn_contacts *list) {

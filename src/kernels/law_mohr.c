@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_linear_set(m, pair, list, c);
+static void set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    gn_linear_set(model, pair, list, c);
     list->mu1[c] = gn_bond_friction(pair);
 }
 

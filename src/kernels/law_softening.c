@@ -8,13 +8,14 @@
 #include <math.h>
 
 /* Returns the stretch at which a strength R over the stiffness k has softened to zero, m. */
-static double end_of(const gn_law_model *m, double area, double strength, double limit,
+static double end_of(const gn_law_model *model, double area, double strength, double limit,
                      double energy, double strained, double ratio) {
-    switch (m->scene->softening) {
+    switch (model->scene->softening) {
     case GN_SOFTENING_NONE:
         return 0.0;
     case GN_SOFTENING_ENERGY:
-        return 2.0 * energy / (m->derived.cut > 0.0 ? m->derived.cut : 1.0) * area / strength;
+        return 2.0 * energy / (model->derived.cut > 0.0 ? model->derived.cut : 1.0) * area /
+               strength;
     case GN_SOFTENING_STRAIN:
         return strained;
     case GN_SOFTENING_RATIO:
@@ -40,16 +41,17 @@ typedef struct ends {
 } ends;
 
 /* Returns the slip at which a single line ends, m. */
-static double slip_of(const gn_law_model *m, const gn_material *a, const ends *e) {
-    const bool by_energy = m->scene->softening == GN_SOFTENING_ENERGY;
+static double slip_of(const gn_law_model *model, const gn_material *a, const ends *limits) {
+    const bool by_energy = model->scene->softening == GN_SOFTENING_ENERGY;
     if (by_energy && a->shear_fracture_energy == GN_SHEAR_ENERGY_AUTO) {
-        const double beyond = e->first * e->end - e->pulled, weight = e->pull / e->shear;
+        const double beyond = limits->first * limits->end - limits->pulled,
+                     weight = limits->pull / limits->shear;
         if (!(beyond > 0.0)) return 0.0;
-        return fmax(SHEAR_SHARE * weight * e->end,
-                    (e->sheared + LEAST_SHARE * weight * beyond) / e->first);
+        return fmax(SHEAR_SHARE * weight * limits->end,
+                    (limits->sheared + LEAST_SHARE * weight * beyond) / limits->first);
     }
-    return end_of(m, e->area, e->shear, e->sheared, a->shear_fracture_energy,
-                  a->shear_fracture_strain * sqrt(e->area), a->fracture_ratio);
+    return end_of(model, limits->area, limits->shear, limits->sheared, a->shear_fracture_energy,
+                  a->shear_fracture_strain * sqrt(limits->area), a->fracture_ratio);
 }
 
 /* Sets the second line, from the fraction `kink` of the strengths. The first one, down to an
@@ -72,24 +74,24 @@ static void bend(double kink, double all, double all_slip, gn_contacts *list, si
     if (slip > 0.0) fade[GN_FADE_SLIP_SECOND * stride] = ((all_slip - slip) / kink - slip) / kink;
 }
 
-static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, gn_contacts *list,
-                     size_t c) {
-    const gn_material *a = q->a, *b = q->b;
+static void set_fade(const gn_law_model *model, const gn_law_pair *pair, double area,
+                     gn_contacts *list, size_t c) {
+    const gn_material *a = pair->a, *b = pair->b;
     const size_t stride = list->soa.capacity;
     double rn = list->rn[c], rt = list->rt[c], pulled = rn / list->kn[c],
            sheared = rt / list->kt[c];
     double ratio = fmin(a->fracture_ratio, b->fracture_ratio);
-    double end = end_of(m, area, rn, pulled,
-                        GN_OWN(q, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
+    double end = end_of(model, area, rn, pulled,
+                        GN_OWN(pair, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
                         fmin(a->fracture_strain, b->fracture_strain) * list->length0[c], ratio);
-    const bool bilinear = m->scene->softening_curve == GN_SOFTENING_BILINEAR;
+    const bool bilinear = model->scene->softening_curve == GN_SOFTENING_BILINEAR;
     const ends known = {
-        bilinear ? m->scene->initial_energy : 1.0, end, pulled, rn, rt, sheared, area};
-    double slip = fmin(slip_of(m, a, &known), slip_of(m, b, &known));
-    const double own = GN_OWN(q, shear_fracture_energy, GN_COMBINED);
-    if (own != GN_COMBINED) slip = end_of(m, area, rt, sheared, own, 0.0, ratio);
+        bilinear ? model->scene->initial_energy : 1.0, end, pulled, rn, rt, sheared, area};
+    double slip = fmin(slip_of(model, a, &known), slip_of(model, b, &known));
+    const double own = GN_OWN(pair, shear_fracture_energy, GN_COMBINED);
+    if (own != GN_COMBINED) slip = end_of(model, area, rt, sheared, own, 0.0, ratio);
     const double all = end, all_slip = slip;
-    if (bilinear) end *= m->scene->initial_energy, slip *= m->scene->initial_energy;
+    if (bilinear) end *= model->scene->initial_energy, slip *= model->scene->initial_energy;
     bool softens = end > pulled;
     list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
     list->fade[c + GN_FADE_END * stride] = softens ? end : 0.0;
@@ -97,25 +99,25 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
     list->fade[c + GN_FADE_SLIP * stride] = slip > sheared ? slip : 0.0;
     list->fade[c + GN_FADE_FRICTION * stride] = list->mu1[c];
     for (size_t k = GN_FADE_KINK; k < GN_FADES; k++) list->fade[c + k * stride] = 0.0;
-    if (bilinear) bend(m->scene->kink_stress, all, all_slip, list, c);
+    if (bilinear) bend(model->scene->kink_stress, all, all_slip, list, c);
 }
 
 static const double never = 1e30; /* N, also in single precision */
 
 /* Expresses the compression curve as a deviation from the elastic one: beyond the elastic force at
  * each kink, the fraction 1/Y_before - 1/Y of it. */
-static void set_crush(const gn_material *m, double area, gn_contacts *list, size_t c) {
+static void set_crush(const gn_material *material, double area, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double elastic = 0.0, stress = 0.0, ratio = 1.0;
     for (size_t n = 0; n < GN_KINKS; n++) {
-        bool bends = m->yield_stress[n] > 0.0;
-        elastic = bends ? elastic + (m->yield_stress[n] - stress) * ratio : 0.0;
+        bool bends = material->yield_stress[n] > 0.0;
+        elastic = bends ? elastic + (material->yield_stress[n] - stress) * ratio : 0.0;
         list->crush[c + n * stride] = bends ? elastic * area : never;
         list->crush[c + (n + GN_KINKS) * stride] =
-            bends ? 1.0 / ratio - 1.0 / m->yield_ratio[n] : 0.0;
+            bends ? 1.0 / ratio - 1.0 / material->yield_ratio[n] : 0.0;
         if (!bends) continue;
-        stress = m->yield_stress[n];
-        ratio = m->yield_ratio[n];
+        stress = material->yield_stress[n];
+        ratio = material->yield_ratio[n];
     }
     double first = list->crush[c];
     if (list->yields) list->yields[c] = first;
@@ -128,14 +130,14 @@ static const gn_material *weaker(const gn_material *a, const gn_material *b) {
     return b->yield_stress[0] > 0.0 && b->yield_stress[0] < a->yield_stress[0] ? b : a;
 }
 
-static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
-    gn_linear_set(m, q, list, c);
-    list->mu1[c] = gn_bond_friction(q);
+static void set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    gn_linear_set(model, pair, list, c);
+    list->mu1[c] = gn_bond_friction(pair);
     list->soft[c] = 1.0;
     list->kappa[c] = 0.0;
-    double area = gn_linear_section(m, q);
-    set_fade(m, q, area, list, c);
-    if (list->crush) set_crush(weaker(q->a, q->b), area, list, c);
+    double area = gn_linear_section(model, pair);
+    set_fade(model, pair, area, list, c);
+    if (list->crush) set_crush(weaker(pair->a, pair->b), area, list, c);
 }
 
 /* Stretches stay unchanged, forces of kinks and limits are scaled. */

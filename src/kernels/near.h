@@ -14,18 +14,18 @@ enum { GN_NEAR_GROUP = 8 };
 /* Bounds for a block of particles: the most violent collision is far from most. */
 typedef struct gn_near_path {
     double margin; /* m, largest deviation from the position predicted by the velocity */
-    double last;   /* m/s, largest change of a velocity in the last step, */
-    double change; /* and since the active pairs were found */
-    double way;    /* m, largest additional displacement caused by that */
+    double last;   /* m/s, largest change of a velocity in the last step */
+    double change; /* m/s, largest change of a velocity since the active pairs were found */
+    double drift;  /* m, largest additional displacement by these changes */
 } gn_near_path;
 
 typedef struct gn_near_args {
-    const double *pos, *vel; /* [particles][4] x y z, radius; velocity */
-    const double *soon;      /* rows of four that are read next; NULL: none */
-    const int32_t *i, *j;    /* [count] and padding of GN_LANES_MAX */
-    const int32_t *particle; /* [particles] of the block, as in gn_partials */
+    const double *pos, *vel;  /* [particles][4] x y z, radius; velocity */
+    const double *prefetched; /* rows of four that are read next; NULL: none */
+    const int32_t *i, *j;     /* [count] and padding of GN_LANES_MAX */
+    const int32_t *particle;  /* [particles] of the block, as in gn_partials */
     size_t count, particles;
-    double wider;              /* factor of sums of radii, so that no contact is missed */
+    double widening;           /* factor of sums of radii, so that no contact is missed */
     const gn_near_path *paths; /* [blocks of particles, and one with zeros] */
     double ahead, behind;      /* s, intervals for which pairs are selected */
     bool periodic;

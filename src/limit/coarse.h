@@ -18,9 +18,9 @@ typedef struct gn_coarse {
 
 /* Creates groups of consecutive particles, which are numbered along a space-filling curve. `pos`
  * [particles][4]. */
-gneiss_status gn_coarse_create(gn_coarse *c, size_t particles, const double *pos,
+gneiss_status gn_coarse_create(gn_coarse *coarse, size_t particles, const double *pos,
                                gneiss_error *error);
-void gn_coarse_free(gn_coarse *c);
+void gn_coarse_free(gn_coarse *coarse);
 
 /* A spring of energy 1/2 e.(k_t e + (k_n - k_t)(e.n) n), e = sum of by_p[k] u_p[k] and by_q[k]
  * u_q[k], k over the six components of each; q < 0: of p alone. */
@@ -29,22 +29,22 @@ typedef struct gn_coarse_spring {
     double n[3], kn, kt;
     double by_p[6][3], by_q[6][3];
 } gn_coarse_spring;
-void gn_coarse_add(gn_coarse *c, const gn_coarse_spring *s);
+void gn_coarse_add(gn_coarse *coarse, const gn_coarse_spring *spring);
 /* Adds a resistance to each component of a particle. */
-void gn_coarse_ground(gn_coarse *c, size_t p, const double ground[6]);
+void gn_coarse_ground(gn_coarse *coarse, size_t p, const double ground[6]);
 
 /* Factors the matrix after all springs were added. */
-void gn_coarse_factor(gn_coarse *c);
+void gn_coarse_factor(gn_coarse *coarse);
 
 /* x of group g = the work of `r` [particles][6] on its motions, summed over its particles. */
-void gn_coarse_gather(const gn_coarse *c, size_t g, const double *r, const uint8_t *free);
+void gn_coarse_gather(const gn_coarse *coarse, size_t g, const double *r, const uint8_t *free);
 /* x = K^-1 x */
-void gn_coarse_solve(const gn_coarse *c);
+void gn_coarse_solve(const gn_coarse *coarse);
 /* Adds the motion of its group to z [6] of particle p. */
-void gn_coarse_spread(const gn_coarse *c, size_t p, unsigned free, double *z);
+void gn_coarse_spread(const gn_coarse *coarse, size_t p, unsigned free, double *z);
 
-static inline size_t gn_coarse_first(const gn_coarse *c, size_t g) {
-    return c->particles * g / c->groups;
+static inline size_t gn_coarse_first(const gn_coarse *coarse, size_t g) {
+    return coarse->particles * g / coarse->groups;
 }
 
 #endif

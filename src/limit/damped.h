@@ -30,7 +30,7 @@ typedef struct gn_damped_top {
 } gn_damped_top;
 
 /* Finds the largest rate; `mode` [count] is the fastest mode on return. */
-gneiss_status gn_damped_largest(const gn_damped *y, double tolerance, double *mode,
+gneiss_status gn_damped_largest(const gn_damped *system, double tolerance, double *mode,
                                 gn_damped_top *top, gneiss_error *error);
 
 /* Returns the root of 4 tau^2 = a + 2 tau b. */

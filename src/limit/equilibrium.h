@@ -12,7 +12,7 @@ enum { GN_COMPONENTS = 6 };
 typedef struct gn_equilibrium {
     int iterations;
     double residual; /* norm of the residual over that of the load, in the metric of the diagonal */
-    int32_t loose;   /* id of a particle with a load but without contacts; -1: none */
+    int32_t unsupported; /* id of a particle with a load but without contacts; -1: none */
 } gn_equilibrium;
 
 /* Resistance to velocities for displacements at `rate` (1/s, 0: at rest): dashpots act as springs

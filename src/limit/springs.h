@@ -40,20 +40,21 @@ typedef struct gn_springs {
  * outer end of a spring to the outside is fixed, and it counts twice if that end is free (|a - b|^2
  * <= 2|a|^2 + 2|b|^2): with every particle outside taken as a block of its own, whose springs all
  * count twice, the whole system is never above the larger of the two. */
-gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *inside, gn_springs *y,
-                               gneiss_error *error);
+gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *inside,
+                               gn_springs *system, gneiss_error *error);
 /* Builds the springs with factors from d of all particles instead of 2: |a - b|^2 <= (1 +
  * d_b/d_a)|a|^2 + (1 + d_a/d_b)|b|^2. */
 gneiss_status gn_springs_build_weighed(const gn_spectrum *spectrum, const uint8_t *inside,
-                                       const double *weights, gn_springs *y, gneiss_error *error);
+                                       const double *weights, gn_springs *system,
+                                       gneiss_error *error);
 /* Selects some particles of the system of all, with all springs between them. */
-gneiss_status gn_springs_pick(const gn_springs *all, const uint8_t *inside, gn_springs *y,
+gneiss_status gn_springs_pick(const gn_springs *all, const uint8_t *inside, gn_springs *system,
                               gneiss_error *error);
-void gn_springs_free(gn_springs *y);
+void gn_springs_free(gn_springs *system);
 
 /* Makes the spring of contact k of bonds, pairs, wall contacts and further springs, numbered in
  * this order; returns false if it is not active. */
-bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *s);
+bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *out);
 size_t gn_spring_count(const gn_spectrum *spectrum);
 
 /* Returns the particles of contact k of bonds and pairs, active or not. */
@@ -67,14 +68,14 @@ void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, ui
 /* Tells whether any degree of freedom of a particle of the specimen is free; false for i < 0. */
 bool gn_spectrum_can_move(const gn_spectrum *spectrum, int32_t i);
 /* Tells whether any degree of freedom of a member of the system is free. */
-bool gn_springs_can_move(const gn_springs *y, int32_t i);
+bool gn_springs_can_move(const gn_springs *system, int32_t i);
 
 /* Returns the place of a particle's degree of freedom in v x y z, w x y z. */
-int gn_springs_component(const gn_springs *y, int dof);
+int gn_springs_component(const gn_springs *system, int dof);
 
 /* Returns a member's place in the specimen. */
-static inline size_t gn_springs_place(const gn_springs *y, size_t p) {
-    return y->member ? (size_t)y->member[p] : p;
+static inline size_t gn_springs_place(const gn_springs *system, size_t p) {
+    return system->member ? (size_t)system->member[p] : p;
 }
 
 /* The scaled diagonal blocks of one particle, [n][n]. Springs with two free ends count twice (|a -
@@ -84,29 +85,29 @@ typedef struct gn_block {
     double a[GN_DOFS_MAX * GN_DOFS_MAX], b[GN_DOFS_MAX * GN_DOFS_MAX];
     double kn_max;
 } gn_block;
-void gn_block_of(const gn_springs *y, size_t p, gn_block *m);
+void gn_block_of(const gn_springs *system, size_t p, gn_block *block);
 /* out = A + 2 tau B; returns the trace. */
-double gn_block_at(const gn_block *m, double tau, double *out);
+double gn_block_at(const gn_block *block, double tau, double *out);
 /* Returns |S^4|_F^(1/4) or the trace, whichever is smaller: a cheap upper bound of the largest
  * eigenvalue of S >= 0. */
 double gn_block_upper(int n, const double *s, double trace);
 /* Marks [particles of the specimen] the members whose own block is above the step 1/tau, and
  * unmarks the others; returns the number of marked ones. */
-size_t gn_springs_above(const gn_springs *y, double tau, uint8_t *marked);
-/* Finds weights, y->weight, with which every block of the system is below the step 1/tau; the
+size_t gn_springs_mark_above(const gn_springs *system, double tau, uint8_t *marked);
+/* Finds weights, system->weight, with which every block of the system is below the step 1/tau; the
  * caller or gn_springs_free frees them. A particle whose block is above gets more weight, which
  * transfers more of its springs to its neighbours. Initially only those with mark 1 [particles of
  * the specimen] are above; those with the highest mark have neighbours outside. Returns whether
  * weights were found. With `left` [particles, zero] it marks the particles without such weights,
  * and returns false only without memory: all others are below, whatever weights the marked ones
  * have up to theirs. */
-bool gn_springs_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
-                       uint8_t *left);
+bool gn_springs_find_weights(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
+                             uint8_t *left);
 /* Tells whether all eigenvalues of S are below `most`: most I - S then has a Cholesky factor. */
 bool gn_block_below(int n, const double *s, double most);
 /* Returns an upper bound of the largest eigenvalue of A + 2 tau B, round-off included, and its
  * vector. */
-double gn_block_top(const gn_block *m, double tau, double *vector);
+double gn_block_largest(const gn_block *block, double tau, double *vector);
 
 /* A part of the operator: the particles [begin, end) whose result it computes, and the springs that
  * touch them, ascending. */
@@ -121,24 +122,24 @@ typedef struct gn_spring_operator {
     gn_spring_part *part;
     int parts;
 } gn_spring_operator;
-gneiss_status gn_spring_operator_make(const gn_springs *y, gn_spring_operator *o,
+gneiss_status gn_spring_operator_make(const gn_springs *system, gn_spring_operator *matrix,
                                       gneiss_error *error);
-void gn_spring_operator_free(gn_spring_operator *o);
+void gn_spring_operator_free(gn_spring_operator *matrix);
 /* out = scale (stiffness K + viscosity C) scale x, [particles][dofs], the same for any number of
  * threads. */
-void gn_springs_apply(const gn_spring_operator *o, double stiffness, double viscosity,
+void gn_springs_apply(const gn_spring_operator *matrix, double stiffness, double viscosity,
                       const double *x, double *out);
 
 /* Sets the sharp values of `limit`, which has the bound, and the fastest mode x [particles][dofs],
  * by Lanczos. */
-gneiss_status gn_springs_mode(const gn_springs *y, double tolerance, double *x,
+gneiss_status gn_springs_mode(const gn_springs *system, double tolerance, double *x,
                               gn_step_limit *limit, gneiss_error *error);
 /* Computes the bound and, with a tolerance, the sharp limit. */
-gneiss_status gn_springs_limits(gn_springs *y, double tolerance, gn_step_limit *limit,
+gneiss_status gn_springs_limits(gn_springs *system, double tolerance, gn_step_limit *limit,
                                 gneiss_error *error);
 
 /* splitmix64 (Steele, Lea & Flood 2014). */
-static inline uint64_t gn_scramble(uint64_t place) {
+static inline uint64_t gn_hash_place(uint64_t place) {
     uint64_t z = (place + 1) * UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);

@@ -91,12 +91,12 @@ gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, const uin
 
 /* Computes hashes of the active springs of each particle, without intact bonds, in any order: a
  * changed hash means changed springs. */
-void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks);
+void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks);
 
 /* Marks the ends of the active contacts between particles whose normals have rotated by more than
  * `most` rad since they were last marked, or first seen, here; returns the number of these
  * contacts. The limit of springs that rotate relative to each other changes although they stay the
  * same. */
-size_t gn_step_turned(const gn_spectrum *spectrum, double most, uint8_t *turned);
+size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned);
 
 #endif

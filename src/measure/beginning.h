@@ -21,7 +21,7 @@ typedef struct gn_beginning {
 
 /* Continues with rows from `beginning->rows` to before `rows`; zeroed: from the first. strain 1
  * (NULL or NaN: unknown), stress Pa, both positive in the sense of the test. */
-void gn_beginning_look(gn_beginning *beginning, const double *strain, const double *stress,
-                       size_t rows);
+void gn_beginning_update(gn_beginning *beginning, const double *strain, const double *stress,
+                         size_t rows);
 
 #endif

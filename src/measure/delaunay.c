@@ -35,33 +35,33 @@ typedef struct qhull_run {
     size_t text_size;
 } qhull_run;
 
-static gneiss_status qhull_open(qhull_run *s, gneiss_error *error) {
-    *s = (qhull_run){.qh = gn_alloc(sizeof(qhT))};
-    if (s->qh) s->messages = open_memstream(&s->text, &s->text_size);
-    if (s->messages) return GNEISS_OK;
-    gn_free(s->qh);
+static gneiss_status qhull_open(qhull_run *run, gneiss_error *error) {
+    *run = (qhull_run){.qh = gn_alloc(sizeof(qhT))};
+    if (run->qh) run->messages = open_memstream(&run->text, &run->text_size);
+    if (run->messages) return GNEISS_OK;
+    gn_free(run->qh);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a run of Qhull");
 }
 
-static void qhull_close(qhull_run *s) {
+static void qhull_close(qhull_run *run) {
     int kept, kept_bytes;
-    qh_freeqhull(s->qh, !qh_ALL);
-    qh_memfreeshort(s->qh, &kept, &kept_bytes);
-    fclose(s->messages);
-    free(s->text);
-    gn_free(s->qh);
+    qh_freeqhull(run->qh, !qh_ALL);
+    qh_memfreeshort(run->qh, &kept, &kept_bytes);
+    fclose(run->messages);
+    free(run->text);
+    gn_free(run->qh);
 }
 
 /* Runs `command`. Qhull fails by longjmp into qh_new_qhull, which turns errors into a code. */
-static gneiss_status qhull_run_command(qhull_run *s, char *command, const double *points,
+static gneiss_status qhull_run_command(qhull_run *run, char *command, const double *points,
                                        size_t count, int dimension, gneiss_error *error) {
-    qh_zero(s->qh, s->messages);
+    qh_zero(run->qh, run->messages);
     /* The points are read only: no option used here scales or rotates them in place. */
-    int code = qh_new_qhull(s->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
-                            s->messages);
+    int code = qh_new_qhull(run->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
+                            run->messages);
     if (code == qh_ERRnone) return GNEISS_OK;
-    fflush(s->messages);
-    const char *text = s->text ? s->text : "";
+    fflush(run->messages);
+    const char *text = run->text ? run->text : "";
     while (*text == '\n') text++;
     gneiss_status status = code == qh_ERRmem ? GNEISS_ERROR_MEMORY : GNEISS_ERROR_INPUT;
     return gn_fail(error, status, "%s of %zu points in %dD failed with code %d: %.*s", command,
@@ -128,18 +128,18 @@ static gneiss_status normalised(const double *points, size_t count, int dimensio
 
 /* --- triangulation --- */
 
-static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
+static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *triangulation,
                                     gneiss_error *error) {
     facetT *facet;
     vertexT *vertex, **vertexp;
     size_t corners = (size_t)dimension + 1, count = 0;
     FORALLfacets count += !facet->upperdelaunay;
-    t->vertex = gn_alloc_array(count * corners, sizeof *t->vertex);
-    if (!t->vertex)
+    triangulation->vertex = gn_alloc_array(count * corners, sizeof *triangulation->vertex);
+    if (!triangulation->vertex)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu simplices", count);
     FORALLfacets {
         if (facet->upperdelaunay) continue;
-        int32_t *corner = t->vertex + t->count * corners;
+        int32_t *corner = triangulation->vertex + triangulation->count * corners;
         if (!facet->simplicial || qh_setsize(qh, facet->vertices) != dimension + 1)
             return gn_fail(error, GNEISS_ERROR_INTERNAL, "Qhull left a cell that is no simplex");
         size_t k = 0;
@@ -149,7 +149,7 @@ static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
             corner[0] = corner[1];
             corner[1] = first;
         }
-        t->count++;
+        triangulation->count++;
     }
     return GNEISS_OK;
 }
@@ -204,7 +204,7 @@ static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     return clear;
 }
 
-static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulation *t,
+static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulation *triangulation,
                                 gneiss_error *error) {
     facetT *facet;
     vertexT *vertex, **vertexp;
@@ -215,10 +215,12 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
             any ? qh_setsize(qh, facet->vertices) == dimension : is_clear(qh, facet, dimension);
     }
     if (clear < count) return GNEISS_OK;
-    t->vertex = gn_alloc_array(count * (size_t)dimension, sizeof *t->vertex);
-    if (!t->vertex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
+    triangulation->vertex =
+        gn_alloc_array(count * (size_t)dimension, sizeof *triangulation->vertex);
+    if (!triangulation->vertex)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
     FORALLfacets {
-        int32_t *corner = t->vertex + t->count++ * (size_t)dimension;
+        int32_t *corner = triangulation->vertex + triangulation->count++ * (size_t)dimension;
         FOREACHvertex_(facet->vertices) *corner++ = qh_pointid(qh, vertex->point);
     }
     return GNEISS_OK;

@@ -36,7 +36,8 @@ typedef struct gn_energy {
     GN_ENERGY_TERMS(X)
 #undef X
     double stored_at_start; /* J */
-    double passed; /* J, maximum of gn_energy_passed so far, and at least the effect of rounding */
+    double
+        passed; /* J, maximum of gn_energy_throughput so far, and at least the effect of rounding */
 } gn_energy;
 
 /* Works are trapezoidal: between two instants one half is booked with the forces of the first and
@@ -62,7 +63,7 @@ double gn_energy_stored(const gn_energy *energy);
 
 /* Returns the energy that has passed through the system up to this instant: the largest of inputs,
  * initial stored energy, stored energy and dissipation, each as a sum of absolute values. */
-double gn_energy_passed(const gn_energy *energy);
+double gn_energy_throughput(const gn_energy *energy);
 
 /* Returns the maximum of the energy that has passed so far, to which the residual is compared:
  * inputs that are recovered (a ball thrown up that comes down, a wall that moves back and forth)

@@ -46,7 +46,7 @@ gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *c
                                  int dimension, gn_strain_gauge *gauge, gneiss_error *error);
 /* Makes such a gauge in a tenth of the time where a triangulation would be needed, as for lattices:
  * by another surface through the outer particles, which reads a uniform gradient as exactly. */
-gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error);
 /* Makes a gauge of the particles that count initially. */
 gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
@@ -262,10 +262,10 @@ typedef struct gn_tested {
     int dimension, axis;                /* axis 0 1 2 */
     int sign;                           /* -1 compression, +1 tension */
     bool elastic;                       /* nothing in it can fail */
-    bool watched;                       /* one end has the force of the other by definition */
+    bool one_sided;                     /* one end has the force of the other by definition */
     bool notched;                       /* a beam */
-    bool falls;                         /* under gravity */
-    bool halted;                        /* conversion ended the run */
+    bool under_gravity;                 /* under gravity */
+    bool conversion_halted;             /* conversion ended the run */
     double section;                     /* m2, of the failing section */
     double fragments, largest_fragment; /* computed elsewhere; NaN: no bonds */
     /* [burst_count] number of broken bonds of each, computed elsewhere; NULL: */
@@ -275,8 +275,8 @@ typedef struct gn_tested {
     /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
      * for a varying section; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
-    bool zones;      /* particles and elements share zones */
-    double returned; /* at the end, computed elsewhere; NaN: not defined */
+    bool zones;             /* particles and elements share zones */
+    double returned_energy; /* at the end, computed elsewhere; NaN: not defined */
 } gn_tested;
 
 /* Computes readings from the history columns `strain`, `stress`, `stress_lower`, `stress_upper`

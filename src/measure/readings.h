@@ -20,12 +20,12 @@ typedef struct gn_curves {
     const double *strain, *stress;
     const double *average[3]; /* strain, by axis */
     size_t begin;             /* row at which the test begins (beginning.h) */
-    bool still;               /* the strain never grew in the sense of the test */
+    bool never_strained;      /* the strain never grew in the sense of the test */
     size_t largest;           /* row of the largest stress since */
     gn_row_span loading;      /* from 1 to 50 % of the largest stress */
     gn_row_span elastic;      /* the rows of `loading` before bonds break, yield or soften */
     /* the reason why they end before 50 %, e.g. "bonds break"; NULL: they do not */
-    const char *cut;
+    const char *cut_reason;
     const double *time; /* s */
     double interval;    /* s between rows of time steps; 0: unknown */
 } gn_curves;
@@ -66,7 +66,7 @@ void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings
  * of the ends. */
 void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
                    gn_readings *readings);
-void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings);
+void gn_need_modulus(gn_line_fit line, gn_reading which, gn_readings *readings);
 
 /* Returns the reason why the largest stress is no strength; NULL: it is one. */
 const char *gn_no_peak(const gn_curves *curves);

@@ -165,28 +165,28 @@ static size_t cancel_faces(face *list, size_t all) {
 /* Lists all faces of all simplices. `turn` is their common orientation. The face of a positive
  * simplex 0..d opposite to corner k has the remaining corners, in their order, oriented outward by
  * (-1)^k. */
-static void list_faces(const gn_triangulation *t, int32_t turn, face *list) {
-    size_t corners = (size_t)t->dimension + 1;
-    for (size_t s = 0; s < t->count; s++)
+static void list_faces(const gn_triangulation *triangulation, int32_t turn, face *list) {
+    size_t corners = (size_t)triangulation->dimension + 1;
+    for (size_t s = 0; s < triangulation->count; s++)
         for (size_t k = 0; k < corners; k++) {
             int32_t rest[3] = {0}, n = 0;
             for (size_t m = 0; m < corners; m++)
-                if (m != k) rest[n++] = t->vertex[s * corners + m];
+                if (m != k) rest[n++] = triangulation->vertex[s * corners + m];
             int32_t outward = k % 2 ? -1 : 1;
-            list[s * corners + k] = sorted_face(rest, t->dimension, outward * turn);
+            list[s * corners + k] = sorted_face(rest, triangulation->dimension, outward * turn);
         }
 }
 
 /* Computes the faces of simplices over `points` points, sorted, without pairs of opposite sign;
  * `count` of them remain. */
-static gneiss_status outer_faces(const gn_triangulation *t, size_t points, int32_t turn,
+static gneiss_status outer_faces(const gn_triangulation *triangulation, size_t points, int32_t turn,
                                  face **faces, size_t *count, gneiss_error *error) {
-    size_t all = t->count * ((size_t)t->dimension + 1);
+    size_t all = triangulation->count * ((size_t)triangulation->dimension + 1);
     face *list = gn_alloc_array(all, sizeof *list), *sorted = gn_alloc_array(all, sizeof *sorted);
     size_t *start = gn_alloc_array(points + 1, sizeof *start);
     bool room = list && sorted && start;
     if (room) {
-        list_faces(t, turn, list);
+        list_faces(triangulation, turn, list);
         sort_faces(list, all, points, start, sorted);
         *count = cancel_faces(sorted, all);
         *faces = sorted;
@@ -220,21 +220,22 @@ static double add_faces(const face *faces, size_t count, const double *points, i
 }
 
 /* Checks that the simplices fill the hull once, without holes and overlaps. */
-static gneiss_status check_tiling(const gn_triangulation *t, const double *points, size_t count,
-                                  double enclosed, gneiss_error *error) {
+static gneiss_status check_tiling(const gn_triangulation *triangulation, const double *points,
+                                  size_t count, double enclosed, gneiss_error *error) {
     double hull, filled = 0;
-    GN_TRY(gn_hull_volume(points, count, t->dimension, &hull, error));
-    for (size_t s = 0; s < t->count; s++)
-        filled +=
-            fabs(simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension)) /
-            (t->dimension == 3 ? 6 : 2);
+    GN_TRY(gn_hull_volume(points, count, triangulation->dimension, &hull, error));
+    for (size_t s = 0; s < triangulation->count; s++)
+        filled += fabs(simplex_volume(
+                      points, triangulation->vertex + s * (size_t)(triangulation->dimension + 1),
+                      triangulation->dimension)) /
+                  (triangulation->dimension == 3 ? 6 : 2);
     if (fabs(filled - hull) <= tiling_tolerance * hull &&
         fabs(enclosed - hull) <= tiling_tolerance * hull)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INTERNAL,
                    "the %zu simplices of %zu points should fill their hull of %.17g: their volumes "
                    "add up to %.17g and their outside encloses %.17g",
-                   t->count, count, hull, filled, enclosed);
+                   triangulation->count, count, hull, filled, enclosed);
 }
 
 static gneiss_status take_weights(const double *weight, size_t count, const numbered *order,
@@ -258,26 +259,30 @@ static gneiss_status take_weights(const double *weight, size_t count, const numb
 }
 
 /* Returns +1 or -1, the sign of the summed volume, which is common to all simplices. */
-static int32_t common_turn(const gn_triangulation *t, const double *points) {
+static int32_t common_turn(const gn_triangulation *triangulation, const double *points) {
     double sum = 0;
-    for (size_t s = 0; s < t->count; s++)
-        sum += simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension);
+    for (size_t s = 0; s < triangulation->count; s++)
+        sum += simplex_volume(points,
+                              triangulation->vertex + s * (size_t)(triangulation->dimension + 1),
+                              triangulation->dimension);
     return sum < 0 ? -1 : 1;
 }
 
-static gneiss_status gauge_fill(const gn_triangulation *t, const double *points, size_t count,
-                                const numbered *order, gn_strain_gauge *gauge,
+static gneiss_status gauge_fill(const gn_triangulation *triangulation, const double *points,
+                                size_t count, const numbered *order, gn_strain_gauge *gauge,
                                 gneiss_error *error) {
     face *faces = NULL;
     size_t face_count = 0;
-    GN_TRY(outer_faces(t, count, common_turn(t, points), &faces, &face_count, error));
+    GN_TRY(outer_faces(triangulation, count, common_turn(triangulation, points), &faces,
+                       &face_count, error));
     double *weight = gn_alloc_array(3 * count, sizeof *weight);
     gneiss_status status = GNEISS_OK;
     if (!weight)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
     else
-        gauge->volume = add_faces(faces, face_count, points, t->dimension, weight);
-    if (status == GNEISS_OK) status = check_tiling(t, points, count, gauge->volume, error);
+        gauge->volume = add_faces(faces, face_count, points, triangulation->dimension, weight);
+    if (status == GNEISS_OK)
+        status = check_tiling(triangulation, points, count, gauge->volume, error);
     if (status == GNEISS_OK) status = take_weights(weight, count, order, gauge, error);
     gn_free(weight);
     gn_free(faces);
@@ -438,7 +443,7 @@ gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *c
     return gauge_of(particles, counts, dimension, false, gauge, error);
 }
 
-gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error) {
     return gauge_of(particles, counts, dimension, true, gauge, error);
 }

@@ -74,11 +74,11 @@ static void add_symmetric(double sigma[6], const double f[3], const double n[3],
 
 /* Adds the contributions of a contact. Its point is half the gap outside of each particle. Force
  * and normal both change sign from the first particle to the second. */
-static void add_pair(const gn_assembly *assembly, const contact *x, double *sigma) {
+static void add_pair(const gn_assembly *assembly, const contact *one, double *sigma) {
     const double *pos = assembly->particles->pos;
-    double ri = pos[4 * x->i + 3], rj = pos[4 * x->j + 3], gap = x->length - ri - rj;
-    add_symmetric(sigma + 6 * x->i, x->f, x->n, ri + 0.5 * gap);
-    add_symmetric(sigma + 6 * x->j, x->f, x->n, rj + 0.5 * gap);
+    double ri = pos[4 * one->i + 3], rj = pos[4 * one->j + 3], gap = one->length - ri - rj;
+    add_symmetric(sigma + 6 * one->i, one->f, one->n, ri + 0.5 * gap);
+    add_symmetric(sigma + 6 * one->j, one->f, one->n, rj + 0.5 * gap);
 }
 
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma) {

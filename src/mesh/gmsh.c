@@ -89,12 +89,13 @@ static gneiss_status run_gmsh(const char *path, int dimension, const char *out, 
         return gn_fail(error, GNEISS_ERROR_IO, "gmsh could not be started: %s", strerror(code));
     while (waitpid(child, &state, 0) < 0)
         if (errno != EINTR)
-            return gn_fail(error, GNEISS_ERROR_IO, "gmsh was lost: %s", strerror(errno));
+            return gn_fail(error, GNEISS_ERROR_IO, "the end of gmsh could not be awaited: %s",
+                           strerror(errno));
     if (WIFEXITED(state) && WEXITSTATUS(state) == 0 && access(out, R_OK) == 0) return GNEISS_OK;
     char said[300];
     last_line(log, said, sizeof said);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: gmsh made no mesh of it: %s", path,
-                   *said ? said : "it said nothing");
+                   *said ? said : "it gave no reason");
 }
 
 /* Messages about the mesh name the geometry, since the mesh is deleted before they are read. */

@@ -31,23 +31,23 @@ typedef struct gn_joint_search {
     double shortest; /* m, shortest edge of a facet */
 } gn_joint_search;
 
-static inline const double *gn_joint_place(const gn_joint_search *s, int32_t node) {
-    return s->mesh->node + 3 * (size_t)node;
+static inline const double *gn_joint_place(const gn_joint_search *search, int32_t node) {
+    return search->mesh->node + 3 * (size_t)node;
 }
 
-static inline const int32_t *gn_joint_nodes(const gn_joint_search *s, size_t element) {
-    return s->solids->node + (size_t)s->solids->nodes * element;
+static inline const int32_t *gn_joint_nodes(const gn_joint_search *search, size_t element) {
+    return search->solids->node + (size_t)search->solids->nodes * element;
 }
 
 /* Returns the root of a node's part. */
-int32_t gn_joint_part(const gn_joint_search *s, int32_t node);
+int32_t gn_joint_part(const gn_joint_search *search, int32_t node);
 
 /* Fails with "NAME: expected ..., found ...; the first is at PLACE". */
-gneiss_status gn_joint_refuse(const gn_joint_search *s, const double at[3], const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+gneiss_status gn_joint_refuse(const gn_joint_search *search, const double at[3], const char *format,
+                              ...) __attribute__((format(printf, 3, 4)));
 
 /* joints_touch.c: overlapping elements; coincident nodes, nodes on sides. */
-gneiss_status gn_joints_check_overlap(gn_joint_search *s);
-gneiss_status gn_joints_check_touch(gn_joint_search *s);
+gneiss_status gn_joints_check_overlap(gn_joint_search *search);
+gneiss_status gn_joints_check_touch(gn_joint_search *search);
 
 #endif

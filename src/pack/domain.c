@@ -179,14 +179,14 @@ void gn_domain_bounds(const gn_domain *domain, double lower[3], double upper[3])
 
 /* Returns the first axis of flat sides; they are across axes first .. dimension - 1, two each, none
  * for a disc. */
-static int first_flat_axis(const gn_domain *d) {
-    return d->kind == DOMAIN_ROUND ? 2 : 0;
+static int first_flat_axis(const gn_domain *domain) {
+    return domain->kind == DOMAIN_ROUND ? 2 : 0;
 }
 
 /* Returns the distance from the axis and the unit direction away from it; on the axis the direction
  * is arbitrary. */
-static double off_axis(const gn_domain *d, const double x[3], double away[2]) {
-    double u = x[0] - d->centre[0], v = x[1] - d->centre[1], r = hypot(u, v);
+static double off_axis(const gn_domain *domain, const double x[3], double away[2]) {
+    double u = x[0] - domain->centre[0], v = x[1] - domain->centre[1], r = hypot(u, v);
     away[0] = r > 0 ? u / r : 1;
     away[1] = r > 0 ? v / r : 0;
     return r;
@@ -194,23 +194,24 @@ static double off_axis(const gn_domain *d, const double x[3], double away[2]) {
 
 /* Computes the vector from the nearest point of the closed body to x, 0 inside, and returns its
  * length. */
-static double excess(const gn_domain *d, const double x[3], double step[3]) {
+static double excess(const gn_domain *domain, const double x[3], double step[3]) {
     step[0] = step[1] = step[2] = 0;
-    for (int k = first_flat_axis(d); k < d->dimension; k++)
-        step[k] = x[k] < d->lower[k] ? x[k] - d->lower[k] : fmax(x[k] - d->upper[k], 0);
-    if (d->kind == DOMAIN_ROUND) {
-        double away[2], over = off_axis(d, x, away) - d->radius;
+    for (int k = first_flat_axis(domain); k < domain->dimension; k++)
+        step[k] =
+            x[k] < domain->lower[k] ? x[k] - domain->lower[k] : fmax(x[k] - domain->upper[k], 0);
+    if (domain->kind == DOMAIN_ROUND) {
+        double away[2], over = off_axis(domain, x, away) - domain->radius;
         for (int k = 0; k < 2 && over > 0; k++) step[k] = over * away[k];
     }
     return hypot(hypot(step[0], step[1]), step[2]);
 }
 
 /* Returns the depth below the nearest flat or round side, for x inside. */
-static double least_depth(const gn_domain *d, const double x[3]) {
+static double least_depth(const gn_domain *domain, const double x[3]) {
     double away[2], depth = INFINITY;
-    if (d->kind == DOMAIN_ROUND) depth = d->radius - off_axis(d, x, away);
-    for (int k = first_flat_axis(d); k < d->dimension; k++)
-        depth = fmin(depth, fmin(x[k] - d->lower[k], d->upper[k] - x[k]));
+    if (domain->kind == DOMAIN_ROUND) depth = domain->radius - off_axis(domain, x, away);
+    for (int k = first_flat_axis(domain); k < domain->dimension; k++)
+        depth = fmin(depth, fmin(x[k] - domain->lower[k], domain->upper[k] - x[k]));
     return depth;
 }
 

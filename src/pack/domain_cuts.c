@@ -20,10 +20,10 @@ static int shared_nodes(const gn_facet *a, const gn_facet *b, int corners) {
 }
 
 /* Tells whether p is within `tolerance` of the segment, and then copies it to `at`. */
-static bool on_segment(const gn_facet *f, const double p[3], double tolerance, double at[3]) {
+static bool on_segment(const gn_facet *facet, const double p[3], double tolerance, double at[3]) {
     double edge[3], v[3];
-    gn_minus(f->corner[1], f->corner[0], edge);
-    gn_minus(p, f->corner[0], v);
+    gn_minus(facet->corner[1], facet->corner[0], edge);
+    gn_minus(p, facet->corner[0], v);
     double t = gn_dot(v, edge) / gn_dot(edge, edge);
     t = t < 0 ? 0 : t > 1 ? 1 : t;
     for (int k = 0; k < 3; k++) {
@@ -34,8 +34,8 @@ static bool on_segment(const gn_facet *f, const double p[3], double tolerance, d
 }
 
 /* Returns z of (b - a) x (p - a), whose sign is the side of the segment on which p is. */
-static double side_of(const gn_facet *f, const double p[3]) {
-    const double *a = f->corner[0], *b = f->corner[1];
+static double side_of(const gn_facet *facet, const double p[3]) {
+    const double *a = facet->corner[0], *b = facet->corner[1];
     return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
@@ -134,14 +134,14 @@ static void cut_point(const gn_facet *a, const gn_facet *b, double tolerance, do
     }
 }
 
-static bool visit(const gn_facets *s, int32_t first, int32_t count, void *context) {
+static bool visit(const gn_facets *facets, int32_t first, int32_t count, void *context) {
     cut_search *search = context;
-    const gn_facet *a = &s->facet[search->facet];
+    const gn_facet *a = &facets->facet[search->facet];
     for (int32_t i = first; i < first + count; i++) {
-        const gn_facet *b = &s->facet[i];
+        const gn_facet *b = &facets->facet[i];
         if (i <= search->facet) continue;
         bool found;
-        if (s->corners == 2) {
+        if (facets->corners == 2) {
             found = segments_meet(a, b, search->tolerance, search->at);
         } else {
             /* A needle has no interior; its neighbours are tested in its place. */
@@ -156,19 +156,19 @@ static bool visit(const gn_facets *s, int32_t first, int32_t count, void *contex
     return false;
 }
 
-static gneiss_status refuse(const gn_facets *s, const cut_search *search, const char *name,
+static gneiss_status refuse(const gn_facets *facets, const cut_search *search, const char *name,
                             gneiss_error *error) {
-    const gn_facet *a = &s->facet[search->facet], *b = &s->facet[search->other];
+    const gn_facet *a = &facets->facet[search->facet], *b = &facets->facet[search->other];
     if (a->id > b->id) {
         const gn_facet *swap = a;
         a = b;
         b = swap;
     }
-    if (s->corners == 3)
+    if (facets->corners == 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a surface that does not cut itself; triangles %d and %d (of "
                        "%zu) meet at (%g, %g, %g)",
-                       name, a->id + 1, b->id + 1, s->count, search->at[0], search->at[1],
+                       name, a->id + 1, b->id + 1, facets->count, search->at[0], search->at[1],
                        search->at[2]);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a boundary that does not cross or touch itself; edge %d from (%g, "
@@ -178,22 +178,22 @@ static gneiss_status refuse(const gn_facets *s, const cut_search *search, const 
                    b->corner[1][1], search->at[0], search->at[1]);
 }
 
-gneiss_status gn_facets_check_cuts(const gn_facets *s, const char *name, gneiss_error *error) {
-    cut_search search = {.tolerance =
-                             s->size * (s->corners == 2 ? touch_tolerance : cut_tolerance)};
-    for (size_t i = 0; i < s->count; i++) {
-        const gn_facet *f = &s->facet[i];
+gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error) {
+    cut_search search = {.tolerance = facets->size *
+                                      (facets->corners == 2 ? touch_tolerance : cut_tolerance)};
+    for (size_t i = 0; i < facets->count; i++) {
+        const gn_facet *f = &facets->facet[i];
         double lower[3], upper[3];
         for (int k = 0; k < 3; k++) {
             lower[k] = INFINITY, upper[k] = -INFINITY;
-            for (int c = 0; c < s->corners; c++) {
+            for (int c = 0; c < facets->corners; c++) {
                 lower[k] = fmin(lower[k], f->corner[c][k]);
                 upper[k] = fmax(upper[k], f->corner[c][k]);
             }
         }
         search.facet = (int32_t)i;
-        if (gn_tree_within(s, lower, upper, 2 * search.tolerance, visit, &search))
-            return refuse(s, &search, name, error);
+        if (gn_tree_within(facets, lower, upper, 2 * search.tolerance, visit, &search))
+            return refuse(facets, &search, name, error);
     }
     return GNEISS_OK;
 }

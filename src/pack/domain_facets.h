@@ -67,31 +67,31 @@ typedef struct gn_foot {
 gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
                                size_t count, int corners, const char *name, gn_facets **facets,
                                gneiss_error *error);
-void gn_facets_free(gn_facets *s);
-double gn_facets_depth(const gn_facets *s, const double x[3]);
-int gn_facets_planes(const gn_facets *s, const double point[3], double reach,
+void gn_facets_free(gn_facets *facets);
+double gn_facets_depth(const gn_facets *facets, const double x[3]);
+int gn_facets_planes(const gn_facets *facets, const double point[3], double reach,
                      gn_domain_plane planes[GN_DOMAIN_PLANES]);
 
 /* domain_tree.c: sorts the facets into the tree. */
-gneiss_status gn_tree_build(gn_facets *s, gneiss_error *error);
+gneiss_status gn_tree_build(gn_facets *facets, gneiss_error *error);
 /* Finds the nearest point of the boundary within `limit`; facet -1 if there is none. */
-gn_foot gn_tree_nearest(const gn_facets *s, const double x[3], double limit);
+gn_foot gn_tree_nearest(const gn_facets *facets, const double x[3], double limit);
 /* Calls visit for runs of facets that include all whose boxes are within `reach` of the given box,
  * until visit returns true, which is then the result. */
-typedef bool gn_tree_visit(const gn_facets *s, int32_t first, int32_t count, void *context);
-bool gn_tree_within(const gn_facets *s, const double lower[3], const double upper[3], double reach,
-                    gn_tree_visit *visit, void *context);
+typedef bool gn_tree_visit(const gn_facets *facets, int32_t first, int32_t count, void *context);
+bool gn_tree_within(const gn_facets *facets, const double lower[3], const double upper[3],
+                    double reach, gn_tree_visit *visit, void *context);
 
 /* domain_cuts.c: checks that facets do not intersect. */
-gneiss_status gn_facets_check_cuts(const gn_facets *s, const char *name, gneiss_error *error);
+gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error);
 
 /* domain_sign.c: returns the distance of x from the foot, positive inside. */
-double gn_facets_signed(const gn_facets *s, const double x[3], const gn_foot *foot);
+double gn_facets_signed(const gn_facets *surface, const double x[3], const gn_foot *foot);
 /* Computes the grid of known depths. */
-gneiss_status gn_facets_know(gn_facets *s, gneiss_error *error);
+gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error);
 /* Looks up the depth at the centre of the cell of x and the distance to that centre; returns false
  * outside the grid. */
-bool gn_facets_known(const gn_facets *s, const double x[3], double *depth, double *offset);
+bool gn_facets_known(const gn_facets *surface, const double x[3], double *depth, double *offset);
 
 static inline double gn_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -112,19 +112,20 @@ static inline int gn_next(int k) {
 }
 
 /* Tells whether the projection of x on the facet's plane is in the facet, enlarged by `slack`. */
-static inline bool gn_facet_faces(const gn_facet *f, int corners, const double x[3], double slack) {
+static inline bool gn_facet_faces(const gn_facet *facet, int corners, const double x[3],
+                                  double slack) {
     double edge[3], inward[3], v[3];
     if (corners == 2) {
-        gn_minus(f->corner[1], f->corner[0], edge);
-        gn_minus(x, f->corner[0], v);
+        gn_minus(facet->corner[1], facet->corner[0], edge);
+        gn_minus(x, facet->corner[0], v);
         double along = gn_dot(v, edge), length2 = gn_dot(edge, edge), over = along - length2;
         return !(along < 0 && along * along > slack * slack * length2) &&
                !(over > 0 && over * over > slack * slack * length2);
     }
     for (int k = 0; k < 3; k++) {
-        gn_minus(f->corner[gn_next(k)], f->corner[k], edge);
-        gn_cross(f->normal, edge, inward);
-        gn_minus(x, f->corner[k], v);
+        gn_minus(facet->corner[gn_next(k)], facet->corner[k], edge);
+        gn_cross(facet->normal, edge, inward);
+        gn_minus(x, facet->corner[k], v);
         double s = gn_dot(inward, v);
         if (s < 0 && s * s > slack * slack * gn_dot(edge, edge)) return false;
     }

@@ -59,9 +59,9 @@ struct gn_fit {
 
 enum { GN_FIT_SUMS = 5 }; /* energy, scale, squared gaps, their number, largest overlap */
 
-static inline size_t gn_fit_block_end(const gn_fit *f, size_t block) {
+static inline size_t gn_fit_block_end(const gn_fit *fit, size_t block) {
     size_t end = (block + 1) * GN_FIT_BLOCK;
-    return end < f->count ? end : f->count;
+    return end < fit->count ? end : fit->count;
 }
 
 static inline double gn_d4_sum(gn_d4 a) {

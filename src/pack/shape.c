@@ -158,10 +158,10 @@ void gn_pack_shape_free(gn_pack_shape *shape) {
 
 /* ---- size of particles ---- */
 
-static double box_distance(const gn_refinement *r, const double x[3]) {
+static double box_distance(const gn_refinement *refinement, const double x[3]) {
     double square = 0.0;
     for (int a = 0; a < 3; a++) {
-        double d = fmax(fmax(r->lower[a] - x[a], x[a] - r->upper[a]), 0.0);
+        double d = fmax(fmax(refinement->lower[a] - x[a], x[a] - refinement->upper[a]), 0.0);
         square += d * d;
     }
     return sqrt(square);

@@ -17,9 +17,9 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->task_first = gn_alloc_array(n + 1, sizeof *deal->task_first);
     deal->owned_first = gn_alloc_array(n + 2, sizeof *deal->owned_first);
     deal->shared_first = gn_alloc_array(n + 2, sizeof *deal->shared_first);
-    deal->put_off = gn_alloc_array(n, sizeof *deal->put_off);
+    deal->deferred = gn_alloc_array(n, sizeof *deal->deferred);
     bool held = deal->share && deal->mark && deal->task_first && deal->owned_first &&
-                deal->shared_first && deal->put_off;
+                deal->shared_first && deal->deferred;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         deal->cut[l] = gn_alloc_array(n + 1, sizeof *deal->cut[l]);
         held = held && deal->cut[l];
@@ -52,7 +52,7 @@ void gn_deal_free(gn_deal *deal) {
     gn_free(deal->task_first);
     gn_free(deal->owned_first);
     gn_free(deal->shared_first);
-    gn_free(deal->put_off);
+    gn_free(deal->deferred);
     for (int l = 0; l < GN_DEAL_LISTS; l++) gn_free(deal->cut[l]);
     free_tasks(deal);
     free_particles(deal);
@@ -232,11 +232,11 @@ typedef struct sequence {
     size_t length;
 } sequence;
 
-static void append(gn_deal *deal, sequence *s, int l, size_t end) {
-    for (; s->next[l] < end; s->next[l]++, s->length++) {
-        const size_t task = task_of(deal, l, s->next[l]);
-        deal->task[deal->task_first[s->t] + s->length] = (int32_t)task;
-        deal->place[task] = (int32_t)s->length;
+static void append(gn_deal *deal, sequence *order, int l, size_t end) {
+    for (; order->next[l] < end; order->next[l]++, order->length++) {
+        const size_t task = task_of(deal, l, order->next[l]);
+        deal->task[deal->task_first[order->t] + order->length] = (int32_t)task;
+        deal->place[task] = (int32_t)order->length;
     }
 }
 
@@ -267,7 +267,7 @@ static size_t count_of(const size_t *first, int t) {
 
 /* Defers as many of a thread's last owned blocks as it has fewer shared blocks than the thread with
  * most. */
-static void put_off(gn_deal *deal) {
+static void defer_last_blocks(gn_deal *deal) {
     size_t most = 0;
     for (int t = 0; t < deal->team; t++)
         if (count_of(deal->shared_first, t) > most) most = count_of(deal->shared_first, t);
@@ -275,7 +275,7 @@ static void put_off(gn_deal *deal) {
         const size_t shared = count_of(deal->shared_first, t);
         const size_t owned = count_of(deal->owned_first, t);
         const size_t later = most - shared < owned ? most - shared : owned;
-        deal->put_off[t] = deal->owned_first[t + 1] - later;
+        deal->deferred[t] = deal->owned_first[t + 1] - later;
     }
 }
 
@@ -298,7 +298,7 @@ static void deal_out(gn_deal *deal) {
         else
             deal->owned[deal->owned_first[s.last + 1]++] = (int32_t)p;
     }
-    put_off(deal);
+    defer_last_blocks(deal);
     deal->task_first[0] = 0;
     for (int t = 0; t < deal->team; t++) put_in_order(deal, t);
 }
@@ -348,21 +348,21 @@ typedef struct worker {
 } worker;
 
 /* Returns the range of thread t's tasks that no thread has taken. */
-static range open_of(const worker *k, int t) {
-    uint64_t word = atomic_load_explicit(&k->deal->mark[t].open, memory_order_relaxed);
-    return unpacked(word, k->sweep, count_of(k->deal->task_first, t));
+static range open_of(const worker *thread, int t) {
+    uint64_t word = atomic_load_explicit(&thread->deal->mark[t].open, memory_order_relaxed);
+    return unpacked(word, thread->sweep, count_of(thread->deal->task_first, t));
 }
 
 /* Takes the worker's own next task from the front, or another thread's last task from the back.
  * Returns its place, -1 if none is left. */
-static int64_t take(const worker *k, int t) {
-    gn_deal_mark *mark = &k->deal->mark[t];
+static int64_t take(const worker *thread, int t) {
+    gn_deal_mark *mark = &thread->deal->mark[t];
     uint64_t word = atomic_load_explicit(&mark->open, memory_order_relaxed);
     for (;;) {
-        range r = unpacked(word, k->sweep, count_of(k->deal->task_first, t));
+        range r = unpacked(word, thread->sweep, count_of(thread->deal->task_first, t));
         if (r.front >= r.back) return -1;
-        const uint64_t place = t == k->me ? r.front++ : --r.back;
-        if (atomic_compare_exchange_weak_explicit(&mark->open, &word, packed(k->sweep, r),
+        const uint64_t place = t == thread->me ? r.front++ : --r.back;
+        if (atomic_compare_exchange_weak_explicit(&mark->open, &word, packed(thread->sweep, r),
                                                   memory_order_relaxed, memory_order_relaxed))
             return (int64_t)place;
     }
@@ -372,39 +372,39 @@ static size_t task_at(const gn_deal *deal, int t, uint64_t place) {
     return (size_t)deal->task[deal->task_first[t] + place];
 }
 
-static void work_on_task(worker *k, size_t task) {
-    const size_t first = block_count(&k->deal->list[0]);
+static void work_on_task(worker *thread, size_t task) {
+    const size_t first = block_count(&thread->deal->list[0]);
     if (task < first)
-        k->work->items(k->context, 0, task);
+        thread->work->items(thread->context, 0, task);
     else
-        k->work->items(k->context, 1, task - first);
-    k->tasks++;
+        thread->work->items(thread->context, 1, task - first);
+    thread->tasks++;
 }
 
 /* Does the tasks of the worker's own share, until the rest has been taken by others. */
-static void work_on_share(worker *k) {
-    const gn_deal *deal = k->deal;
-    gn_deal_mark *mark = &k->deal->mark[k->me];
-    size_t p = deal->owned_first[k->me];
-    const size_t end = deal->put_off[k->me];
+static void work_on_share(worker *thread) {
+    const gn_deal *deal = thread->deal;
+    gn_deal_mark *mark = &thread->deal->mark[thread->me];
+    size_t p = deal->owned_first[thread->me];
+    const size_t end = deal->deferred[thread->me];
     for (int64_t done = 0;; done++) {
         for (; p < end && deal->after[p] == done; p++)
-            k->work->particles(k->context, (size_t)deal->owned[p]);
-        const int64_t place = take(k, k->me);
+            thread->work->particles(thread->context, (size_t)deal->owned[p]);
+        const int64_t place = take(thread, thread->me);
         if (place < 0) break;
-        work_on_task(k, task_at(deal, k->me, (uint64_t)place));
-        atomic_store_explicit(&mark->done, stamped(k->sweep, (uint64_t)place + 1),
+        work_on_task(thread, task_at(deal, thread->me, (uint64_t)place));
+        atomic_store_explicit(&mark->done, stamped(thread->sweep, (uint64_t)place + 1),
                               memory_order_release);
     }
 }
 
-static void help_others(worker *k) {
-    for (int turn = 1; turn < k->deal->team; turn++) {
-        const int t = (k->me + turn) % k->deal->team;
-        for (int64_t place; (place = take(k, t)) >= 0;) {
-            const size_t task = task_at(k->deal, t, (uint64_t)place);
-            work_on_task(k, task);
-            atomic_store_explicit(&k->deal->taken[task], k->sweep, memory_order_release);
+static void help_others(worker *thread) {
+    for (int turn = 1; turn < thread->deal->team; turn++) {
+        const int t = (thread->me + turn) % thread->deal->team;
+        for (int64_t place; (place = take(thread, t)) >= 0;) {
+            const size_t task = task_at(thread->deal, t, (uint64_t)place);
+            work_on_task(thread, task);
+            atomic_store_explicit(&thread->deal->taken[task], thread->sweep, memory_order_release);
         }
     }
 }
@@ -437,26 +437,28 @@ static uint64_t needed(const gn_deal *deal, int t, size_t p) {
 
 /* Waits until all items of a block of particles are done; all tasks of all shares have been
  * taken. */
-static void await_items(worker *k, size_t p) {
-    const gn_deal *deal = k->deal;
+static void await_items(worker *thread, size_t p) {
+    const gn_deal *deal = thread->deal;
     const span s = threads_of(deal, p);
-    const double before = k->lost;
+    const double before = thread->lost;
     for (int t = s.first; t <= s.last; t++) {
-        const uint64_t wanted = needed(deal, t, p), own = open_of(k, t).back;
+        const uint64_t wanted = needed(deal, t, p), own = open_of(thread, t).back;
         if (!wanted) continue;
         if (own)
-            k->lost += await(&deal->mark[t].done, stamped(k->sweep, wanted < own ? wanted : own));
+            thread->lost +=
+                await(&deal->mark[t].done, stamped(thread->sweep, wanted < own ? wanted : own));
         for (uint64_t place = own; place < wanted; place++)
-            k->lost += await(&deal->taken[task_at(deal, t, place)], k->sweep);
+            thread->lost += await(&deal->taken[task_at(deal, t, place)], thread->sweep);
     }
-    if (k->work->waited && k->lost > before) k->work->waited(k->context, k->lost - before);
+    if (thread->work->waited && thread->lost > before)
+        thread->work->waited(thread->context, thread->lost - before);
 }
 
 /* Returns the first of a thread's owned blocks that need a task taken by another thread. */
-static size_t first_late(const worker *k, int t) {
-    const gn_deal *deal = k->deal;
-    const uint64_t own = open_of(k, t).back;
-    size_t low = deal->owned_first[t], high = deal->put_off[t];
+static size_t first_late(const worker *thread, int t) {
+    const gn_deal *deal = thread->deal;
+    const uint64_t own = open_of(thread, t).back;
+    size_t low = deal->owned_first[t], high = deal->deferred[t];
     while (low < high) {
         const size_t mid = (low + high) / 2;
         if ((uint64_t)deal->after[mid] <= own)
@@ -481,19 +483,19 @@ static int64_t draw(_Atomic uint64_t *drawn, uint64_t sweep, uint64_t count) {
 }
 
 /* Moves shared and late blocks of particles, whose items were distributed over several threads. */
-static void work_on_the_rest(worker *k) {
-    const gn_deal *deal = k->deal;
+static void work_on_the_rest(worker *thread) {
+    const gn_deal *deal = thread->deal;
     for (int turn = 0; turn < deal->team; turn++) {
-        const int t = (k->me + turn) % deal->team;
-        const size_t late = first_late(k, t);
+        const int t = (thread->me + turn) % deal->team;
+        const size_t late = first_late(thread, t);
         const size_t shared = count_of(deal->shared_first, t);
         const size_t count = shared + deal->owned_first[t + 1] - late;
-        for (int64_t n; (n = draw(&k->deal->mark[t].drawn, k->sweep, count)) >= 0;) {
+        for (int64_t n; (n = draw(&thread->deal->mark[t].drawn, thread->sweep, count)) >= 0;) {
             const size_t p = (size_t)n < shared
                                  ? (size_t)deal->shared[deal->shared_first[t] + (size_t)n]
                                  : (size_t)deal->owned[late + (size_t)n - shared];
-            await_items(k, p);
-            k->work->particles(k->context, p);
+            await_items(thread, p);
+            thread->work->particles(thread->context, p);
         }
     }
 }

@@ -77,7 +77,7 @@ typedef struct gn_deal {
     int32_t *owned;       /* [particle_blocks] */
     int32_t *after;       /* [particle_blocks] number of tasks of its share before it; > 0 */
     size_t *owned_first;  /* [threads + 2] */
-    size_t *put_off;      /* [threads] owned blocks from here on wait until all tasks are done */
+    size_t *deferred;     /* [threads] owned blocks from here on wait until all tasks are done */
     int32_t *shared;      /* [particle_blocks] */
     size_t *shared_first; /* [threads + 2] */
 } gn_deal;

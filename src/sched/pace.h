@@ -8,25 +8,28 @@
 #include <stdbool.h>
 
 typedef struct gn_pace {
-    int all;               /* largest number of threads */
-    int trial;             /* rounds of a trial of the alternative */
+    int most_threads;      /* largest number of threads */
+    int trial_rounds;      /* rounds of a trial of the alternative */
     int shortest, longest; /* rounds between two trials; doubled as long as trials change nothing */
-    bool one;              /* one thread is used outside of trials */
+    bool single;           /* one thread is used outside of trials */
     bool trying;
     int rounds, interval;          /* of the present period: rounds done, and its length */
     double seconds, work, waiting; /* sums over the rounds of the period */
     double cost;                   /* s per unit of work in the last period that was no trial */
-    double alone;                  /* s of the last trial of one thread; 0: none yet */
+    double single_seconds;         /* s of the last trial of one thread; 0: none yet */
 } gn_pace;
 
 static inline gn_pace gn_pace_start(int all, int trial, int shortest, int longest) {
-    return (gn_pace){
-        .all = all, .trial = trial, .shortest = shortest, .longest = longest, .interval = shortest};
+    return (gn_pace){.most_threads = all,
+                     .trial_rounds = trial,
+                     .shortest = shortest,
+                     .longest = longest,
+                     .interval = shortest};
 }
 
 /* Returns the number of threads of the next round. */
 static inline int gn_pace_threads(const gn_pace *pace) {
-    return pace->one != pace->trying ? 1 : pace->all;
+    return pace->single != pace->trying ? 1 : pace->most_threads;
 }
 
 /* Records a round: its wall time, its amount of work (any unit), and the fraction of the threads'

@@ -21,18 +21,20 @@ void gn_particles_to_single(const gn_particles *particles, const double *origin,
     }
 }
 
-static void contact_to_single(gn_contacts *k, const gn_particles *q, const double period[3],
-                              size_t c) {
-    const double *xi = q->ref + 4 * (int64_t)k->i[c], *xj = q->ref + 4 * (int64_t)k->j[c];
+static void contact_to_single(gn_contacts *list, const gn_particles *particles,
+                              const double period[3], size_t c) {
+    const double *xi = particles->ref + 4 * (int64_t)list->i[c],
+                 *xj = particles->ref + 4 * (int64_t)list->j[c];
     double square = 0.0;
     for (size_t a = 0; a < 3; a++) {
         double d = gn_nearest(xj[a] - xi[a], period[a]);
-        k->branch_f[c + a * k->soa.capacity] = (float)d;
+        list->branch_f[c + a * list->soa.capacity] = (float)d;
         square += d * d;
     }
-    double free = q->pos[4 * (int64_t)k->i[c] + 3] + q->pos[4 * (int64_t)k->j[c] + 3];
-    if (k->length0) free = k->length0[c];
-    k->stretch_f[c] = (float)(sqrt(square) - free);
+    double free =
+        particles->pos[4 * (int64_t)list->i[c] + 3] + particles->pos[4 * (int64_t)list->j[c] + 3];
+    if (list->length0) free = list->length0[c];
+    list->stretch_f[c] = (float)(sqrt(square) - free);
 }
 
 /* Finds a column in single precision and the double column from which it is converted; returns

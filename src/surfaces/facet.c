@@ -174,30 +174,30 @@ static double share_of(const double a[3], const double b[3], double *slope) {
     return (1.0 + 4.0 * x) * rest * cube;
 }
 
-static double share(const sharing *s, size_t i, size_t j) {
+static double share(const sharing *problem, size_t i, size_t j) {
     double slope;
-    return i == j ? 1.0 : share_of(s->m[i], s->m[j], &slope);
+    return i == j ? 1.0 : share_of(problem->m[i], problem->m[j], &slope);
 }
 
 /* Returns the part of an overlap that the active minima do not yet account for. */
-static double missing(const sharing *s, size_t i) {
-    double sum = s->depth[i];
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t j = s->active[k];
-        sum -= share(s, i, j) * s->lambda[j];
+static double missing(const sharing *problem, size_t i) {
+    double sum = problem->depth[i];
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t j = problem->active[k];
+        sum -= share(problem, i, j) * problem->lambda[j];
     }
     return sum;
 }
 
 /* Solves for z of the active minima by Cholesky; returns false if two of them have the same
  * normal. */
-static bool solve_active(const sharing *s, double z[ACTIVE]) {
+static bool solve_active(const sharing *problem, double z[ACTIVE]) {
     double low[ACTIVE][ACTIVE];
-    size_t n = s->actives;
+    size_t n = problem->actives;
     for (size_t r = 0; r < n; r++) {
-        double value = s->depth[s->active[r]];
+        double value = problem->depth[problem->active[r]];
         for (size_t c = 0; c <= r; c++) {
-            double sum = share(s, s->active[r], s->active[c]);
+            double sum = share(problem, problem->active[r], problem->active[c]);
             for (size_t k = 0; k < c; k++) sum -= low[r][k] * low[c][k];
             if (c == r && !(sum > 1e-10)) return false;
             low[r][c] = c == r ? sqrt(sum) : sum / low[c][c];
@@ -214,52 +214,52 @@ static bool solve_active(const sharing *s, double z[ACTIVE]) {
 
 /* Moves lambda towards z until the first one reaches zero, and removes that from the active set;
  * returns false if z is reached. */
-static bool step_back(sharing *s, const double z[ACTIVE]) {
+static bool step_back(sharing *problem, const double z[ACTIVE]) {
     double way = 1.0;
-    for (size_t k = 0; k < s->actives; k++) {
-        double old = s->lambda[s->active[k]];
+    for (size_t k = 0; k < problem->actives; k++) {
+        double old = problem->lambda[problem->active[k]];
         if (!(z[k] > 0.0)) way = fmin(way, old > z[k] ? old / (old - z[k]) : 0.0);
     }
     bool left = false;
     size_t kept = 0;
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t i = s->active[k];
-        s->lambda[i] += way * (z[k] - s->lambda[i]);
-        bool leaves = !(z[k] > 0.0) && !(s->lambda[i] > s->slack);
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t i = problem->active[k];
+        problem->lambda[i] += way * (z[k] - problem->lambda[i]);
+        bool leaves = !(z[k] > 0.0) && !(problem->lambda[i] > problem->slack);
         if (leaves)
-            s->lambda[i] = 0.0;
+            problem->lambda[i] = 0.0;
         else
-            s->active[kept++] = i;
+            problem->active[kept++] = i;
         left = left || leaves;
     }
-    s->actives = kept;
+    problem->actives = kept;
     return left;
 }
 
 /* Solves by active sets (Lawson and Hanson 1974, chapter 23): the minimum with the largest deficit
  * joins, then those that would pull leave. */
-static void solve(sharing *s) {
+static void solve(sharing *problem) {
     bool refused[GN_FACET_TOUCHES] = {false};
-    for (size_t round = 0; round < 4 * s->count + 8 && s->actives < ACTIVE; round++) {
-        double most = s->slack, z[ACTIVE];
-        size_t next = s->count;
-        for (size_t i = 0; i < s->count; i++) {
-            if (refused[i] || s->lambda[i] > 0.0) continue;
-            double lacks = missing(s, i);
+    for (size_t round = 0; round < 4 * problem->count + 8 && problem->actives < ACTIVE; round++) {
+        double most = problem->slack, z[ACTIVE];
+        size_t next = problem->count;
+        for (size_t i = 0; i < problem->count; i++) {
+            if (refused[i] || problem->lambda[i] > 0.0) continue;
+            double lacks = missing(problem, i);
             if (lacks > most) {
                 most = lacks;
                 next = i;
             }
         }
-        if (next == s->count) return;
-        s->active[s->actives++] = next;
-        if (!solve_active(s, z)) {
+        if (next == problem->count) return;
+        problem->active[problem->actives++] = next;
+        if (!solve_active(problem, z)) {
             refused[next] = true; /* a deeper minimum has the same normal */
-            s->actives--;
+            problem->actives--;
             continue;
         }
-        while (step_back(s, z))
-            if (!solve_active(s, z)) return;
+        while (step_back(problem, z))
+            if (!solve_active(problem, z)) return;
     }
 }
 
@@ -293,15 +293,16 @@ static void across(const gn_facet_near *near, const double m[3], const double v[
  * (rotation of m_i by w_i)/distance). Forces act on the surface where its own rotation does the
  * missing work: w_i along the feature off the point. Together they have no moment about the
  * centre. */
-static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet_contact *out) {
+static void lean(const sharing *problem, size_t i, const gn_facet_near *near,
+                 gn_facet_contact *out) {
     double w[3] = {0, 0, 0}, along[3], turning[3], slope;
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t j = s->active[k];
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t j = problem->active[k];
         if (j == i) continue;
-        out->crowd += share_of(s->m[i], s->m[j], &slope);
-        for (int a = 0; a < 3; a++) w[a] += slope * s->lambda[j] * s->m[j][a];
+        out->crowd += share_of(problem->m[i], problem->m[j], &slope);
+        for (int a = 0; a < 3; a++) w[a] += slope * problem->lambda[j] * problem->m[j][a];
     }
-    across(near, s->m[i], w, along, turning);
+    across(near, problem->m[i], w, along, turning);
     for (int a = 0; a < 3; a++) {
         out->n[a] -= turning[a] / near->distance;
         out->arm[a] += along[a];
@@ -311,16 +312,16 @@ static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet
 }
 
 /* Sets up the problem; returns whether any two minima share stiffness. */
-static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *s) {
+static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *problem) {
     bool any = false;
-    s->count = count;
-    s->actives = 0;
-    s->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
+    problem->count = count;
+    problem->actives = 0;
+    problem->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
     for (size_t i = 0; i < count; i++) {
-        s->lambda[i] = 0.0;
-        s->depth[i] = radius - minima[i].distance;
-        for (int a = 0; a < 3; a++) s->m[i][a] = -minima[i].away[a] / minima[i].distance;
-        for (size_t j = 0; j < i && !any; j++) any = share(s, i, j) > 0.0;
+        problem->lambda[i] = 0.0;
+        problem->depth[i] = radius - minima[i].distance;
+        for (int a = 0; a < 3; a++) problem->m[i][a] = -minima[i].away[a] / minima[i].distance;
+        for (size_t j = 0; j < i && !any; j++) any = share(problem, i, j) > 0.0;
     }
     return any;
 }

@@ -35,56 +35,56 @@ static void find_point(const piece *line, double place, double point[2]) {
 
 /* Adds an arc of the circle from the direction of a to that of b, negative backwards. It is less
  * than half the circle, since a side that leaves the circle there does not contain the foot. */
-static void add_arc(const disc *d, const double a[2], const double b[2], integrals *sum) {
+static void add_arc(const disc *cut, const double a[2], const double b[2], integrals *sum) {
     const double size_a = hypot(a[0], a[1]), size_b = hypot(b[0], b[1]);
     if (!(size_a > 0.0) || !(size_b > 0.0)) return;
     const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-    const double depth = d->radius - d->y;
-    sum->angle += turn * depth / d->radius;
+    const double depth = cut->radius - cut->y;
+    sum->angle += turn * depth / cut->radius;
     sum->potential += 0.5 * turn * depth * depth;
-    sum->across[0] -= d->circle / d->radius * (b[1] / size_b - a[1] / size_a);
-    sum->across[1] += d->circle / d->radius * (b[0] / size_b - a[0] / size_a);
+    sum->across[0] -= cut->circle / cut->radius * (b[1] / size_b - a[1] / size_a);
+    sum->across[1] += cut->circle / cut->radius * (b[0] / size_b - a[0] / size_a);
 }
 
 /* Adds the region between a straight piece of the boundary and the foot. Its solid angle is that of
  * a triangle by one arctangent (van Oosterom and Strackee 1983) whose second argument is positive:
  * it is regular where the foot lies on the line or at an end of the piece. */
-static void add_piece(const disc *d, const piece *line, integrals *sum) {
-    const double q = line->off, y = d->y, length = line->to - line->from;
+static void add_piece(const disc *cut, const piece *line, integrals *sum) {
+    const double q = line->off, y = cut->y, length = line->to - line->from;
     const double flat = hypot(q, y);
     const double a = hypot(flat, line->from), b = hypot(flat, line->to);
     const double reach = asinh(line->to / flat) - asinh(line->from / flat);
     const double angle =
         2.0 * atan2(q * length, a * b + line->from * line->to + flat * flat + y * (a + b));
     sum->angle += angle;
-    sum->potential += q * (d->radius * reach - 0.5 * length) - d->radius * y * angle;
+    sum->potential += q * (cut->radius * reach - 0.5 * length) - cut->radius * y * angle;
     sum->across[0] -= line->along[1] * reach;
     sum->across[1] += line->along[0] * reach;
 }
 
 /* Adds the side from p to q of a triangle, cut where it leaves the circle; fills *line unless the
  * corners coincide. */
-static void add_side(const disc *d, const double p[2], const double q[2], piece *line,
+static void add_side(const disc *cut, const double p[2], const double q[2], piece *line,
                      integrals *sum) {
     const double side[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(side[0], side[1]);
     if (!(length > 0.0)) return;
     for (int k = 0; k < 2; k++) line->along[k] = side[k] / length;
     line->off = p[0] * line->along[1] - p[1] * line->along[0];
     const double begin = p[0] * line->along[0] + p[1] * line->along[1], end = begin + length;
-    const double square = (d->circle - fabs(line->off)) * (d->circle + fabs(line->off));
+    const double square = (cut->circle - fabs(line->off)) * (cut->circle + fabs(line->off));
     const double half = sqrt(fmax(0.0, square));
     line->from = fmax(begin, -half);
     line->to = fmin(end, half);
     if (!(line->from < line->to)) {
-        add_arc(d, p, q, sum);
+        add_arc(cut, p, q, sum);
         return;
     }
     double a[2], b[2];
     find_point(line, line->from, a);
     find_point(line, line->to, b);
-    if (line->from > begin) add_arc(d, p, a, sum);
-    add_piece(d, line, sum);
-    if (line->to < end) add_arc(d, b, q, sum);
+    if (line->from > begin) add_arc(cut, p, a, sum);
+    add_piece(cut, line, sum);
+    if (line->to < end) add_arc(cut, b, q, sum);
 }
 
 /* Finds two unit vectors normal to n that form a right-handed system with it. */
@@ -135,9 +135,9 @@ static bool is_far(double corner[3][2], double circle) {
 /* Finds the centre of pressure in the plane, which lies in the part inside the particle. Where the
  * centre is nearly in the plane, both angle and y vanish, and the bounds of that part limit the
  * quotient. */
-static void find_mean(const disc *d, const piece lines[3], const integrals *sum, double mean[2]) {
+static void find_mean(const disc *cut, const piece lines[3], const integrals *sum, double mean[2]) {
     const double across = hypot(sum->across[0], sum->across[1]);
-    double least = 0.0, most = d->circle;
+    double least = 0.0, most = cut->circle;
     mean[0] = mean[1] = 0.0;
     if (!(across > 0.0)) return;
     const double way[2] = {sum->across[0] / across, sum->across[1] / across};
@@ -148,8 +148,8 @@ static void find_mean(const disc *d, const piece lines[3], const integrals *sum,
         if (leaves < 0.0) least = fmax(least, l->off / leaves);
     }
     double far = most;
-    if (d->y * across < far * sum->angle) far = d->y * across / sum->angle;
-    far = fmax(far, fmin(least, d->circle));
+    if (cut->y * across < far * sum->angle) far = cut->y * across / sum->angle;
+    far = fmax(far, fmin(least, cut->circle));
     for (int k = 0; k < 2; k++) mean[k] = far * way[k];
 }
 
