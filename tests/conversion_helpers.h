@@ -89,7 +89,7 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
 /* Of what is there: elements, as long as all particles sleep. */
 static inline void set_elements(gn_world *w, field *at, const void *of) {
     set_field(&w->solids.elements[0]->solid.nodes, at, of);
-    gn_fem_moved(&w->solids.elements[0]->solid);
+    gn_fem_positions_changed(&w->solids.elements[0]->solid);
     gn_fem_to_single(&w->solids.elements[0]->solid);
 }
 

@@ -103,7 +103,7 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
 static inline void set_fields(gn_world *w, field *at, const void *of) {
     set_field(&w->dem.particles, at, of);
     set_field(&w->solids.elements[0]->solid.nodes, at, of);
-    gn_fem_moved(&w->solids.elements[0]->solid);
+    gn_fem_positions_changed(&w->solids.elements[0]->solid);
 }
 
 static inline void stir(const double *x, const void *of, double u[3], double v[3]) {

@@ -56,7 +56,7 @@ static inline void fem_step(gn_fem_solid *solid, double dt, bool measure) {
 
 /* Forces and readings of the present positions; nothing moves in an interval of no length. */
 static inline void fem_evaluate(gn_fem_solid *solid) {
-    gn_fem_moved(solid);
+    gn_fem_positions_changed(solid);
     fem_step(solid, 0.0, true);
 }
 

@@ -38,7 +38,7 @@ static inline void place(gn_fem_solid *solid, double f[3][3]) {
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         for (int k = 0; k < solid->dimension; k++)
             solid->nodes.pos[4 * n + (size_t)k] = dot3(f[k], solid->nodes.start + 4 * n);
-    gn_fem_moved(solid);
+    gn_fem_positions_changed(solid);
 }
 
 static inline bool on_boundary(const gn_fem_solid *solid, size_t n) {

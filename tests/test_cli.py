@@ -937,7 +937,7 @@ def a_box_that_a_servo_shrinks_to_nothing_is_a_run_that_went_bad(folder):
              "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
              "periodic": {"min": [0, 0, 0], "max": [13.2e-3] * 3, "z": {"stress": 1e9, "max_rate": 2000}}}
     expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "away"), "--quiet"), 5,
-           r"went bad: step \d+, t = .*the servo of side 'z' has shrunk the box to 0\.\d+ of its length \(periodic box: expected a length")
+           r"unstable run: step \d+, t = .*the servo of side 'z' has shrunk the box to 0\.\d+ of its length \(periodic box: expected a length")
     scene["periodic"]["z"] = {"rate": -1e5}
     path = write_scene(folder, scene)
     with open(path) as file:

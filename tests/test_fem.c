@@ -421,7 +421,7 @@ static void an_inverted_element_stops_the_run_with_its_number(void **state) {
             size2 += g[k] * g[k];
         }
         for (int k = 0; k < d; k++) solid->nodes.pos[4 * node + (size_t)k] -= 1.5 * g[k] / size2;
-        gn_fem_moved(solid);
+        gn_fem_positions_changed(solid);
         assert_int_equal(gn_fem_step(solid, 1e-9, true, &error), GNEISS_ERROR_UNSTABLE);
         snprintf(number, sizeof number, "%s %d (base 0)", d == 3 ? "tetrahedron" : "triangle",
                  solid->elements.id[solid->elastic.element]);

@@ -261,10 +261,10 @@ static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **
     absent_for(&r, GN_READING_fracture_energy, "20 % of the largest load");
     absent_for(&r, GN_READING_flexural_modulus, "notch");
     t = bent(0.5);
-    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .falls = true});
+    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .under_gravity = true});
     absent_for(&r, GN_READING_fracture_energy, "gravity");
     t = bent(0.5);
-    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .halted = true});
+    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .conversion_halted = true});
     absent_for(&r, GN_READING_fracture_energy, "conversion ended the run");
     assert_close(r.opening_at_peak, 1, 1e-12);
 }
@@ -488,8 +488,8 @@ static void the_change_of_a_slope_over_its_rows_is_its_nonlinearity(void **state
 
 static gn_beginning begun_by(const double *strain, const double *stress, size_t rows) {
     gn_beginning whole = {0}, one = {0};
-    gn_beginning_look(&whole, strain, stress, rows);
-    for (size_t k = 0; k <= rows; k++) gn_beginning_look(&one, strain, stress, k);
+    gn_beginning_update(&whole, strain, stress, rows);
+    for (size_t k = 0; k <= rows; k++) gn_beginning_update(&one, strain, stress, k);
     assert_true(whole.least == one.least && whole.begun == one.begun && whole.moved == one.moved);
     return whole;
 }

@@ -234,7 +234,7 @@ static void no_contact_with_a_wall_is_stiffer_than_its_law_says(void **state) {
                               .speed = (gap - last) / dt,
                               .relative = {0.0, 1e-10 / dt, 0.0},
                               .inverse_mass = 1e5,
-                              .most = 1.0,
+                              .checked_overlap = 1.0,
                               .closeness = &closeness};
             gn_contact_sums sums = {0};
             double turned = shear[1];

@@ -510,11 +510,11 @@ static void a_new_contact_is_found_where_it_is(void **state) {
     (void)state;
     specimen *s = chain(20, 0.0, 0.0, all_effects);
     int32_t before[20], after[20];
-    gn_step_marks(&s->spectrum, before);
+    gn_step_contact_hashes(&s->spectrum, before);
     for (int p = 0; p < 20; p++) assert_int_equal(before[p], 0); /* intact bonds do not count */
     s->bonds.cause[7] = GN_BROKEN_TENSION;
     s->bonds.length0[7] *= 1.001; /* broken and pressed */
-    gn_step_marks(&s->spectrum, after);
+    gn_step_contact_hashes(&s->spectrum, after);
     for (int p = 0; p < 20; p++) assert_int_equal(after[p] != 0, p == 7 || p == 8);
     double sharp = limits_of(s, 1e-8).sharp;
     for (int near = 0; near < 2; near++) {

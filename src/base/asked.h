@@ -1,10 +1,10 @@
-/* Fields of particles and bonds that files have on request alone (`output.fields`). */
+/* Optional fields of particles and bonds, which files contain only on request (`output.fields`). */
 #ifndef GN_BASE_ASKED_H
 #define GN_BASE_ASKED_H
 
 #include "base/effects.h"
 
-/* X(name of the fields, effects that they need, what a scene without these lacks) */
+/* X(name of the field, effects that it needs, what a scene without these effects lacks) */
 #define GN_ASKED_FIELDS(X)                                                                         \
     X(spin, GN_FX_ROTATION, "particles that rotate (law.rotation)")                                \
     X(group, 0, "")                                                                                \
@@ -24,7 +24,7 @@ enum { GN_ASKED_FIELDS(X) GN_ASKED_COUNT };
 #undef X
 #define GN_ASKED(name) (1u << GN_ASKED_INDEX_##name)
 
-/* Those that need all contact forces once more. */
+/* The fields whose output needs one more evaluation of all contact forces. */
 enum {
     GN_ASKED_LOADS = GN_ASKED(total_force) | GN_ASKED(total_moment) | GN_ASKED(damping_force) |
                      GN_ASKED(damping_moment)

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Of a sphere, m3; in two dimensions of a disc of unit thickness, m2. */
+/* Returns the volume of a sphere, m3; in two dimensions that of a disc of unit thickness, m2. */
 static inline double gn_ball_volume(int dimension, double radius) {
     return dimension == 3 ? 4.0 / 3.0 * M_PI * radius * radius * radius : M_PI * radius * radius;
 }

@@ -1,5 +1,5 @@
-/* The effects a scene can call for. A scene resolves to a mask; a field that no active effect uses
- * is not allocated, a pass that no active effect needs is not run, a kernel is chosen that has only
+/* Effects that a scene can request. A scene resolves to a mask of effects: fields without an active
+ * effect are not allocated, passes without one are skipped, and the kernel is chosen that has only
  * the active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the
  * texts. */
 #ifndef GN_BASE_EFFECTS_H
@@ -11,15 +11,16 @@
 #define GN_EFFECTS(X)                                                                              \
     X(SPACE, space, "three dimensions (spheres); without it discs in plane strain")                \
     X(ROTATION, rotation, "particle spins and moments")                                            \
-    X(PAIRS, pairs, "contacts between particles that were not bonded to each other")               \
+    X(PAIRS, pairs, "contacts between unbonded particles")                                         \
     X(SHEAR, shear, "tangential springs (friction or bonds with shear stiffness)")                 \
     X(FRICTION, friction, "Coulomb friction with radial return")                                   \
     X(BONDS, bonds, "brittle bonds")                                                               \
-    X(MOHR, mohr, "bonds whose shear strength the normal force changes (Mohr-Coulomb)")            \
+    X(MOHR, mohr, "bonds whose shear strength depends on the normal force (Mohr-Coulomb)")         \
     X(SOFTENING, softening, "bonds that soften before they break, or yield under pressure")        \
     X(YIELD, yield, "bonds that yield under pressure")                                             \
-    X(COUPLED_QUADRATIC, coupled_quadratic, "bonds that tension and shear break together")         \
-    X(COUPLED_LINEAR, coupled_linear, "bonds whose shear strength tension takes mu_1 f_n from")    \
+    X(COUPLED_QUADRATIC, coupled_quadratic,                                                        \
+      "bonds that fail by tension and shear combined (quadratic criterion)")                       \
+    X(COUPLED_LINEAR, coupled_linear, "bonds whose shear strength tension reduces by mu_1 f_n")    \
     X(CONTACT_DAMPING, contact_damping, "normal viscous damping in contacts (restitution)")        \
     X(VISCOUS, viscous, "background damping -a m v")                                               \
     X(NONVISCOUS_VECTOR, nonviscous_vector, "background damping -a |F| v/|v|")                     \
@@ -34,20 +35,20 @@
     X(ENERGY, energy, "energy ledger")                                                             \
     X(MIXED, mixed, "forces in single precision, sums and state in double")                        \
     X(CONTACT_FORCES, contact_forces,                                                              \
-      "forces kept contact by contact, for a periodic box that moves and while output looks")      \
+      "forces stored per contact, for a moving periodic box and during output")                    \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
     X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \
-    X(MASS_SCALING, mass_scaling, "particles heavier than they are, for a longer step")            \
+    X(MASS_SCALING, mass_scaling, "added particle mass, for a longer step")                        \
     X(AREA, area, "bonds with sections of their own (laws by area)")                               \
     X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")                         \
     X(MEMBRANE, membrane, "pressure on the surface of the specimen")                               \
-    X(EVENTS, events, "a list of when and where bonds broke, began to soften or to yield")         \
+    X(EVENTS, events, "events: where and when bonds broke, began to soften or to yield")           \
     X(CONFINED, confined, "bonds whose shear strength follows the mean stress around them")        \
     X(HERTZ, hertz, "Hertz-Mindlin contacts of particles that are not bonded")                     \
-    X(NO_PULL, no_pull, "contacts whose dashpot never pulls")                                      \
+    X(NO_PULL, no_pull, "contacts whose dashpot never exerts tension")                             \
     X(ROLLING, rolling, "contacts that resist rolling and twisting")                               \
-    X(OVERLAP, overlap, "particles and finite elements that share zones as one body")
+    X(OVERLAP, overlap, "coupling zones of particles and finite elements")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,
@@ -56,10 +57,10 @@ typedef enum gn_effect_index {
         GN_EFFECT_COUNT
 } gn_effect_index;
 
-/* What a build leaves out (the option `without` of meson), as bits. There an effect is 0: nothing
- * sets it, and what a test of it guards is not compiled. Only the manifest of records and what
- * reads scenes know all effects (GN_EVERY_EFFECT): fields that need one have no storage, a scene
- * that calls for one is refused. */
+/* Effects that a build leaves out (the option `without` of meson), as bits. Their constants are 0,
+ * so that nothing sets them and code guarded by a test of them is not compiled. Only the manifest
+ * of records and the scene reader know all effects (GN_EVERY_EFFECT): a field that needs an
+ * excluded effect has no storage, and a scene that requests one is refused. */
 #ifndef GN_WITHOUT
 #define GN_WITHOUT 0
 #endif
@@ -78,9 +79,9 @@ typedef enum gn_effect {
 } gn_effect;
 
 typedef uint64_t gn_effects; /* a set of gn_effect bits */
-_Static_assert(GN_EFFECT_COUNT <= 63, "bits of a long long: more effects need another set");
+_Static_assert(GN_EFFECT_COUNT <= 63, "effects are bits of a long long");
 
-/* "friction", ...; index in [0, GN_EFFECT_COUNT). */
+/* Returns "friction", ...; index in [0, GN_EFFECT_COUNT). */
 const char *gn_effect_name(gn_effect_index index);
 const char *gn_effect_text(gn_effect_index index);
 

@@ -65,7 +65,7 @@ void gn_eigen_symmetric(int n, double *a, double *values, double *vectors) {
         norm += a[k * n + k] * a[k * n + k];
     }
     double enough = DBL_EPSILON * DBL_EPSILON * norm;
-    /* Convergence is quadratic: ten sweeps do for any matrix; the limit guards against NaN. */
+    /* Convergence is quadratic: ten sweeps suffice for any matrix. The limit guards against NaN. */
     for (int sweep = 0; sweep < 50 && off_diagonal(n, a) > enough; sweep++)
         for (int p = 0; p < n; p++)
             for (int q = p + 1; q < n; q++)
@@ -84,32 +84,34 @@ enum {
     CHECK_EVERY = 8,
     PRODUCTS_MAX = 4000,
 };
-static const size_t basis_bytes = (size_t)512 << 20; /* aim for the basis of a large problem */
+/* target size of the basis of a large problem */
+static const size_t basis_bytes = (size_t)512 << 20;
 
-/* What is added up by itself of a vector of n entries. */
+/* Blocks of a vector of n entries, each of which is summed separately. */
 typedef struct vector_blocks {
     size_t n, count;
-    size_t *start; /* [count + 1]; NULL: of BLOCK entries each */
+    size_t *start; /* [count + 1]; NULL: blocks of BLOCK entries */
 } vector_blocks;
 
-static size_t start_of(const vector_blocks *q, size_t b) {
-    if (q->start) return q->start[b];
-    return b * BLOCK < q->n ? b * BLOCK : q->n;
+static size_t start_of(const vector_blocks *blocks, size_t b) {
+    if (blocks->start) return blocks->start[b];
+    return b * BLOCK < blocks->n ? b * BLOCK : blocks->n;
 }
-static size_t size_of(const vector_blocks *q, size_t b) {
-    return start_of(q, b + 1) - start_of(q, b);
+static size_t size_of(const vector_blocks *blocks, size_t b) {
+    return start_of(blocks, b + 1) - start_of(blocks, b);
 }
 
-/* Those of the longer vector, as far as something of them is there. */
-static bool find_blocks(const gn_eigen_system *y, vector_blocks *q) {
-    *q = (vector_blocks){.n = y->n, .count = (y->n + BLOCK - 1) / BLOCK};
-    if (!y->place) return true;
-    q->count = 0;
-    q->start = gn_alloc_array(y->n / GN_EIGEN_GROUP + 2, sizeof *q->start);
-    for (size_t k = 0; q->start && k < y->n; k += GN_EIGEN_GROUP)
-        if (k == 0 || y->place[k] / BLOCK != y->place[k - 1] / BLOCK) q->start[q->count++] = k;
-    if (q->start) q->start[q->count] = y->n;
-    return q->start;
+/* Finds the blocks of the longer vector that contain at least one entry of this one. */
+static bool find_blocks(const gn_eigen_system *system, vector_blocks *blocks) {
+    *blocks = (vector_blocks){.n = system->n, .count = (system->n + BLOCK - 1) / BLOCK};
+    if (!system->place) return true;
+    blocks->count = 0;
+    blocks->start = gn_alloc_array(system->n / GN_EIGEN_GROUP + 2, sizeof *blocks->start);
+    for (size_t k = 0; blocks->start && k < system->n; k += GN_EIGEN_GROUP)
+        if (k == 0 || system->place[k] / BLOCK != system->place[k - 1] / BLOCK)
+            blocks->start[blocks->count++] = k;
+    if (blocks->start) blocks->start[blocks->count] = system->n;
+    return blocks->start;
 }
 
 static double dot_block(size_t n, const double *x, const double *y) {
@@ -122,15 +124,16 @@ static double dot_block(size_t n, const double *x, const double *y) {
            ((lane[2] + lane[6]) + (lane[3] + lane[7])) + rest;
 }
 
-static double dot_of_blocks(const vector_blocks *q, const double *x, const double *y, int threads) {
-    enum { GROUP = 64 }; /* partial sums held at a time */
+static double dot_of_blocks(const vector_blocks *blocks, const double *x, const double *y,
+                            int threads) {
+    enum { GROUP = 64 }; /* partial sums stored at a time */
     double sum = 0.0, partial[GROUP];
-    for (size_t first = 0; first < q->count; first += GROUP) {
-        size_t count = q->count - first < GROUP ? q->count - first : GROUP;
+    for (size_t first = 0; first < blocks->count; first += GROUP) {
+        size_t count = blocks->count - first < GROUP ? blocks->count - first : GROUP;
 #pragma omp parallel for num_threads(threads) schedule(static) if (count > 4)
         for (size_t b = 0; b < count; b++) {
-            size_t at = start_of(q, first + b);
-            partial[b] = dot_block(size_of(q, first + b), x + at, y + at);
+            size_t at = start_of(blocks, first + b);
+            partial[b] = dot_block(size_of(blocks, first + b), x + at, y + at);
         }
         for (size_t b = 0; b < count; b++) sum += partial[b];
     }
@@ -146,58 +149,60 @@ typedef struct lanczos {
     const gn_eigen_system *system;
     size_t n;
     vector_blocks blocks;
-    int size; /* vectors the basis can hold besides the next one */
+    int size; /* capacity of the basis, without the next vector */
     int threads;
     double *weighed;                       /* [n] B w, with a metric */
     double *basis;                         /* [size + 1][n] */
     double *partial;                       /* [blocks][size + 1] */
-    uint8_t *used;                         /* [blocks] some vector has something in it */
+    uint8_t *used;                         /* [blocks] nonzero if some vector has an entry there */
     double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
     double values[BASIS_MAX];              /* Ritz values */
     double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
-/* Where nothing moves, as in most of a body that sleeps, vectors have nothing but zeros, which need
- * neither be multiplied nor taken away. */
-static void note_used(const lanczos *l, const double *w) {
-#pragma omp parallel for num_threads(l->threads) schedule(static) if (l->blocks.count > 4)
-    for (size_t b = 0; b < l->blocks.count; b++) {
-        const size_t end = start_of(&l->blocks, b + 1);
-        for (size_t i = start_of(&l->blocks, b); !l->used[b] && i < end; i++)
-            l->used[b] = !(w[i] == 0.0);
+/* Where nothing moves, as in most of a body at rest, vectors are zero, and their blocks need
+ * neither products nor orthogonalisation. */
+static void note_used(const lanczos *state, const double *w) {
+#pragma omp parallel for num_threads(state->threads) schedule(static) if (state->blocks.count > 4)
+    for (size_t b = 0; b < state->blocks.count; b++) {
+        const size_t end = start_of(&state->blocks, b + 1);
+        for (size_t i = start_of(&state->blocks, b); !state->used[b] && i < end; i++)
+            state->used[b] = !(w[i] == 0.0);
     }
 }
 
-static void weigh(const lanczos *l, const double *w) {
-    if (l->weighed) l->system->metric(l->system->context, w, l->weighed);
+static void weigh(const lanczos *state, const double *w) {
+    if (state->weighed) state->system->metric(state->system->context, w, state->weighed);
 }
 
-/* |w|; leaves B w in `weighed`. */
-static double length_of(const lanczos *l, const double *w) {
-    weigh(l, w);
-    return sqrt(dot_of_blocks(&l->blocks, w, l->weighed ? l->weighed : w, l->threads));
+/* Returns |w| and leaves B w in `weighed`. */
+static double length_of(const lanczos *state, const double *w) {
+    weigh(state, w);
+    return sqrt(
+        dot_of_blocks(&state->blocks, w, state->weighed ? state->weighed : w, state->threads));
 }
 
 /* c[k] = basis[k] . w for from <= k < count. */
-static void project(const lanczos *l, int from, int count, const double *w, double *c) {
-    const size_t blocks = l->blocks.count, width = (size_t)l->size + 1;
-#pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
+static void project(const lanczos *state, int from, int count, const double *w, double *c) {
+    const size_t blocks = state->blocks.count, width = (size_t)state->size + 1;
+#pragma omp parallel for num_threads(state->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
         for (int k = from; k < count; k++)
-            l->partial[b * width + (size_t)k] =
-                l->used[b] ? dot_block(size_of(&l->blocks, b),
-                                       l->basis + (size_t)k * l->n + start_of(&l->blocks, b),
-                                       w + start_of(&l->blocks, b))
-                           : 0.0;
+            state->partial[b * width + (size_t)k] =
+                state->used[b]
+                    ? dot_block(size_of(&state->blocks, b),
+                                state->basis + (size_t)k * state->n + start_of(&state->blocks, b),
+                                w + start_of(&state->blocks, b))
+                    : 0.0;
     for (int k = from; k < count; k++) {
         c[k] = 0.0;
-        for (size_t b = 0; b < blocks; b++) c[k] += l->partial[b * width + (size_t)k];
+        for (size_t b = 0; b < blocks; b++) c[k] += state->partial[b * width + (size_t)k];
     }
 }
 
-/* w -= c[0] v[0] + c[1] v[1] + ..., one after the other, for `count` vectors that lie `stride`
- * apart; four at a time, as w would be read and written for each. */
+/* w -= c[0] v[0] + c[1] v[1] + ... in this order, for `count` vectors at distance `stride`. Four
+ * vectors are subtracted at a time, which saves reading and writing w for each. */
 static void subtract_block(size_t size, int count, const double *c, const double *v, size_t stride,
                            double *w) {
     int k = 0;
@@ -212,14 +217,14 @@ static void subtract_block(size_t size, int count, const double *c, const double
 }
 
 /* w -= sum_k c[k] basis[k] over from <= k < count. */
-static void subtract(const lanczos *l, int from, int count, const double *c, double *w) {
-    const size_t blocks = l->blocks.count;
-#pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
+static void subtract(const lanczos *state, int from, int count, const double *c, double *w) {
+    const size_t blocks = state->blocks.count;
+#pragma omp parallel for num_threads(state->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
-        if (l->used[b])
-            subtract_block(size_of(&l->blocks, b), count - from, c + from,
-                           l->basis + (size_t)from * l->n + start_of(&l->blocks, b), l->n,
-                           w + start_of(&l->blocks, b));
+        if (state->used[b])
+            subtract_block(size_of(&state->blocks, b), count - from, c + from,
+                           state->basis + (size_t)from * state->n + start_of(&state->blocks, b),
+                           state->n, w + start_of(&state->blocks, b));
 }
 
 static void scale_vector(size_t n, double factor, double *w, int threads) {
@@ -227,112 +232,115 @@ static void scale_vector(size_t n, double factor, double *w, int threads) {
     for (size_t i = 0; i < n; i++) w[i] *= factor;
 }
 
-/* Takes the basis out of w, stores the coefficients as column `count - 1` of h and returns |w|. The
- * first round is the three-term recurrence; full rounds follow until one of them takes out little,
- * so that the loss of orthogonality does not build up (Daniel, Gragg, Kaufman & Stewart 1976). */
-static double orthogonalise(lanczos *l, int count, double *w) {
+/* Orthogonalises w against the basis, stores the coefficients as column `count - 1` of h and
+ * returns |w|. The first round is the three-term recurrence. Full rounds follow until one changes w
+ * little, so that the loss of orthogonality does not accumulate (Daniel, Gragg, Kaufman & Stewart
+ * 1976). */
+static double orthogonalise(lanczos *state, int count, double *w) {
     double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
-    const double *weighed = l->weighed ? l->weighed : w;
-    weigh(l, w);
+    const double *weighed = state->weighed ? state->weighed : w;
+    weigh(state, w);
     for (int round = 0; round < 5; round++) {
         int from = round == 0 && count > 2 ? count - 2 : 0;
         before = after;
-        project(l, from, count, weighed, c);
-        subtract(l, from, count, c, w);
+        project(state, from, count, weighed, c);
+        subtract(state, from, count, c, w);
         for (int k = from; k < count; k++) sum[k] += c[k];
-        after = length_of(l, w);
+        after = length_of(state, w);
         if (round > 0 && after > 0.7 * before) break;
     }
     for (int k = 0; k < count; k++)
-        l->h[k * l->size + count - 1] = l->h[(count - 1) * l->size + k] = sum[k];
+        state->h[k * state->size + count - 1] = state->h[(count - 1) * state->size + k] = sum[k];
     return after;
 }
 
-static void ritz(lanczos *l, int count) {
+static void ritz(lanczos *state, int count) {
     for (int p = 0; p < count; p++)
-        for (int q = 0; q < count; q++) l->work[p * count + q] = l->h[p * l->size + q];
-    gn_eigen_symmetric(count, l->work, l->values, l->vectors);
+        for (int q = 0; q < count; q++) state->work[p * count + q] = state->h[p * state->size + q];
+    gn_eigen_symmetric(count, state->work, state->values, state->vectors);
 }
 
 /* basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
-static void combine(const lanczos *l, int keep, int count) {
-    enum { CHUNK = 32 }; /* stacks of threads may be small */
-#pragma omp parallel for num_threads(l->threads) schedule(static) if (l->n > 4 * BLOCK)
-    for (size_t start = 0; start < l->n; start += CHUNK) {
+static void combine(const lanczos *state, int keep, int count) {
+    enum { CHUNK = 32 }; /* thread stacks may be small */
+#pragma omp parallel for num_threads(state->threads) schedule(static) if (state->n > 4 * BLOCK)
+    for (size_t start = 0; start < state->n; start += CHUNK) {
         double out[BASIS_MAX][CHUNK];
-        size_t size = l->n - start < CHUNK ? l->n - start : CHUNK;
+        size_t size = state->n - start < CHUNK ? state->n - start : CHUNK;
         for (int k = 0; k < keep; k++) {
             for (size_t i = 0; i < size; i++) out[k][i] = 0.0;
             for (int q = 0; q < count; q++) {
-                const double *v = l->basis + (size_t)q * l->n + start,
-                             y = l->vectors[k * count + q];
+                const double *v = state->basis + (size_t)q * state->n + start,
+                             y = state->vectors[k * count + q];
                 for (size_t i = 0; i < size; i++) out[k][i] += y * v[i];
             }
         }
         for (int k = 0; k < keep; k++)
-            memcpy(l->basis + (size_t)k * l->n + start, out[k], size * sizeof(double));
+            memcpy(state->basis + (size_t)k * state->n + start, out[k], size * sizeof(double));
     }
 }
 
-/* Keeps the upper Ritz vectors and the direction of the residual, so that the search goes on from
- * there. */
-static int restart(lanczos *l, int count) {
+/* Restarts the search from the upper Ritz vectors and the direction of the residual. */
+static int restart(lanczos *state, int count) {
     int keep = 2 * count / 5;
-    combine(l, keep, count);
-    memmove(l->basis + (size_t)keep * l->n, l->basis + (size_t)count * l->n, l->n * sizeof(double));
-    memset(l->h, 0, sizeof l->h);
-    for (int k = 0; k < keep; k++) l->h[k * l->size + k] = l->values[k];
+    combine(state, keep, count);
+    memmove(state->basis + (size_t)keep * state->n, state->basis + (size_t)count * state->n,
+            state->n * sizeof(double));
+    memset(state->h, 0, sizeof state->h);
+    for (int k = 0; k < keep; k++) state->h[k * state->size + k] = state->values[k];
     return keep;
 }
 
-/* Returns the number of basis vectors that the last Ritz pairs are made of. */
-static int iterate(lanczos *l, double tolerance, gn_eigen_top *top) {
+/* Returns the number of basis vectors of which the last Ritz pairs are combinations. */
+static int iterate(lanczos *state, double tolerance, gn_eigen_top *top) {
     for (int count = 0;;) {
-        double *next = l->basis + (size_t)(count + 1) * l->n;
-        l->system->apply(l->system->context, next - l->n, next);
-        note_used(l, next);
+        double *next = state->basis + (size_t)(count + 1) * state->n;
+        state->system->apply(state->system->context, next - state->n, next);
+        note_used(state, next);
         top->vectors++;
-        double beta = orthogonalise(l, ++count, next);
-        bool full = count == l->size;
-        bool done = !(beta > DBL_EPSILON * l->h[0]) || top->vectors >= PRODUCTS_MAX;
+        double beta = orthogonalise(state, ++count, next);
+        bool full = count == state->size;
+        bool done = !(beta > DBL_EPSILON * state->h[0]) || top->vectors >= PRODUCTS_MAX;
         if (!done && !full && top->vectors % CHECK_EVERY) {
-            scale_vector(l->n, 1.0 / beta, next, l->threads);
+            scale_vector(state->n, 1.0 / beta, next, state->threads);
             continue;
         }
-        ritz(l, count);
-        top->value = l->values[0];
-        top->residual = beta * fabs(l->vectors[count - 1]);
+        ritz(state, count);
+        top->value = state->values[0];
+        top->residual = beta * fabs(state->vectors[count - 1]);
         if (done || top->residual <= tolerance * top->value) return count;
-        scale_vector(l->n, 1.0 / beta, next, l->threads);
-        if (full) count = restart(l, count);
+        scale_vector(state->n, 1.0 / beta, next, state->threads);
+        if (full) count = restart(state, count);
     }
 }
 
-static gneiss_status allocate(lanczos *l, gneiss_error *error) {
-    const bool weighs = l->system->metric, placed = find_blocks(l->system, &l->blocks);
-    l->basis = gn_alloc_array_raw((size_t)l->size + 1, l->n * sizeof(double));
-    l->partial = gn_alloc_array(l->blocks.count, ((size_t)l->size + 1) * sizeof(double));
-    l->used = gn_alloc(l->blocks.count);
-    if (weighs) l->weighed = gn_alloc_array(l->n, sizeof(double));
-    if (placed && l->basis && l->partial && l->used && (l->weighed || !weighs)) return GNEISS_OK;
+static gneiss_status allocate(lanczos *state, gneiss_error *error) {
+    const bool weighs = state->system->metric, placed = find_blocks(state->system, &state->blocks);
+    state->basis = gn_alloc_array_raw((size_t)state->size + 1, state->n * sizeof(double));
+    state->partial =
+        gn_alloc_array(state->blocks.count, ((size_t)state->size + 1) * sizeof(double));
+    state->used = gn_alloc(state->blocks.count);
+    if (weighs) state->weighed = gn_alloc_array(state->n, sizeof(double));
+    if (placed && state->basis && state->partial && state->used && (state->weighed || !weighs))
+        return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
-                   l->size + 1, l->n);
+                   state->size + 1, state->n);
 }
 
-static gneiss_status search(lanczos *l, double tolerance, double *vector, gn_eigen_top *top,
+static gneiss_status search(lanczos *state, double tolerance, double *vector, gn_eigen_top *top,
                             gneiss_error *error) {
-    GN_TRY(allocate(l, error));
-    memcpy(l->basis, vector, l->n * sizeof(double));
-    note_used(l, l->basis);
-    double length = length_of(l, l->basis);
+    GN_TRY(allocate(state, error));
+    memcpy(state->basis, vector, state->n * sizeof(double));
+    note_used(state, state->basis);
+    double length = length_of(state, state->basis);
     if (!(length > 0.0 && length < INFINITY))
         return gn_fail(error, GNEISS_ERROR_INTERNAL,
                        "Lanczos needs a start vector of positive length, found %g", length);
-    scale_vector(l->n, 1.0 / length, l->basis, l->threads);
-    /* Below this the residual is round-off. */
-    int count = iterate(l, fmax(tolerance, 1e-13), top);
-    combine(l, 1, count);
-    memcpy(vector, l->basis, l->n * sizeof(double));
+    scale_vector(state->n, 1.0 / length, state->basis, state->threads);
+    /* A smaller residual is round-off. */
+    int count = iterate(state, fmax(tolerance, 1e-13), top);
+    combine(state, 1, count);
+    memcpy(vector, state->basis, state->n * sizeof(double));
     return GNEISS_OK;
 }
 

@@ -6,7 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A reading that is not a number for want of memory is no run that went bad. */
+/* A non-finite result after a refused allocation is reported as lack of memory, not as
+ * instability. */
 static gneiss_status cause_of(gneiss_status status) {
     return status == GNEISS_ERROR_UNSTABLE && gn_alloc_was_refused() ? GNEISS_ERROR_MEMORY : status;
 }
@@ -19,7 +20,7 @@ gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *for
         error->status = status;
         vsnprintf(error->message, sizeof error->message, format, args);
         va_end(args);
-        gn_make_printable(error->message); /* it may quote a file of somebody */
+        gn_make_printable(error->message); /* the message may quote text of a user's file */
     }
     return status;
 }
@@ -52,7 +53,7 @@ const char *gn_status_name(gneiss_status status) {
     case GNEISS_ERROR_MEMORY:
         return "out of memory";
     case GNEISS_ERROR_UNSTABLE:
-        return "run went bad";
+        return "unstable run";
     case GNEISS_INTERRUPTED:
         return "interrupted";
     }

@@ -1,5 +1,5 @@
-/* Failing with a message. Every fallible function returns a gneiss_status and takes a gneiss_error.
- */
+/* Errors with a message. Every fallible function returns a gneiss_status and takes a
+ * gneiss_error. */
 #ifndef GN_BASE_ERROR_H
 #define GN_BASE_ERROR_H
 
@@ -11,14 +11,14 @@
 gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Puts text in front of a message already there: the outer call adds where it happened. */
+/* Prepends text to an existing message: the caller adds where the error happened. */
 gneiss_status gn_fail_context(gneiss_error *error, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The short name of a status: "input error", "disk or file error", ... */
+/* Returns the short name of a status: "input error", "file error", ... */
 const char *gn_status_name(gneiss_status status);
 
-/* Returns early with the status of a call that failed. */
+/* Returns early with the status of a failed call. */
 #define GN_TRY(call)                                                                               \
     do {                                                                                           \
         gneiss_status gn_try_status = (call);                                                      \

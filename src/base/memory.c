@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* Readings are not a number without memory: only this tells them from a run that went bad. */
+/* Results are not finite without memory: only this flag distinguishes that from an unstable run. */
 static atomic_bool was_refused;
 
 static const size_t huge_page = (size_t)2 << 20;

@@ -1,4 +1,4 @@
-/* One aligned allocator: 64-byte lines, 2 MB pages for large blocks, zeroed. */
+/* The aligned allocator: 64-byte alignment, 2 MB pages for large blocks, zeroed memory. */
 #ifndef GN_BASE_MEMORY_H
 #define GN_BASE_MEMORY_H
 
@@ -7,21 +7,21 @@
 
 enum { GN_ALIGNMENT = 64 };
 
-/* Zeroed, 64-byte aligned. NULL when the memory is not to be had. A size of 0 gives a valid block.
- */
+/* Returns zeroed memory with 64-byte alignment, NULL if none is available. A size of 0 gives a
+ * valid block. */
 void *gn_alloc(size_t bytes);
 
-/* `count` items of `size` bytes; NULL also when the product overflows. */
+/* Allocates `count` items of `size` bytes; returns NULL also if the product overflows. */
 void *gn_alloc_array(size_t count, size_t size);
 
-/* The same with whatever is in it: for what is written before it is read, by the threads that will
- * use it. */
+/* Like gn_alloc_array, but uninitialised: for arrays that the threads which use them write
+ * first. */
 void *gn_alloc_array_raw(size_t count, size_t size);
 
 void gn_free(void *block);
 
-/* Tells whether any of these calls has been refused since the program began: what is not a number
- * since then may be so for want of memory. */
+/* Tells whether any allocation has been refused since the program began. If so, non-finite results
+ * may be due to lack of memory. */
 bool gn_alloc_was_refused(void);
 
 #endif

@@ -7,24 +7,25 @@ gn_names gn_names_for(const char *wanted) {
     return (gn_names){.wanted = wanted, .least = strlen(wanted) / 3 + 2};
 }
 
-void gn_names_add(gn_names *n, const char *name) {
+void gn_names_add(gn_names *names, const char *name) {
     static const char more[] = ", ...";
-    size_t distance = gn_edit_distance(n->wanted, name), used = strlen(n->known);
-    if (distance < n->least && distance < strlen(name)) {
-        n->least = distance;
-        n->nearest = name;
+    size_t distance = gn_edit_distance(names->wanted, name), used = strlen(names->known);
+    if (distance < names->least && distance < strlen(name)) {
+        names->least = distance;
+        names->nearest = name;
     }
-    if (used + strlen(name) + 2 + sizeof more <= sizeof n->known)
-        snprintf(n->known + used, sizeof n->known - used, "%s%s", used ? ", " : "", name);
-    else if (!strstr(n->known, more))
-        memcpy(n->known + used, more, sizeof more);
+    if (used + strlen(name) + 2 + sizeof more <= sizeof names->known)
+        snprintf(names->known + used, sizeof names->known - used, "%s%s", used ? ", " : "", name);
+    else if (!strstr(names->known, more))
+        memcpy(names->known + used, more, sizeof more);
 }
 
-const char *gn_names_advice(const gn_names *n, char *text, size_t size) {
-    if (n->nearest)
-        snprintf(text, size, "; did you mean '%s'?", n->nearest);
-    else if (n->known[0])
-        snprintf(text, size, "; there %s %s", strchr(n->known, ',') ? "are" : "is", n->known);
+const char *gn_names_advice(const gn_names *names, char *text, size_t size) {
+    if (names->nearest)
+        snprintf(text, size, "; did you mean '%s'?", names->nearest);
+    else if (names->known[0])
+        snprintf(text, size, "; there %s %s", strchr(names->known, ',') ? "are" : "is",
+                 names->known);
     else
         snprintf(text, size, "; there is none");
     return text;

@@ -1,25 +1,26 @@
-/* What was probably meant by a name that nothing has. */
+/* Suggestions for unknown names: the nearest known name, or all of them. */
 #ifndef GN_BASE_NAMES_H
 #define GN_BASE_NAMES_H
 
 #include <stddef.h>
 
 typedef struct gn_names {
-    const char *wanted, *nearest; /* nearest: NULL when none is near enough; borrowed */
-    size_t least;                 /* its distance */
-    char known[400];              /* all of them, comma separated */
+    const char *wanted, *nearest; /* nearest: NULL if none is near enough; borrowed */
+    size_t least;                 /* the distance of `nearest` */
+    char known[400];              /* all known names, separated by commas */
 } gn_names;
 
-/* `wanted` must outlive what is returned. */
+/* Begins a search; `wanted` must outlive the returned object. */
 gn_names gn_names_for(const char *wanted);
 void gn_names_add(gn_names *names, const char *name);
 
 enum { GN_ADVICE_SIZE = 480 };
 
-/* "; did you mean 'top'?", or "; there are top, bottom", or "; there is none". */
+/* Writes "; did you mean 'top'?", or "; there are top, bottom", or "; there is none" and returns
+ * `text`. */
 const char *gn_names_advice(const gn_names *names, char *text, size_t size);
 
-/* Optimal string alignment distance of two names (Levenshtein with swaps of neighbours). */
+/* Returns the optimal string alignment distance of two names (Levenshtein with transpositions). */
 size_t gn_edit_distance(const char *a, const char *b);
 
 #endif

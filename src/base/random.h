@@ -12,7 +12,7 @@ static inline uint64_t gn_random_bits(uint64_t seed, uint64_t index) {
     return z ^ (z >> 31);
 }
 
-/* Uniform in [-1, 1). */
+/* Returns a number uniformly distributed in [-1, 1). */
 static inline double gn_random_symmetric(uint64_t seed, uint64_t index) {
     return (double)(gn_random_bits(seed, index) >> 11) * 0x1p-52 - 1.0;
 }

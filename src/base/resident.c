@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <sys/mman.h>
 
-/* Not by getrusage: its peak includes that of the process which this one was forked from. */
-bool gn_resident_read(gn_resident *r) {
+/* getrusage does not serve: its peak includes that of the parent before the fork. */
+bool gn_resident_read(gn_resident *resident) {
     char line[256];
     double peak = 0.0, now = 0.0;
     FILE *file = fopen("/proc/self/status", "r");
@@ -14,7 +14,7 @@ bool gn_resident_read(gn_resident *r) {
         (void)sscanf(line, "VmRSS: %lf", &now);
     }
     fclose(file);
-    *r = (gn_resident){1024.0 * peak, 1024.0 * now};
+    *resident = (gn_resident){1024.0 * peak, 1024.0 * now};
     return peak > 0.0 && now > 0.0;
 }
 

@@ -1,4 +1,4 @@
-/* The memory that this process has in use, and whether there is more. */
+/* Memory use of this process, and whether more is available. */
 #ifndef GN_BASE_RESIDENT_H
 #define GN_BASE_RESIDENT_H
 
@@ -9,11 +9,11 @@ typedef struct gn_resident {
     double peak, now; /* bytes */
 } gn_resident;
 
-/* False where the system does not say (it has no /proc). */
+/* Reads both sizes; returns false where the system has no /proc. */
 bool gn_resident_read(gn_resident *resident);
 
-/* Tells whether so many bytes more can be had now. Libraries that crash without memory are called
- * only then. */
+/* Tells whether that many more bytes are available now. Libraries that crash without memory are
+ * called only if so. */
 bool gn_memory_is_left(size_t bytes);
 
 #endif

@@ -1,4 +1,4 @@
-/* How many threads are asked for in parallel regions. */
+/* The number of threads of parallel regions. */
 #ifndef GN_BASE_THREADS_H
 #define GN_BASE_THREADS_H
 
@@ -6,11 +6,11 @@
 
 #include <stdint.h>
 
-/* More are not used by anything. */
+/* The largest number of threads that is ever used. */
 enum { GN_THREADS_MAX = 1024 };
 
-/* Threads for a `run.threads` of `asked` (0: one for each processor): no more than the OpenMP
- * library gives to anybody (OMP_THREAD_LIMIT). A parallel region may get fewer. */
+/* Returns the number of threads for `run.threads` = `asked` (0: one for each processor), limited by
+ * the OpenMP library (OMP_THREAD_LIMIT). A parallel region may get fewer. */
 int gn_threads_of(int64_t asked);
 
 /* The same, with those that the system lets this process have at once: the OpenMP library ends the

@@ -1,10 +1,11 @@
-/* Sets that grow together: `parent` of each is one of its set, of the smallest that one itself. */
+/* Disjoint sets (union-find). `parent` of an element is an element of its set; the root is the
+ * smallest element and its own parent. */
 #ifndef GN_BASE_UNION_FIND_H
 #define GN_BASE_UNION_FIND_H
 
 #include <stdint.h>
 
-/* The smallest of the set of k; the path to it is halved. */
+/* Returns the smallest element of the set of k; the path to it is halved. */
 static inline int32_t gn_set_root(int32_t *parent, int32_t k) {
     while (parent[k] != k) {
         parent[k] = parent[parent[k]];

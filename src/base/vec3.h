@@ -1,11 +1,11 @@
-/* Products of vectors of three, and distances in periodic boxes. */
+/* Products of vectors in space, and distances in periodic boxes. */
 #ifndef GN_BASE_VEC3_H
 #define GN_BASE_VEC3_H
 
 #include <math.h>
 
-/* A component of the way to the nearest image; `period` 0: not periodic. (The contact kernel has
- * the same on vectors of lanes.) */
+/* Returns a component of the vector to the nearest image; `period` 0: not periodic. (The contact
+ * kernel has a SIMD version.) */
 static inline double gn_nearest(double d, double period) {
     return period > 0.0 ? d - period * nearbyint(d / period) : d;
 }

@@ -1,8 +1,8 @@
-/* What program this is. */
+/* Version of the program. */
 #ifndef GN_BASE_VERSION_H
 #define GN_BASE_VERSION_H
 
-/* "0.1.0", and the compiler and flags it was built with. */
+/* Returns the version, e.g. "0.1.0", with compiler and flags. */
 const char *gn_version(void);
 const char *gn_build(void);
 

@@ -482,7 +482,7 @@ static void act(const gn_step_context *ctx, gn_boundary *boundary, gn_body_pair 
                         .spins = true};
     double t[3], force[3], moment[3];
     s->touch.inverse_mass = inverse_mass_of(p, s);
-    s->touch.other = other_acceleration(ctx, p, s);
+    s->touch.other_acceleration = other_acceleration(ctx, p, s);
     s->side.friction *= s->size; /* the force is that along h times the gradient */
     double friction = s->side.friction;
     turn_shear(s->touch.n, p->shear);

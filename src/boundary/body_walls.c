@@ -356,7 +356,8 @@ static void contact(const gn_step_context *ctx, gn_boundary *boundary, const gro
                           .spins = true};
     if (pressed) {
         s.inverse_mass = g->inverse_mass * (g->part / part);
-        s.other = gn_rigid_accelerates(ctx, g->body, g->force, g->turn, lever, g->wall->normal);
+        s.other_acceleration =
+            gn_rigid_accelerates(ctx, g->body, g->force, g->turn, lever, g->wall->normal);
     }
     double total =
         gn_linear_touch(&step, &side, &s, q->fd ? q->fd + c : NULL, q->shear ? q->shear + c : NULL,

@@ -216,7 +216,7 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     s.inverse_mass =
         gn_inverse_mass_along(g->dem, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
     if (g->ctx->effects & GN_FX_CONTACT_DAMPING)
-        s.whole = inverse_mass_as_wholes(g, &minima[k->member], &s);
+        s.body_inverse_mass = inverse_mass_as_wholes(g, &minima[k->member], &s);
     if (spin) {
         gn_cross3(spin, arm, turn);
         s.twist = gn_dot3(spin, s.n);
@@ -271,7 +271,7 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         s.closeness = q->closeness + own;
     }
     s.inverse_mass /= k->part;
-    s.whole /= mass_share(g, k);
+    s.body_inverse_mass /= mass_share(g, k);
     if (q->roll) take_roll(g, roll, couple, &s);
     double total = gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, own, &s,
                                   q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
@@ -333,7 +333,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     double couple[3];
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
-    s.whole /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
+    s.body_inverse_mass /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
     double total =
         gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, m->row, &s,
                        q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
@@ -486,7 +486,7 @@ size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
         gn_touch s = touch_of(&g, near, &now[k], now[k].arm);
         const gn_touch_side law = gn_surface_side(ctx, dem, g.s, g.particle, now[k].part);
         s.inverse_mass /= now[k].part;
-        s.whole /= mass_share(&g, &now[k]);
+        s.body_inverse_mass /= mass_share(&g, &now[k]);
         double total = gn_linear_press(&step, &law, &s);
         for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
     }

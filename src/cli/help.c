@@ -163,7 +163,7 @@ void gn_print_help(FILE *out, const gn_command *command) {
     print_options(out, NULL);
     fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder "
           "that is not\n"
-          "there, too), 3 file could not be read or written, 4 out of memory, 5 run went bad, 6 "
+          "there, too), 3 file could not be read or written, 4 out of memory, 5 unstable run, 6 "
           "interrupted\n"
           "(a checkpoint was written if the run had begun)\n\n"
           "gneiss help COMMAND: what a command takes, with an example\n",

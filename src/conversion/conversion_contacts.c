@@ -54,9 +54,9 @@ static void find_turn(const gn_conversion *c, int32_t p, double turn[3][3]) {
     int32_t element[GN_AROUND_MOST];
     double one[3][3];
     const size_t count = gn_conversion_around(b, &tie, element);
-    gn_fem_turn(b, (size_t)element[0], turn);
+    gn_fem_rotation(b, (size_t)element[0], turn);
     for (size_t e = 1; e < count; e++) {
-        gn_fem_turn(b, (size_t)element[e], one);
+        gn_fem_rotation(b, (size_t)element[e], one);
         for (int r = 0; r < 3; r++)
             for (int k = 0; k < 3; k++) turn[r][k] += one[r][k];
     }

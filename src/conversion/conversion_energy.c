@@ -95,9 +95,9 @@ static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
     for (size_t e = 0; e < b->elements.soa.count; e++)
         if (c->touched[c->place[b->elements.id[e]]] == touched) c->some[count++] = (int32_t)e;
     /* Half a step of the power is what the difference of two energies gives. */
-    sum->elements += gn_fem_stored(b, c->some, count, 0.0);
-    sum->step +=
-        0.5 * (gn_fem_stored(b, c->some, count, -half) - gn_fem_stored(b, c->some, count, half));
+    sum->elements += gn_fem_elastic_energy(b, c->some, count, 0.0);
+    sum->step += 0.5 * (gn_fem_elastic_energy(b, c->some, count, -half) -
+                        gn_fem_elastic_energy(b, c->some, count, half));
 }
 
 static gn_held held(const gn_conversion *c, bool changes) {

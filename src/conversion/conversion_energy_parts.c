@@ -34,7 +34,7 @@ static void gradient_at(const gn_conversion *c, size_t p, gradients *g) {
     if (g->element == e) return;
     g->element = e;
     gn_fem_gradient_of(b, (size_t)e, g->f);
-    gn_fem_turn(b, (size_t)e, g->turn);
+    gn_fem_rotation(b, (size_t)e, g->turn);
 }
 
 /* J, of a whole bond of which both ends go with an element (as conversion_contacts.c has it). */
@@ -81,7 +81,7 @@ static double elements_alike(const gn_conversion *c) {
         const double taken = taken_by(c, p);
         if (taken == 0.0) continue;
         sum += taken * gn_ball_volume(b->dimension, w->dem.particles.pos[4 * p + 3]) / solid *
-               gn_fem_held_density(b, (size_t)gn_home_of(c, p));
+               gn_fem_energy_density(b, (size_t)gn_home_of(c, p));
     }
     return sum;
 }

@@ -277,7 +277,7 @@ static void put_nodes(const gn_solids *solids, gn_most_loaded *most_loaded, gn_e
                       const gn_foreseen *f) {
     gn_fem_solid *b = gn_coupled_solid(solids);
     memcpy(b->nodes.pos, f->place, 4 * b->nodes.soa.count * sizeof *f->place);
-    gn_fem_moved(b);
+    gn_fem_positions_changed(b);
     gn_fem_to_single(b);
     most_loaded->share = 0.0; /* all is to be looked at, however little it is loaded */
     *outcome->halt = '\0';

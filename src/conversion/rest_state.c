@@ -145,7 +145,7 @@ bool gn_rest_put(const gn_rest *r, double times) {
             any = any || u != 0.0;
             b->nodes.pos[4 * n + a] = b->nodes.start[4 * n + a] + times * u;
         }
-    gn_fem_moved(b);
+    gn_fem_positions_changed(b);
     return any;
 }
 

@@ -7,147 +7,156 @@
 
 /* --- which nodes have a particle together --- */
 
-static size_t place_of(const gn_consistent *y, size_t node, int32_t other) {
-    size_t k = (size_t)y->row[node];
-    while (k < (size_t)y->row[node + 1] && y->column[k] != other) k++;
+static size_t place_of(const gn_consistent *system, size_t node, int32_t other) {
+    size_t k = (size_t)system->row[node];
+    while (k < (size_t)system->row[node + 1] && system->column[k] != other) k++;
     return k;
 }
 
 /* Lists the neighbours of each node in the order in which ties have them. */
-static void list_neighbours(gn_consistent *y) {
-    const gn_ties *t = y->ties;
-    y->row[0] = 0;
+static void list_neighbours(gn_consistent *system) {
+    const gn_ties *t = system->ties;
+    system->row[0] = 0;
     for (size_t n = 0; n < t->nodes; n++) {
-        y->row[n + 1] = y->row[n];
+        system->row[n + 1] = system->row[n];
         for (int32_t s = t->first[n]; s < t->first[n + 1]; s++)
             for (int a = 0; a < t->corners; a++) {
                 const int32_t other = t->tie[t->share[s].tie].own[a];
-                if (other == (int32_t)n || place_of(y, n, other) < (size_t)y->row[n + 1]) continue;
-                y->column[y->row[n + 1]++] = other;
+                if (other == (int32_t)n || place_of(system, n, other) < (size_t)system->row[n + 1])
+                    continue;
+                system->column[system->row[n + 1]++] = other;
             }
     }
 }
 
-void gn_consistent_weigh(gn_consistent *y, const double *mass) {
-    const gn_ties *t = y->ties;
-    memset(y->weight, 0, (size_t)y->row[t->nodes] * sizeof *y->weight);
+void gn_consistent_assemble(gn_consistent *system, const double *mass) {
+    const gn_ties *t = system->ties;
+    memset(system->weight, 0, (size_t)system->row[t->nodes] * sizeof *system->weight);
     for (size_t n = 0; n < t->nodes; n++)
         for (int32_t s = t->first[n]; s < t->first[n + 1]; s++) {
             const gn_tie_share *share = &t->share[s];
             const gn_tie *tie = &t->tie[share->tie];
             for (int a = 0; a < t->corners; a++)
                 if (tie->own[a] != (int32_t)n)
-                    y->weight[place_of(y, n, tie->own[a])] +=
+                    system->weight[place_of(system, n, tie->own[a])] +=
                         tie->shape[a] * tie->shape[share->corner] * mass[share->tie];
         }
 }
 
-gneiss_status gn_consistent_create(const gn_ties *t, gn_consistent *y, gneiss_error *error) {
-    const size_t n = t->nodes + 1, room = t->count * (size_t)(t->corners * (t->corners - 1)) + 1;
-    *y = (gn_consistent){.ties = t, .threads = 1};
-    y->row = gn_alloc_array(n, sizeof *y->row);
-    y->column = gn_alloc_array(room, sizeof *y->column);
-    y->weight = gn_alloc_array(room, sizeof *y->weight);
-    y->whole = gn_alloc_array(n, sizeof *y->whole);
-    y->load = gn_alloc_array(n, 3 * sizeof *y->load);
-    y->rate = gn_alloc_array(n, 3 * sizeof *y->rate);
-    y->fixed = gn_alloc_array(n, 3 * sizeof *y->fixed);
-    bool held = y->row && y->column && y->weight && y->whole && y->load && y->rate && y->fixed;
+gneiss_status gn_consistent_create(const gn_ties *ties, gn_consistent *system,
+                                   gneiss_error *error) {
+    const size_t n = ties->nodes + 1,
+                 room = ties->count * (size_t)(ties->corners * (ties->corners - 1)) + 1;
+    *system = (gn_consistent){.ties = ties, .threads = 1};
+    system->row = gn_alloc_array(n, sizeof *system->row);
+    system->column = gn_alloc_array(room, sizeof *system->column);
+    system->weight = gn_alloc_array(room, sizeof *system->weight);
+    system->whole = gn_alloc_array(n, sizeof *system->whole);
+    system->load = gn_alloc_array(n, 3 * sizeof *system->load);
+    system->rate = gn_alloc_array(n, 3 * sizeof *system->rate);
+    system->fixed = gn_alloc_array(n, 3 * sizeof *system->fixed);
+    bool held = system->row && system->column && system->weight && system->whole && system->load &&
+                system->rate && system->fixed;
     for (int k = 0; k < 5; k++)
-        held = (y->work[k] = gn_alloc_array(n, 3 * sizeof *y->work[k])) && held;
+        held = (system->work[k] = gn_alloc_array(n, 3 * sizeof *system->work[k])) && held;
     if (held) {
-        list_neighbours(y);
+        list_neighbours(system);
         return GNEISS_OK;
     }
-    gn_consistent_free(y);
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones", t->nodes);
+    gn_consistent_free(system);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones", ties->nodes);
 }
 
-void gn_consistent_free(gn_consistent *y) {
-    void *blocks[] = {y->row,   y->column,  y->weight,  y->whole,   y->load,    y->rate,
-                      y->fixed, y->work[0], y->work[1], y->work[2], y->work[3], y->work[4]};
+void gn_consistent_free(gn_consistent *system) {
+    void *blocks[] = {system->row,     system->column,  system->weight,  system->whole,
+                      system->load,    system->rate,    system->fixed,   system->work[0],
+                      system->work[1], system->work[2], system->work[3], system->work[4]};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    *y = (gn_consistent){0};
+    *system = (gn_consistent){0};
 }
 
 /* --- products --- */
 
-/* So few nodes are no work to share out. */
+/* Below this number of nodes, loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 static inline __attribute__((always_inline)) void
-spread_at(const gn_consistent *y, size_t n, const double *x, double *out, size_t dimension) {
+spread_at(const gn_consistent *system, size_t n, const double *x, double *out, size_t dimension) {
     double sum[3] = {0.0};
-    for (int32_t k = y->row[n]; k < y->row[n + 1]; k++)
+    for (int32_t k = system->row[n]; k < system->row[n + 1]; k++)
         for (size_t c = 0; c < dimension; c++)
-            sum[c] += y->weight[k] * (x[3 * n + c] - x[3 * (size_t)y->column[k] + c]);
+            sum[c] += system->weight[k] * (x[3 * n + c] - x[3 * (size_t)system->column[k] + c]);
     memcpy(out + 3 * n, sum, sizeof sum);
 }
 
 /* out_a = sum_b W_ab (x_a - x_b), W = N^T M N, whose rows add up to the lump. */
-static void spread(const gn_consistent *y, const double *x, double *out) {
-    const size_t nodes = y->ties->nodes;
-    const bool flat = y->ties->corners == 3;
-#pragma omp parallel for num_threads(y->threads) schedule(static) if (nodes > FEW)
+static void spread(const gn_consistent *system, const double *x, double *out) {
+    const size_t nodes = system->ties->nodes;
+    const bool flat = system->ties->corners == 3;
+#pragma omp parallel for num_threads(system->threads) schedule(static) if (nodes > FEW)
     for (size_t n = 0; n < nodes; n++)
         if (flat)
-            spread_at(y, n, x, out, 2);
+            spread_at(system, n, x, out, 2);
         else
-            spread_at(y, n, x, out, 3);
+            spread_at(system, n, x, out, 3);
 }
 
-static void multiply(const gn_consistent *y, const double *x, double *out) {
-    spread(y, x, out);
-    for (size_t n = 0; n < y->ties->nodes; n++)
-        for (size_t c = 0; c < 3; c++) out[3 * n + c] = y->whole[n] * x[3 * n + c] - out[3 * n + c];
+static void multiply(const gn_consistent *system, const double *x, double *out) {
+    spread(system, x, out);
+    for (size_t n = 0; n < system->ties->nodes; n++)
+        for (size_t c = 0; c < 3; c++)
+            out[3 * n + c] = system->whole[n] * x[3 * n + c] - out[3 * n + c];
 }
 
-static double dot(const gn_consistent *y, const double *a, const double *b) {
+static double dot(const gn_consistent *system, const double *a, const double *b) {
     double sum = 0.0;
-    for (size_t k = 0; k < 3 * y->ties->nodes; k++) sum += a[k] * b[k];
+    for (size_t k = 0; k < 3 * system->ties->nodes; k++) sum += a[k] * b[k];
     return sum;
 }
 
-/* The start, the lumped rates, and what is left of the load; returns what sizes are held against.
- */
-static double begin(gn_consistent *y) {
-    double *r = y->work[0], *p = y->work[2], *q = y->work[3], *inverse = y->work[4], scale = 0.0;
-    for (size_t n = 0; n < y->ties->nodes; n++)
+/* Sets the initial guess (the rates of the lumped mass) and the residual; returns the norm to which
+ * residuals are compared. */
+static double begin(gn_consistent *system) {
+    double *r = system->work[0], *p = system->work[2], *q = system->work[3],
+           *inverse = system->work[4], scale = 0.0;
+    for (size_t n = 0; n < system->ties->nodes; n++)
         for (size_t k = 3 * n; k < 3 * n + 3; k++) {
-            inverse[k] = y->fixed[k] ? 0.0 : 1.0 / y->whole[n];
-            if (!y->fixed[k]) y->rate[k] = y->load[k] * inverse[k];
-            scale += y->load[k] * y->load[k] / y->whole[n];
+            inverse[k] = system->fixed[k] ? 0.0 : 1.0 / system->whole[n];
+            if (!system->fixed[k]) system->rate[k] = system->load[k] * inverse[k];
+            scale += system->load[k] * system->load[k] / system->whole[n];
         }
-    multiply(y, y->rate, q);
-    for (size_t k = 0; k < 3 * y->ties->nodes; k++) {
-        r[k] = y->load[k] - q[k];
-        p[k] = y->work[1][k] = r[k] * inverse[k];
+    multiply(system, system->rate, q);
+    for (size_t k = 0; k < 3 * system->ties->nodes; k++) {
+        r[k] = system->load[k] - q[k];
+        p[k] = system->work[1][k] = r[k] * inverse[k];
     }
     return scale;
 }
 
-/* What is fixed has no inverse mass: its residual counts for nothing, and it is in no direction. */
-int gn_consistent_solve(gn_consistent *y) {
+/* Fixed components have no inverse mass: their residual is ignored, and search directions vanish
+ * there. */
+int gn_consistent_solve(gn_consistent *system) {
     enum { ROUNDS = 60 };
-    const size_t count = 3 * y->ties->nodes;
-    const double scale = begin(y), *inverse = y->work[4];
-    double *x = y->rate, *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3];
-    double size = dot(y, r, z);
+    const size_t count = 3 * system->ties->nodes;
+    const double scale = begin(system), *inverse = system->work[4];
+    double *x = system->rate, *r = system->work[0], *z = system->work[1], *p = system->work[2],
+           *q = system->work[3];
+    double size = dot(system, r, z);
     int round = 0;
     for (; round < ROUNDS && size > 1e-26 * scale; round++) {
-        multiply(y, p, q);
-        const double step = size / dot(y, p, q), before = size;
+        multiply(system, p, q);
+        const double step = size / dot(system, p, q), before = size;
         for (size_t k = 0; k < count; k++) {
             x[k] += step * p[k];
             r[k] -= step * q[k];
             z[k] = r[k] * inverse[k];
         }
-        size = dot(y, r, z);
+        size = dot(system, r, z);
         for (size_t k = 0; k < count; k++) p[k] = z[k] + size / before * p[k];
     }
     return round;
 }
 
-void gn_consistent_difference(const gn_consistent *y, const double *rate, double *out) {
-    spread(y, rate, out);
+void gn_consistent_difference(const gn_consistent *system, const double *rate, double *out) {
+    spread(system, rate, out);
 }

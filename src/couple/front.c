@@ -29,115 +29,117 @@ void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const 
 typedef struct front {
     gn_fem_solid *solid;
     double width;
-    uint8_t *kind, *counted; /* [elements] counted: its nodes are in the distances */
+    uint8_t *kind, *counted; /* [elements] counted: its nodes have entered the distances */
     int32_t *fresh;          /* [nodes] of elements that were not counted yet */
     size_t fresh_count;
     uint8_t *reached, *crest; /* [nodes] */
 } front;
 
-static double *part_of(const front *f, size_t n) {
-    return f->solid->nodes.blend + 2 * n;
+static double *part_of(const front *advance, size_t n) {
+    return advance->solid->nodes.blend + 2 * n;
 }
 
-static size_t corner(const front *f, size_t e, int a) {
-    return (size_t)gn_elements_node(&f->solid->elements, a)[e];
+static size_t corner(const front *advance, size_t e, int a) {
+    return (size_t)gn_elements_node(&advance->solid->elements, a)[e];
 }
 
-static void find_fresh(front *f) {
-    f->fresh_count = 0;
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
-        if (f->kind[e] != GN_FRONT_LEAVING || f->counted[e]) continue;
-        f->counted[e] = 1;
-        for (int a = 0; a <= f->solid->dimension; a++) {
-            const size_t n = corner(f, e, a);
-            if (f->reached[n]) continue;
-            f->reached[n] = 1;
-            f->fresh[f->fresh_count++] = (int32_t)n;
+static void find_fresh(front *advance) {
+    advance->fresh_count = 0;
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
+        if (advance->kind[e] != GN_FRONT_LEAVING || advance->counted[e]) continue;
+        advance->counted[e] = 1;
+        for (int a = 0; a <= advance->solid->dimension; a++) {
+            const size_t n = corner(advance, e, a);
+            if (advance->reached[n]) continue;
+            advance->reached[n] = 1;
+            advance->fresh[advance->fresh_count++] = (int32_t)n;
         }
     }
 }
 
-/* Relative. Distances that geometry makes equal, to each other or to the width, differ by rounding,
- * and on either side of a plane of symmetry by another one. Such a difference changes no part and
- * makes no crest, so that a symmetric front stays symmetric. */
+/* Relative tolerance of distances. Distances that are equal by geometry, to each other or to the
+ * width, differ by rounding, and differently on both sides of a plane of symmetry. Such a
+ * difference changes no weight and makes no crest, so that a symmetric front stays symmetric. */
 #define DISTANCE_ROUNDING 1e-9
 
-/* Updates the distances from the front and the parts that follow from them. A distance that
- * becomes smaller by rounding alone is kept: the nodes and particles there have not changed. */
-static void spread(front *f) {
-    const gn_particles *q = &f->solid->nodes;
-#pragma omp parallel for schedule(static) num_threads(f->solid->threads)
+/* Updates the distances from the front and the weights that follow. A distance that decreases by
+ * rounding alone is kept, since the nodes and particles there have not changed. */
+static void spread(front *advance) {
+    const gn_particles *q = &advance->solid->nodes;
+#pragma omp parallel for schedule(static) num_threads(advance->solid->threads)
     for (size_t n = 0; n < q->soa.count; n++) {
-        const double before = part_of(f, n)[1] * part_of(f, n)[1];
+        const double before = part_of(advance, n)[1] * part_of(advance, n)[1];
         double least = before;
-        for (size_t k = 0; k < f->fresh_count; k++) {
-            const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)f->fresh[k];
+        for (size_t k = 0; k < advance->fresh_count; k++) {
+            const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)advance->fresh[k];
             double d2 = 0.0;
             for (int a = 0; a < 3; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
             least = fmin(least, d2);
         }
         if (!(least < (1.0 - DISTANCE_ROUNDING) * before)) continue;
-        part_of(f, n)[1] = sqrt(least);
-        const double part = part_of(f, n)[1] / f->width;
-        part_of(f, n)[0] = part < 1.0 - DISTANCE_ROUNDING ? part : 1.0;
+        part_of(advance, n)[1] = sqrt(least);
+        const double part = part_of(advance, n)[1] / advance->width;
+        part_of(advance, n)[0] = part < 1.0 - DISTANCE_ROUNDING ? part : 1.0;
     }
 }
 
-/* Nodes of elements that stay, below 1 and without a neighbour that is higher. */
-static void find_crests(front *f) {
-    for (size_t n = 0; n < f->solid->nodes.soa.count; n++) f->crest[n] = part_of(f, n)[0] < 1.0;
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
+/* Finds the crests: nodes of remaining elements with a weight below 1 that is a local maximum. */
+static void find_crests(front *advance) {
+    for (size_t n = 0; n < advance->solid->nodes.soa.count; n++)
+        advance->crest[n] = part_of(advance, n)[0] < 1.0;
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
         double highest = 0.0;
-        if (f->kind[e] == GN_FRONT_LEAVING) continue;
-        for (int a = 0; a <= f->solid->dimension; a++)
-            highest = fmax(highest, part_of(f, corner(f, e, a))[0]);
-        for (int a = 0; a <= f->solid->dimension; a++)
-            if (part_of(f, corner(f, e, a))[0] < (1.0 - DISTANCE_ROUNDING) * highest)
-                f->crest[corner(f, e, a)] = 0;
+        if (advance->kind[e] == GN_FRONT_LEAVING) continue;
+        for (int a = 0; a <= advance->solid->dimension; a++)
+            highest = fmax(highest, part_of(advance, corner(advance, e, a))[0]);
+        for (int a = 0; a <= advance->solid->dimension; a++)
+            if (part_of(advance, corner(advance, e, a))[0] < (1.0 - DISTANCE_ROUNDING) * highest)
+                advance->crest[corner(advance, e, a)] = 0;
     }
 }
 
-/* Whether an element has no room for a zone: it is at a crest, or all of it is on the front. */
-static bool is_remnant(const front *f, size_t e) {
+/* Tells whether an element has no room for a zone: it is at a crest, or entirely on the front. */
+static bool is_remnant(const front *advance, size_t e) {
     bool at_crest = false;
     double highest = 0.0;
-    for (int a = 0; a <= f->solid->dimension; a++) {
-        const size_t n = corner(f, e, a);
-        at_crest = at_crest || f->crest[n];
-        highest = fmax(highest, part_of(f, n)[0]);
+    for (int a = 0; a <= advance->solid->dimension; a++) {
+        const size_t n = corner(advance, e, a);
+        at_crest = at_crest || advance->crest[n];
+        highest = fmax(highest, part_of(advance, n)[0]);
     }
     return at_crest || !(highest > 0.0);
 }
 
-static bool is_shared(const front *f, size_t e) {
+static bool is_shared(const front *advance, size_t e) {
     bool shared = false;
-    for (int a = 0; a <= f->solid->dimension; a++)
-        shared = shared || part_of(f, corner(f, e, a))[0] < 1.0;
+    for (int a = 0; a <= advance->solid->dimension; a++)
+        shared = shared || part_of(advance, corner(advance, e, a))[0] < 1.0;
     return shared;
 }
 
-/* Remnants go as well; false: there are none. */
-static bool mark_remnants(front *f, int64_t *stuck) {
+/* Marks remnants for conversion as well; returns false if there are none. */
+static bool mark_remnants(front *advance, int64_t *stuck) {
     bool more = false;
-    find_crests(f);
-    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
-        if (f->kind[e] == GN_FRONT_LEAVING) continue;
-        const bool goes = is_remnant(f, e);
-        const bool may = f->kind[e] == GN_FRONT_READY;
-        if (*stuck < 0 && ((goes && !may) || (f->kind[e] == GN_FRONT_FIXED && is_shared(f, e))))
+    find_crests(advance);
+    for (size_t e = 0; e < advance->solid->elements.soa.count; e++) {
+        if (advance->kind[e] == GN_FRONT_LEAVING) continue;
+        const bool goes = is_remnant(advance, e);
+        const bool may = advance->kind[e] == GN_FRONT_READY;
+        if (*stuck < 0 &&
+            ((goes && !may) || (advance->kind[e] == GN_FRONT_FIXED && is_shared(advance, e))))
             *stuck = (int64_t)e;
         if (!goes || !may) continue;
-        f->kind[e] = GN_FRONT_LEAVING;
+        advance->kind[e] = GN_FRONT_LEAVING;
         more = true;
     }
     return more;
 }
 
-static void free_front(front *f) {
-    gn_free(f->counted);
-    gn_free(f->fresh);
-    gn_free(f->reached);
-    gn_free(f->crest);
+static void free_front(front *advance) {
+    gn_free(advance->counted);
+    gn_free(advance->fresh);
+    gn_free(advance->reached);
+    gn_free(advance->crest);
 }
 
 gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind, int64_t *stuck,
@@ -165,7 +167,8 @@ gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind,
 
 /* --- room for a zone --- */
 
-/* m: from a node to the nearest of elements that may not be of a zone. */
+/* Returns the distance from a node to the nearest node of elements that may not be part of a zone,
+ * m. */
 static double free_way(const gn_particles *nodes, size_t n, const uint8_t *closed) {
     double least = INFINITY;
     for (size_t m = 0; m < nodes->soa.count; m++) {
@@ -177,7 +180,7 @@ static double free_way(const gn_particles *nodes, size_t n, const uint8_t *close
     return sqrt(least);
 }
 
-/* From the elements in the middle of the list on, which is as good a guess as any. */
+/* Begins with the element in the middle of the list, which is as good a guess as any. */
 static double most_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
                         const uint8_t *closed, double *way) {
     const size_t count = solid->elements.soa.count;
@@ -215,8 +218,8 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
 
 /* --- limits --- */
 
-/* Coulomb's limit in principal stresses s1 >= s3: (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over c
- * cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
+/* The Mohr-Coulomb limit in principal stresses s1 >= s3 is (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over
+ * c cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
 double gn_front_excess(const gn_convert_def *def, const double s[6]) {
     return gn_front_excess_above(def, s, 1.0);
 }
@@ -226,7 +229,7 @@ double gn_front_excess_above(const gn_convert_def *def, const double s[6], doubl
     double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, principal[3], vectors[9];
     double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;
     for (int k = 0; k < 6; k++) size2 += (k < 3 ? 1.0 : 2.0) * s[k] * s[k];
-    /* No principal stress is larger than the root of the sum of squares. */
+    /* No principal stress exceeds the root of the sum of squares. */
     const bool below = !(def->stress > 0.0 && size2 >= pull * pull) &&
                        !(def->has_mohr && size2 * (root + t) * (root + t) >= shear * shear);
     if (below) return 0.0;

@@ -8,33 +8,37 @@
 
 enum { N = GN_HELD_DOFS };
 
-/* Of the diagonal. Who hangs on one bond can roll about it: what a load does along such a motion is
- * to stay small beside what the springs do. Who solves again makes good what this leaves over. */
+/* Relative to the diagonal. A particle on one bond can roll about it; the motion of a load along
+ * such a mechanism must stay small compared with that of the springs. Repeated solutions remove the
+ * residual error. */
 static const double everywhere = 1e-3;
 
-/* What the displacement of an end has of e. */
-static void add_end(const gn_held_spring *s, double side, double arm, const double *u,
+/* Adds the contribution of one end's displacement to e. */
+static void add_end(const gn_held_spring *spring, double side, double arm, const double *u,
                     double e[3]) {
     double turned[3];
-    gn_cross3(u + 3, s->n, turned);
+    gn_cross3(u + 3, spring->n, turned);
     for (int a = 0; a < 3; a++) e[a] += side * u[a] - arm * turned[a];
 }
 
-static void pull(const gn_held_spring *s, double side, double arm, const double q[3], double *f) {
+static void pull(const gn_held_spring *spring, double side, double arm, const double q[3],
+                 double *f) {
     double moment[3];
-    gn_cross3(s->n, q, moment);
+    gn_cross3(spring->n, q, moment);
     for (int a = 0; a < 3; a++) {
         f[a] -= side * q[a];
         f[3 + a] += arm * moment[a];
     }
 }
 
-/* out = K u, where K has what resists everywhere; returns u.K u. `diagonal` as below. */
-static double apply(const gn_held_system *y, const double *diagonal, const double *u, double *out) {
+/* out = K u, where K includes the regularisation; returns u.K u. `diagonal` is that of
+ * find_diagonal. */
+static double apply(const gn_held_system *system, const double *diagonal, const double *u,
+                    double *out) {
     double sum = 0.0;
-    memset(out, 0, N * y->particles * sizeof *out);
-    for (size_t k = 0; k < y->springs; k++) {
-        const gn_held_spring *s = &y->spring[k];
+    memset(out, 0, N * system->particles * sizeof *out);
+    for (size_t k = 0; k < system->springs; k++) {
+        const gn_held_spring *s = &system->spring[k];
         double e[3] = {0.0}, q[3];
         if (s->i >= 0) add_end(s, -1.0, s->arm_i, u + N * (size_t)s->i, e);
         if (s->j >= 0) add_end(s, 1.0, s->arm_j, u + N * (size_t)s->j, e);
@@ -43,18 +47,18 @@ static double apply(const gn_held_system *y, const double *diagonal, const doubl
         if (s->i >= 0) pull(s, -1.0, s->arm_i, q, out + N * (size_t)s->i);
         if (s->j >= 0) pull(s, 1.0, s->arm_j, q, out + N * (size_t)s->j);
     }
-    for (size_t k = 0; k < N * y->particles; k++) {
+    for (size_t k = 0; k < N * system->particles; k++) {
         out[k] = diagonal[k] > 0.0 ? out[k] + everywhere * diagonal[k] * u[k] : 0.0;
         sum += u[k] * out[k];
     }
     return sum;
 }
 
-/* 0: it does not move, or nothing resists it. */
-static void find_diagonal(const gn_held_system *y, double *diagonal) {
-    memset(diagonal, 0, N * y->particles * sizeof *diagonal);
-    for (size_t k = 0; k < y->springs; k++) {
-        const gn_held_spring *s = &y->spring[k];
+/* Computes the diagonal; 0 for a component that is fixed or without resistance. */
+static void find_diagonal(const gn_held_system *system, double *diagonal) {
+    memset(diagonal, 0, N * system->particles * sizeof *diagonal);
+    for (size_t k = 0; k < system->springs; k++) {
+        const gn_held_spring *s = &system->spring[k];
         for (int end = 0; end < 2; end++) {
             const int32_t p = end ? s->j : s->i;
             const double arm = end ? s->arm_j : s->arm_i;
@@ -65,43 +69,43 @@ static void find_diagonal(const gn_held_system *y, double *diagonal) {
             }
         }
     }
-    for (size_t k = 0; k < N * y->particles; k++)
-        if (!(y->moves[k / N] >> k % N & 1)) diagonal[k] = 0.0;
+    for (size_t k = 0; k < N * system->particles; k++)
+        if (!(system->moves[k / N] >> k % N & 1)) diagonal[k] = 0.0;
 }
 
-/* z = r/diagonal; returns r.z, which is the square of what is left in that metric. */
-static double precondition(const gn_held_system *y, const double *diagonal, const double *r,
+/* z = r/diagonal; returns r.z, the squared norm of the residual in that metric. */
+static double precondition(const gn_held_system *system, const double *diagonal, const double *r,
                            double *z) {
     double sum = 0.0;
-    for (size_t k = 0; k < N * y->particles; k++) {
+    for (size_t k = 0; k < N * system->particles; k++) {
         z[k] = diagonal[k] > 0.0 ? r[k] / diagonal[k] : 0.0;
         sum += r[k] * z[k];
     }
     return sum;
 }
 
-int gn_held_solve(const gn_held_system *y, const double *load, double tolerance, int most,
+int gn_held_solve(const gn_held_system *system, const double *load, double tolerance, int most,
                   double *u) {
-    const size_t n = N * y->particles;
-    double *diagonal = y->work, *r = diagonal + n, *z = r + n, *p = z + n, *kp = p + n;
+    const size_t n = N * system->particles;
+    double *diagonal = system->work, *r = diagonal + n, *z = r + n, *p = z + n, *kp = p + n;
     int done = 0;
-    find_diagonal(y, diagonal);
+    find_diagonal(system, diagonal);
     for (size_t k = 0; k < n; k++) {
         r[k] = diagonal[k] > 0.0 ? load[k] : 0.0;
         u[k] = 0.0;
     }
-    double rz = precondition(y, diagonal, r, z);
+    double rz = precondition(system, diagonal, r, z);
     const double enough = tolerance * tolerance * rz;
     memcpy(p, z, n * sizeof *p);
     while (rz > enough && done < most) {
-        const double curvature = apply(y, diagonal, p, kp);
+        const double curvature = apply(system, diagonal, p, kp);
         if (!(curvature > 0.0)) break;
         const double step = rz / curvature;
         for (size_t k = 0; k < n; k++) {
             u[k] += step * p[k];
             r[k] -= step * kp[k];
         }
-        const double next = precondition(y, diagonal, r, z);
+        const double next = precondition(system, diagonal, r, z);
         for (size_t k = 0; k < n; k++) p[k] = z[k] + next / rz * p[k];
         rz = next;
         done++;

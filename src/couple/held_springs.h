@@ -1,6 +1,5 @@
-/* Particles that some springs hold, to others of them and to what does not move: where they are in
- * balance under a load. For the few that become free at once; whole bodies are for
- * limit/equilibrium.h. */
+/* Equilibrium of a few particles on springs to each other and to fixed particles, under a load. It
+ * serves newly released particles; limit/equilibrium.h serves whole bodies. */
 #ifndef GN_COUPLE_HELD_SPRINGS_H
 #define GN_COUPLE_HELD_SPRINGS_H
 
@@ -9,19 +8,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { GN_HELD_DOFS = 6 }; /* x y z and turns about them */
+enum { GN_HELD_DOFS = 6 }; /* x y z and rotations about them */
 
 /* With n from i to j, q = k_t e + (k_n - k_t)(e.n) n of e = u_j - u_i - (a_i w_i + a_j w_j) x n
  * acts on i, -q on j, and the moments a_i n x q and a_j n x q. */
 typedef struct gn_held_spring {
-    int32_t i, j; /* -1: that end does not move */
+    int32_t i, j; /* -1: that end is fixed */
     double n[3], arm_i, arm_j, kn, kt;
 } gn_held_spring;
 
 typedef struct gn_held_system {
     size_t particles, springs;
     const gn_held_spring *spring;
-    const uint8_t *moves; /* [particles] bit k: component k */
+    const uint8_t *moves; /* [particles] bit k: component k is free */
     double *work;         /* [gn_held_work] scratch */
 } gn_held_system;
 
@@ -29,11 +28,11 @@ static inline size_t gn_held_work(size_t particles) {
     return 5 * GN_HELD_DOFS * particles + 1;
 }
 
-/* u [particles][6] of K u = load (N, N m), by conjugate gradients with the diagonal, until what is
- * left is `tolerance` of the load in the metric of the diagonal, or after `most` iterations; what
- * nothing resists is resisted by 1e-3 of the diagonal. Returns the iterations. One thread: sums
- * have one order. */
-int gn_held_solve(const gn_held_system *y, const double *load, double tolerance, int most,
+/* Solves K u = load (N, N m) for u [particles][6] by conjugate gradients with diagonal
+ * preconditioning, until the residual is `tolerance` of the load in the metric of the diagonal, or
+ * for `most` iterations. Components without resistance are regularised by 1e-3 of the diagonal.
+ * Returns the iterations. It is serial, so that sums have one order. */
+int gn_held_solve(const gn_held_system *system, const double *load, double tolerance, int most,
                   double *u);
 
 #endif

@@ -1,20 +1,20 @@
-/* Where the particles of zones are in the elements, found once from the places at the start, and
- * sums over them in an order that no number of threads changes. */
+/* Positions of the particles of coupling zones in the elements, found once from the initial
+ * positions, and sums over them in an order that does not depend on the number of threads. */
 #ifndef GN_COUPLE_TIES_H
 #define GN_COUPLE_TIES_H
 
 #include "fem/solid.h"
 
-/* A particle in an element: shape functions at its place at the start. */
+/* A particle in an element, with the shape functions at its initial position. */
 typedef struct gn_tie {
     int32_t id;      /* of the particle */
     int32_t element; /* place in the solid */
     int32_t node[4]; /* places in the solid */
-    int32_t own[4];  /* the same among the nodes of ties */
+    int32_t own[4];  /* index of each node among the nodes of ties */
     double shape[4];
 } gn_tie;
 
-/* What a node has of a tie. */
+/* An entry of a node's list: a tie and the node's corner in it. */
 typedef struct gn_tie_share {
     int32_t tie, corner;
 } gn_tie_share;
@@ -23,28 +23,29 @@ typedef struct gn_ties {
     int corners;
     size_t count;
     gn_tie *tie;         /* [count] by id, ascending */
-    size_t nodes;        /* that have a share in any */
+    size_t nodes;        /* nodes of at least one tie */
     int32_t *node;       /* [nodes] ascending */
-    int32_t *first;      /* [nodes + 1] into share */
+    int32_t *first;      /* [nodes + 1] index into share */
     gn_tie_share *share; /* ties ascending for each node */
 } gn_ties;
 
-/* Of the particles whose places at the start are in an element, boundaries included. */
-gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_ties *t,
+/* Finds the particles that are initially in an element, boundaries included. */
+gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *particles, gn_ties *ties,
                            gneiss_error *error);
-/* A place in an element, as a tie without particle. */
+/* Returns a tie without particle for a position in an element. */
 gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place);
 
-/* Of the particles that are in the element [particles] given for them, by place; -1: of none. */
-gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, const int32_t *element,
-                           gn_ties *t, gneiss_error *error);
+/* Creates ties for particles with a given element, `element` [particles] by place; -1: none. */
+gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *particles,
+                           const int32_t *element, gn_ties *ties, gneiss_error *error);
 void gn_ties_free(gn_ties *ties);
 
-/* Gradients of the shape functions of a tie's element at the present places of its nodes, 1/m. */
+/* Computes the gradients of the shape functions of a tie's element at the present node positions,
+ * 1/m. */
 void gn_tie_gradients(const gn_ties *ties, size_t k, const gn_particles *nodes,
                       double gradient[4][3]);
 
-/* The mean of rows [nodes][4] at a tie, the first three components. */
+/* Interpolates the first three components of rows [nodes][4] at a tie. */
 static inline void gn_tie_mean(const gn_ties *ties, size_t k, const double *rows, double out[3]) {
     const gn_tie *t = &ties->tie[k];
     out[0] = out[1] = out[2] = 0.0;
@@ -53,7 +54,7 @@ static inline void gn_tie_mean(const gn_ties *ties, size_t k, const double *rows
             out[c] += t->shape[a] * rows[4 * (size_t)t->node[a] + (size_t)c];
 }
 
-/* The same of displacements from the start. */
+/* Interpolates the displacements from the start at a tie. */
 static inline void gn_tie_travel(const gn_ties *ties, size_t k, const gn_particles *nodes,
                                  double out[3]) {
     const gn_tie *t = &ties->tie[k];

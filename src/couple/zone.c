@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-static double width2(const gn_couple_edge *e, int dimension) {
+static double width2(const gn_couple_edge *edge, int dimension) {
     double sum = 0.0;
-    for (int a = 0; a < dimension; a++) sum += (e->to[a] - e->from[a]) * (e->to[a] - e->from[a]);
+    for (int a = 0; a < dimension; a++)
+        sum += (edge->to[a] - edge->from[a]) * (edge->to[a] - edge->from[a]);
     return sum;
 }
 
@@ -24,7 +25,7 @@ double gn_zones_share(const void *scene, const double *x) {
     double least = 1.0;
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         double at = gn_zone_place(&s->couple.zones[k], (int)s->dimension, x);
-        /* On the other side of the particles another zone may begin. */
+        /* Another zone may begin on the far side of the particles. */
         if (at < -GN_ZONE_ROUNDING) continue;
         least = fmin(least, fmax(at, 0.0));
     }

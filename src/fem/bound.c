@@ -1,13 +1,13 @@
 /* A bound of the largest stable step, 2/w_max, of the solid linearised at its start.
  *
- * Let the mass of every node be dealt out to its elements in any way, M = sum_e M_e. Then
- * u.K u = sum_e u.K_e u <= max_e lambda_max(M_e^-1 K_e) sum_e u.M_e u, so that the largest element
+ * Let the mass of every node be distributed to its elements in any way, M = sum_e M_e. Then u.K u =
+ * sum_e u.K_e u <= max_e lambda_max(M_e^-1 K_e) sum_e u.M_e u, so that the largest element
  * eigenvalue bounds w_max^2 (Irons & Treharne 1971; Hughes 1987, The Finite Element Method, sec.
- * 9.1). It holds for every way of dealing; two are taken and the better result counts: each element
- * has its own mass, or each node gives to its elements by their stiffness at it, which is what a
- * small element among large ones needs. Prescribed components have infinite mass.
+ * 9.1). It holds for every distribution; two are evaluated and the better result is used: each
+ * element has its own mass, or each node's mass is distributed by the elements' stiffnesses at it,
+ * which serves a small element among large ones. Prescribed components have infinite mass.
  *
- * With the strains' matrix B and the stiffness D of the material K_e = V B^T D B, and K_e has the
+ * With the strain matrix B and the stiffness D of the material, K_e = V B^T D B, and K_e has the
  * eigenvalues of V D^1/2 B M_e^-1 B^T D^1/2: three in 2D, six in 3D. Strains are in Mandel's
  * notation (shear times sqrt 2), in which D = 2 mu I + lambda m m^T with m = (1 1 1 0 0 0). */
 #include "base/eigen.h"
@@ -19,25 +19,26 @@
 
 typedef gn_fem_linear linear_system;
 
-/* Trace of an element's stiffness at a node: V [(lambda + mu) G (x) G + mu |G|^2 I]. */
-static double node_stiffness(const gn_elements *q, size_t e, int d, const double gradient[3]) {
+/* Returns the trace of an element's stiffness at a node, V [(lambda + mu) G (x) G + mu |G|^2 I]. */
+static double node_stiffness(const gn_elements *elements, size_t e, int d,
+                             const double gradient[3]) {
     double size2 = 0.0;
     for (int k = 0; k < d; k++) size2 += gradient[k] * gradient[k];
-    return q->volume[e] * size2 * (q->lambda[e] + (1 + d) * q->mu[e]);
+    return elements->volume[e] * size2 * (elements->lambda[e] + (1 + d) * elements->mu[e]);
 }
 
-void gn_fem_sum_stiffness(linear_system *y) {
-    const gn_elements *q = &y->solid->elements;
+void gn_fem_sum_stiffness(linear_system *system) {
+    const gn_elements *q = &system->solid->elements;
     double gradient[4][3];
     for (size_t e = 0; e < q->soa.count; e++) {
         gn_fem_gradients(q, e, gradient);
-        for (int a = 0; a <= y->dimension; a++)
-            y->stiffness[gn_elements_node(q, a)[e]] +=
-                node_stiffness(q, e, y->dimension, gradient[a]);
+        for (int a = 0; a <= system->dimension; a++)
+            system->stiffness[gn_elements_node(q, a)[e]] +=
+                node_stiffness(q, e, system->dimension, gradient[a]);
     }
 }
 
-/* The column of Mandel strains of component i of a node. */
+/* Computes the column of Mandel strains of component i of a node. */
 static void strain_column(int d, int i, const double gradient[3], double column[6]) {
     static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
     static const int plane[3] = {0, 1, 3};
@@ -48,11 +49,11 @@ static void strain_column(int d, int i, const double gradient[3], double column[
     }
 }
 
-/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains and what differs from
- * it by the roots of 2 mu + d lambda and 2 mu. */
-static void scale_by_material(const gn_elements *q, size_t e, int d, int n, double *a) {
-    double shear = sqrt(2.0 * q->mu[e] * q->volume[e]);
-    double bulk = sqrt((2.0 * q->mu[e] + d * q->lambda[e]) * q->volume[e]);
+/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains by the root of 2 mu + d
+ * lambda, and the rest by that of 2 mu. */
+static void scale_by_material(const gn_elements *elements, size_t e, int d, int n, double *a) {
+    double shear = sqrt(2.0 * elements->mu[e] * elements->volume[e]);
+    double bulk = sqrt((2.0 * elements->mu[e] + d * elements->lambda[e]) * elements->volume[e]);
     for (int side = 0; side < 2; side++) {
         int along = side ? 1 : n, across = side ? n : 1; /* strides */
         for (int r = 0; r < n; r++) {
@@ -64,15 +65,15 @@ static void scale_by_material(const gn_elements *q, size_t e, int d, int n, doub
     }
 }
 
-/* Whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the sum of
- * 8th powers of its eigenvalues, which is the square of Frobenius' norm of (a/known)^4, is then
- * above one. Spares most elements of an irregular mesh the search for eigenvalues. */
+/* Tells whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the
+ * sum of 8th powers of its eigenvalues, which is the squared Frobenius norm of (a/known)^4, is then
+ * above one. This spares most elements of an irregular mesh the search for eigenvalues. */
 static bool may_exceed(int n, const double *a, double known) {
     double power[3][36], norm2 = 0.0;
     if (!(known > 0.0)) return true;
     for (int k = 0; k < n * n; k++) power[0][k] = a[k] / known;
     for (int k = 0; k < n * n; k++) norm2 += power[0][k] * power[0][k];
-    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of its 4th power */
+    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of the 4th power */
     norm2 = 0.0;
     for (int p = 1; p < 3; p++)
         for (int r = 0; r < n; r++)
@@ -86,23 +87,23 @@ static bool may_exceed(int n, const double *a, double known) {
     return !(norm2 < 1.0 - 1e-12);
 }
 
-/* Largest eigenvalue of M_e^-1 K_e for one way of dealing out the masses; 0 if it is not above
- * `known`. */
-static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiffness,
+/* Returns the largest eigenvalue of M_e^-1 K_e for one distribution of the masses; 0 if it is not
+ * above `known`. */
+static double element_eigenvalue(const linear_system *system, size_t e, bool by_stiffness,
                                  double known) {
-    const gn_elements *q = &y->solid->elements;
-    const gn_fem_solid *solid = y->solid;
-    const int d = y->dimension, n = y->strains;
+    const gn_elements *q = &system->solid->elements;
+    const gn_fem_solid *solid = system->solid;
+    const int d = system->dimension, n = system->strains;
     double gradient[4][3], a[36] = {0.0}, values[6], vectors[36];
     gn_fem_gradients(q, e, gradient);
     for (int c = 0; c <= d; c++) {
         size_t node = (size_t)gn_elements_node(q, c)[e];
         double inverse = (d + 1) / (solid->density[q->material[e]] * q->volume[e]);
         if (by_stiffness)
-            inverse = gn_fem_own_inverse(solid, node) * y->stiffness[node] /
+            inverse = gn_fem_own_inverse(solid, node) * system->stiffness[node] /
                       node_stiffness(q, e, d, gradient[c]);
         for (int i = 0; i < d; i++) {
-            if (y->scale[node * (size_t)d + (size_t)i] == 0.0) continue;
+            if (system->scale[node * (size_t)d + (size_t)i] == 0.0) continue;
             double column[6];
             strain_column(d, i, gradient[c], column);
             for (int r = 0; r < n; r++)
@@ -122,81 +123,85 @@ typedef struct worst {
     int64_t element;
 } worst;
 
-/* Pressure form: what the stabilising pressure alone would do, see linear_pressure.c. */
-static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
-    if (y->solid->form != GN_FEM_PRESSURE) return 0.0;
-    return y->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->solid->elements, e));
+/* Returns the eigenvalue of the stabilising pressure alone in the pressure form, see
+ * linear_pressure.c. */
+static double stabiliser_eigenvalue(const linear_system *system, size_t e) {
+    if (system->solid->form != GN_FEM_PRESSURE) return 0.0;
+    return system->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&system->solid->elements, e));
 }
 
-static worst worst_of_block(const linear_system *y, size_t begin, size_t end, bool by_stiffness,
-                            double known) {
+static worst worst_of_block(const linear_system *system, size_t begin, size_t end,
+                            bool by_stiffness, double known) {
     worst w = {known, -1};
     for (size_t e = begin; e < end; e++) {
-        double value = element_eigenvalue(y, e, by_stiffness, w.value);
-        value = fmax(value, stabiliser_eigenvalue(y, e));
+        double value = element_eigenvalue(system, e, by_stiffness, w.value);
+        value = fmax(value, stabiliser_eigenvalue(system, e));
         if (value > w.value) w = (worst){value, (int64_t)e};
     }
     return w;
 }
 
-static worst worst_of_all(const linear_system *y, bool by_stiffness, worst *all) {
-    const size_t count = y->solid->elements.soa.count;
+static worst worst_of_all(const linear_system *system, bool by_stiffness, worst *all) {
+    const size_t count = system->solid->elements.soa.count;
     const size_t blocks = (count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
     worst w = {0.0, -1};
-#pragma omp parallel for num_threads(y->solid->threads) schedule(static)
+#pragma omp parallel for num_threads(system->solid->threads) schedule(static)
     for (size_t b = 0; b < blocks; b++) {
         size_t end = (b + 1) * ELEMENT_BLOCK < count ? (b + 1) * ELEMENT_BLOCK : count;
-        all[b] = worst_of_block(y, b * ELEMENT_BLOCK, end, by_stiffness, 0.0);
+        all[b] = worst_of_block(system, b * ELEMENT_BLOCK, end, by_stiffness, 0.0);
     }
     for (size_t b = 0; b < blocks; b++)
         if (all[b].value > w.value) w = all[b];
     return w;
 }
 
-static void set_limit(const linear_system *y, worst best, gn_fem_limit *limit) {
+static void set_limit(const linear_system *system, worst best, gn_fem_limit *limit) {
     limit->bound = best.value > 0.0 ? 2.0 / sqrt(best.value) : INFINITY;
-    limit->bound_element = best.element >= 0 ? y->solid->elements.id[best.element] : -1;
+    limit->bound_element = best.element >= 0 ? system->solid->elements.id[best.element] : -1;
 }
 
-gneiss_status gn_fem_find_bound(const linear_system *y, gn_fem_limit *limit, gneiss_error *error) {
-    const size_t blocks = (y->solid->elements.soa.count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
+gneiss_status gn_fem_find_bound(const linear_system *system, gn_fem_limit *limit,
+                                gneiss_error *error) {
+    const size_t blocks = (system->solid->elements.soa.count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
     worst *all = gn_alloc_array(blocks + 1, sizeof *all), best = {INFINITY, -1};
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
     for (int way = 0; way < 2; way++) {
-        worst w = worst_of_all(y, way == 1, all);
+        worst w = worst_of_all(system, way == 1, all);
         if (w.value < best.value) best = w;
     }
     gn_free(all);
-    set_limit(y, best, limit);
+    set_limit(system, best, limit);
     return GNEISS_OK;
 }
 
-/* --- the same again ---
- * Of a body of which elements are taken out now and then, a few at a time, eigenvalues are kept of
- * the elements that are near the largest, and of all others that they are not. Found anew are those
- * of elements with a node of which the masses or the stiffness have become others. What comes out
- * is the same number as if all were looked at. */
+/* --- repeated bounds ---
+ *
+ * When elements are removed from a body now and then, a few at a time, the
+ * eigenvalues of the elements near the largest are stored, and the others are known to be below.
+ * Only elements with a node whose mass or stiffness has changed are evaluated again. The result is
+ * the same number as if all were evaluated. */
 
-struct gn_fem_known {
-    double floor[2];    /* 1/s2, by way of dealing: those that are not kept are not above */
-    double (*value)[2]; /* [elements of the mesh] 0: not above */
-    double *volume;     /* [elements of the mesh] m3 at the last look; 0: it had gone */
-    double *inverse;    /* [nodes] 1/kg at the last look */
+struct gn_fem_bound_cache {
+    double floor[2];    /* 1/s2, by distribution: eigenvalues that are not stored are not above */
+    double (*value)[2]; /* [elements of the mesh] 0: not above the floor */
+    double *volume;     /* [elements of the mesh] m3 at the last evaluation; 0: removed */
+    double *inverse;    /* [nodes] 1/kg at the last evaluation */
     double *stiffness;  /* [nodes] as in gn_fem_linear */
     uint8_t *seen;      /* [elements of the mesh] scratch */
-    uint8_t *marked;    /* [nodes] scratch: of what is found anew */
+    uint8_t *marked;    /* [nodes] scratch: nodes with a change */
 };
 
-void gn_fem_known_free(struct gn_fem_known *k) {
-    if (!k) return;
-    void *blocks[] = {k->value, k->volume, k->inverse, k->stiffness, k->seen, k->marked, k};
+void gn_fem_known_free(struct gn_fem_bound_cache *known) {
+    if (!known) return;
+    void *blocks[] = {known->value, known->volume, known->inverse, known->stiffness,
+                      known->seen,  known->marked, known};
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) gn_free(blocks[b]);
 }
 
-static struct gn_fem_known *known_create(gn_fem_solid *solid) {
+static struct gn_fem_bound_cache *known_create(gn_fem_solid *solid) {
     const size_t nodes = solid->nodes.soa.count + 1;
     const size_t elements = gn_fem_elements_of(&solid->mesh, solid->dimension)->count + 1;
-    struct gn_fem_known *k = gn_alloc_array(1, sizeof *k);
+    struct gn_fem_bound_cache *k = gn_alloc_array(1, sizeof *k);
     if (!k) return NULL;
     k->value = gn_alloc_array(elements, sizeof *k->value);
     k->volume = gn_alloc_array(elements, sizeof *k->volume);
@@ -215,96 +220,99 @@ static void mark_corners(gn_fem_solid *solid, size_t id, uint8_t *marked) {
     for (size_t a = 0; a < corners; a++) marked[node[a]] = 1;
 }
 
-/* Nodes of elements that have gone or have another volume, and nodes of another mass. */
-static void mark_others(gn_fem_solid *solid, struct gn_fem_known *k) {
+/* Marks nodes of elements that were removed or changed volume, and nodes with a changed mass. */
+static void mark_others(gn_fem_solid *solid, struct gn_fem_bound_cache *known) {
     const gn_elements *q = &solid->elements;
     const size_t nodes = solid->nodes.soa.count;
     const size_t all = gn_fem_elements_of(&solid->mesh, solid->dimension)->count;
-    memset(k->marked, 0, nodes);
-    memset(k->seen, 0, all);
+    memset(known->marked, 0, nodes);
+    memset(known->seen, 0, all);
     for (size_t e = 0; e < q->soa.count; e++) {
         const size_t id = (size_t)q->id[e];
-        k->seen[id] = 1;
-        if (k->volume[id] == q->volume[e]) continue;
-        k->volume[id] = q->volume[e];
-        mark_corners(solid, id, k->marked);
+        known->seen[id] = 1;
+        if (known->volume[id] == q->volume[e]) continue;
+        known->volume[id] = q->volume[e];
+        mark_corners(solid, id, known->marked);
     }
     for (size_t id = 0; id < all; id++) {
-        if (k->seen[id] || k->volume[id] == 0.0) continue;
-        k->volume[id] = 0.0;
-        mark_corners(solid, id, k->marked);
+        if (known->seen[id] || known->volume[id] == 0.0) continue;
+        known->volume[id] = 0.0;
+        mark_corners(solid, id, known->marked);
     }
     for (size_t n = 0; n < nodes; n++) {
         const double inverse = gn_fem_own_inverse(solid, n);
-        if (k->inverse[n] != inverse) k->marked[n] = 1;
-        k->inverse[n] = inverse;
+        if (known->inverse[n] != inverse) known->marked[n] = 1;
+        known->inverse[n] = inverse;
     }
 }
 
-static bool is_marked(const gn_elements *q, size_t e, int d, const uint8_t *marked) {
+static bool is_marked(const gn_elements *elements, size_t e, int d, const uint8_t *marked) {
     bool any = false;
-    for (int a = 0; a <= d; a++) any = any || marked[gn_elements_node(q, a)[e]];
+    for (int a = 0; a <= d; a++) any = any || marked[gn_elements_node(elements, a)[e]];
     return any;
 }
 
-/* In the order in which gn_fem_sum_stiffness adds. */
-static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_known *k) {
+/* Sums in the order of gn_fem_sum_stiffness. */
+static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_bound_cache *known) {
     const gn_elements *q = &solid->elements;
     const int d = solid->dimension;
     double gradient[4][3];
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
-        if (k->marked[n]) k->stiffness[n] = 0.0;
+        if (known->marked[n]) known->stiffness[n] = 0.0;
     for (size_t e = 0; e < q->soa.count; e++) {
-        if (!is_marked(q, e, d, k->marked)) continue;
+        if (!is_marked(q, e, d, known->marked)) continue;
         gn_fem_gradients(q, e, gradient);
         for (int a = 0; a <= d; a++) {
             const size_t n = (size_t)gn_elements_node(q, a)[e];
-            if (k->marked[n]) k->stiffness[n] += node_stiffness(q, e, d, gradient[a]);
+            if (known->marked[n]) known->stiffness[n] += node_stiffness(q, e, d, gradient[a]);
         }
     }
 }
 
-/* Eigenvalues of all elements, or of those with a marked node. */
-static void renew_values(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
-    const gn_elements *q = &y->solid->elements;
-#pragma omp parallel for num_threads(y->solid->threads) schedule(dynamic, ELEMENT_BLOCK)
+/* Computes the eigenvalues of all elements, or of those with a marked node. */
+static void renew_values(const linear_system *system, struct gn_fem_bound_cache *known, int way,
+                         bool all) {
+    const gn_elements *q = &system->solid->elements;
+#pragma omp parallel for num_threads(system->solid->threads) schedule(dynamic, ELEMENT_BLOCK)
     for (size_t e = 0; e < q->soa.count; e++) {
-        if (!all && !is_marked(q, e, y->dimension, k->marked)) continue;
-        const double value = element_eigenvalue(y, e, way == 1, k->floor[way]);
-        k->value[q->id[e]][way] = value > k->floor[way] ? value : 0.0;
+        if (!all && !is_marked(q, e, system->dimension, known->marked)) continue;
+        const double value = element_eigenvalue(system, e, way == 1, known->floor[way]);
+        known->value[q->id[e]][way] = value > known->floor[way] ? value : 0.0;
     }
 }
 
-static worst worst_known(const gn_fem_solid *solid, const struct gn_fem_known *k, int way) {
+static worst worst_known(const gn_fem_solid *solid, const struct gn_fem_bound_cache *known,
+                         int way) {
     worst w = {0.0, -1};
     for (size_t e = 0; e < solid->elements.soa.count; e++) {
-        const double value = k->value[solid->elements.id[e]][way];
+        const double value = known->value[solid->elements.id[e]][way];
         if (value > w.value) w = (worst){value, (int64_t)e};
     }
     return w;
 }
 
-/* Largest eigenvalue by one way of dealing; where all that were kept have gone the floor is too
- * high, and all others are looked at. */
-static worst renew_worst(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
-    const double lower = 0.9, least = 1e-3 * k->floor[way];
-    renew_values(y, k, way, all);
-    worst w = worst_known(y->solid, k, way);
-    while (w.element < 0 && k->floor[way] > 0.0 && y->solid->elements.soa.count) {
-        k->floor[way] = k->floor[way] > least ? lower * k->floor[way] : 0.0;
-        renew_values(y, k, way, true);
-        w = worst_known(y->solid, k, way);
+/* Returns the largest eigenvalue of one distribution; if all stored elements were removed, the
+ * floor is too high and all others are evaluated. */
+static worst renew_worst(const linear_system *system, struct gn_fem_bound_cache *known, int way,
+                         bool all) {
+    const double lower = 0.9, least = 1e-3 * known->floor[way];
+    renew_values(system, known, way, all);
+    worst w = worst_known(system->solid, known, way);
+    while (w.element < 0 && known->floor[way] > 0.0 && system->solid->elements.soa.count) {
+        known->floor[way] = known->floor[way] > least ? lower * known->floor[way] : 0.0;
+        renew_values(system, known, way, true);
+        w = worst_known(system->solid, known, way);
     }
     return w;
 }
 
-gneiss_status gn_fem_bound_again(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error) {
+gneiss_status gn_fem_bound_update(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error) {
     if (solid->form == GN_FEM_PRESSURE || !(limit->bound < INFINITY))
         return gn_fem_bound(solid, limit, error);
-    const bool first = !solid->known;
-    if (first) solid->known = known_create(solid);
+    const bool first = !solid->bound_cache;
+    if (first) solid->bound_cache = known_create(solid);
     linear_system y;
-    struct gn_fem_known *k = solid->known;
+    struct gn_fem_bound_cache *k = solid->bound_cache;
     if (!k) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
     for (int way = 0; first && way < 2; way++)
         k->floor[way] = 0.9 * 4.0 / (limit->bound * limit->bound);

@@ -1,4 +1,4 @@
-/* Pieces of a solid that its own files share. */
+/* Functions shared by the files of a solid. */
 #ifndef GN_FEM_INTERNAL_H
 #define GN_FEM_INTERNAL_H
 
@@ -6,30 +6,30 @@
 #include "base/point.h"
 #include "fem/linear.h"
 
-/* The group called `name`, or with that number; NULL when the mesh has none of `dimension` (-1: of
+/* Returns the group with that name or number; NULL if the mesh has none of `dimension` (-1:
  * any). */
 const gn_mesh_group *gn_fem_find_group(const gn_mesh *mesh, const char *name, int dimension);
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error);
 
-/* Whether a coordinate lies between two as the user sees them. */
+/* Tells whether a position is in a box that is given in absolute coordinates. */
 static inline bool gn_fem_between(const gn_fem_solid *solid, const double *x, int axis,
                                   double lower, double upper) {
     double seen = gn_point_out(solid->origin[axis], x[axis]);
     return seen >= lower && seen <= upper;
 }
 
-/* in[element]: whether an element belongs to a group; elements of one kind. */
+/* Marks the elements of a group: in[element]; elements of one kind. */
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
 
-/* F of an element at the present positions, and its determinant; plane strain has F_zz = 1
- * (stress.c). */
+/* Computes F of an element at the present positions, and returns its determinant; plane strain has
+ * F_zz = 1 (stress.c). */
 double gn_fem_deformation(const gn_fem_solid *solid, size_t element, double f[3][3]);
 
-/* m2 of a facet at the start; of a line 1 m thick (loads.c). */
+/* Returns the initial area of a facet, m2; a line is 1 m thick (loads.c). */
 double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node);
 
-/* 1/kg of a node without what it carries. */
+/* Returns the inverse mass of a node without what it carries, 1/kg. */
 static inline double gn_fem_own_inverse(const gn_fem_solid *solid, size_t node) {
     double inverse = solid->nodes.vel[4 * node + 3];
     return solid->carried ? 1.0 / (1.0 / inverse - solid->carried[node]) : inverse;
@@ -37,39 +37,42 @@ static inline double gn_fem_own_inverse(const gn_fem_solid *solid, size_t node) 
 
 /* --- the parallel part of a step (sweep.c) --- */
 
-/* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
+/* Computes the present forces, and moves nodes (with the stabilising pressure) over the coming
  * interval; leaves the sums of all blocks. */
 void gn_fem_sweep(gn_fem_solid *solid, double dt, bool measure);
-/* Moves the nodes that gn_fem_sweep left. */
+/* Moves the nodes that gn_fem_sweep held back. */
 void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure);
 
 /* --- pressure form (pressure.c) --- */
 
-/* Bulk modulus, Pa. */
-double gn_fem_bulk(const gn_elements *q, size_t e);
-/* Largest eigenvalue of the stabilising term over the lumped pressure mass of an element alone. */
-double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e);
-/* Weights, rows and the rate of the stabilising pressure; nothing may be prescribed yet. */
+/* Returns the bulk modulus, Pa. */
+double gn_fem_bulk(const gn_elements *elements, size_t e);
+/* Returns the largest eigenvalue of the stabilising term over the lumped pressure mass of a single
+ * element. */
+double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e);
+/* Sets weights, rows and the rate of the stabilising pressure; to be called before anything is
+ * prescribed. */
 gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error);
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_solid *solid);
 gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measure);
-/* solid->pressure of the present positions. */
+/* Computes solid->pressure at the present positions. */
 void gn_fem_find_pressures(const gn_fem_solid *solid);
 
 /* --- the solid linearised at its start (linear.h, limit.c) --- */
 
-void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
-/* Fills y->stiffness (bound.c). */
-void gn_fem_sum_stiffness(gn_fem_linear *y);
-/* Sets the bound and its element. */
-gneiss_status gn_fem_find_bound(const gn_fem_linear *y, gn_fem_limit *limit, gneiss_error *error);
-/* Of which nothing is known yet (limit.c). */
+void gn_fem_gradients(const gn_elements *elements, size_t e, double gradient[4][3]);
+/* Fills system->stiffness (bound.c). */
+void gn_fem_sum_stiffness(gn_fem_linear *system);
+/* Computes the bound and the element that determines it. */
+gneiss_status gn_fem_find_bound(const gn_fem_linear *system, gn_fem_limit *limit,
+                                gneiss_error *error);
+/* Returns a limit without any result (limit.c). */
 gn_fem_limit gn_fem_limit_none(void);
-void gn_fem_known_free(struct gn_fem_known *known);
+void gn_fem_known_free(struct gn_fem_bound_cache *known);
 
-/* Of the pressure form (linear_pressure.c): operator and metric over M^1/2 u and q,
- * [nodes][dimension] and [nodes]. */
+/* The pressure form (linear_pressure.c): operator and metric over M^1/2 u and q, [nodes][dimension]
+ * and [nodes]. */
 void gn_fem_linear_pressure(const void *system, const double *x, double *out);
 void gn_fem_linear_metric(const void *system, const double *x, double *out);
 

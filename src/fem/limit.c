@@ -1,5 +1,5 @@
-/* The largest stable step of the solid linearised at its start: dt = 2/w_max, w_max^2 the largest
- * eigenvalue of M^-1 K. Its bound: bound.c. */
+/* The largest stable step of the solid linearised at its start: dt = 2/w_max, with w_max^2 the
+ * largest eigenvalue of M^-1 K. bound.c has its bound. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "base/random.h"
@@ -10,23 +10,23 @@
 
 typedef gn_fem_linear linear_system;
 
-void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]) {
-    const int d = gn_elements_dimension(q);
+void gn_fem_gradients(const gn_elements *elements, size_t e, double gradient[4][3]) {
+    const int d = gn_elements_dimension(elements);
     memset(gradient, 0, 12 * sizeof(double));
     for (int a = 1; a <= d; a++)
         for (int k = 0; k < d; k++) {
-            gradient[a][k] = gn_elements_gradient(q, a, k)[e];
+            gradient[a][k] = gn_elements_gradient(elements, a, k)[e];
             gradient[0][k] -= gradient[a][k];
         }
 }
 
 /* --- sharp --- */
 
-/* Forces K u of one element and its energy u.K u/2. */
-static double linear_element(const linear_system *y, size_t e, const double *u,
+/* Computes the forces K u of one element and returns its energy u.K u/2. */
+static double linear_element(const linear_system *system, size_t e, const double *u,
                              double force[4][3]) {
-    const gn_elements *q = &y->solid->elements;
-    const int d = y->dimension;
+    const gn_elements *q = &system->solid->elements;
+    const int d = system->dimension;
     double gradient[4][3], strain[3][3] = {{0.0}}, trace = 0.0, energy = 0.0;
     gn_fem_gradients(q, e, gradient);
     for (int a = 0; a <= d; a++) {
@@ -48,21 +48,22 @@ static double linear_element(const linear_system *y, size_t e, const double *u,
     return energy;
 }
 
-static void linear_block(const linear_system *y, size_t block) {
-    const gn_partials *q = &y->solid->partials;
-    const size_t nodes = (size_t)y->dimension + 1;
+static void linear_block(const linear_system *system, size_t block) {
+    const gn_partials *q = &system->solid->partials;
+    const size_t nodes = (size_t)system->dimension + 1;
     double *row = q->row + 4 * (size_t)q->first[block], force[4][3];
     memset(row, 0, 4 * (size_t)(q->first[block + 1] - q->first[block]) * sizeof *row);
     size_t end = (block + 1) * q->length;
-    if (end > y->solid->elements.soa.count) end = y->solid->elements.soa.count;
+    if (end > system->solid->elements.soa.count) end = system->solid->elements.soa.count;
     for (size_t e = block * q->length; e < end; e++) {
-        linear_element(y, e, y->moved, force);
+        linear_element(system, e, system->moved, force);
         for (size_t a = 0; a < nodes; a++)
-            for (int i = 0; i < y->dimension; i++) row[q->place[nodes * e + a] + i] += force[a][i];
+            for (int i = 0; i < system->dimension; i++)
+                row[q->place[nodes * e + a] + i] += force[a][i];
     }
 }
 
-/* So few nodes are no work to share out. */
+/* Below this number of nodes, loops are not distributed over threads. */
 enum { FEW = 1000 };
 
 void gn_fem_linear_apply(const void *system, const double *x, double *out) {
@@ -88,52 +89,52 @@ void gn_fem_linear_apply(const void *system, const double *x, double *out) {
     }
 }
 
-static void find_culprits(const linear_system *y, const double *mode, gn_fem_limit *limit) {
-    const size_t d = (size_t)y->dimension;
+static void find_culprits(const linear_system *system, const double *mode, gn_fem_limit *limit) {
+    const size_t d = (size_t)system->dimension;
     double most = -1.0, force[4][3];
-    for (size_t n = 0; n < y->solid->nodes.soa.count; n++) {
+    for (size_t n = 0; n < system->solid->nodes.soa.count; n++) {
         double share = 0.0;
         for (size_t i = 0; i < d; i++) {
             share += mode[d * n + i] * mode[d * n + i];
-            y->moved[d * n + i] = y->scale[d * n + i] * mode[d * n + i];
+            system->moved[d * n + i] = system->scale[d * n + i] * mode[d * n + i];
         }
         if (share <= most) continue;
         most = share;
-        limit->sharp_node = y->solid->nodes.id[n];
+        limit->sharp_node = system->solid->nodes.id[n];
     }
     most = -1.0;
-    for (size_t e = 0; e < y->solid->elements.soa.count; e++) {
-        double energy = linear_element(y, e, y->moved, force);
+    for (size_t e = 0; e < system->solid->elements.soa.count; e++) {
+        double energy = linear_element(system, e, system->moved, force);
         if (energy <= most) continue;
         most = energy;
-        limit->sharp_element = y->solid->elements.id[e];
+        limit->sharp_element = system->solid->elements.id[e];
     }
 }
 
-static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem_limit *limit,
+static gneiss_status find_sharp(const linear_system *linear, double tolerance, gn_fem_limit *limit,
                                 gneiss_error *error) {
-    const bool pressure = y->solid->form == GN_FEM_PRESSURE;
-    size_t n = y->solid->nodes.soa.count * (size_t)(y->dimension + pressure);
+    const bool pressure = linear->solid->form == GN_FEM_PRESSURE;
+    size_t n = linear->solid->nodes.soa.count * (size_t)(linear->dimension + pressure);
     double *mode = gn_alloc_array(n + 1, sizeof *mode);
     if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
-    /* What cannot move stays out of it. */
+    /* Fixed components have no part in the mode. */
     for (size_t k = 0; k < n; k++) mode[k] = gn_random_symmetric(1, k);
-    for (size_t k = 0; k < y->solid->nodes.soa.count * (size_t)y->dimension; k++)
-        if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
+    for (size_t k = 0; k < linear->solid->nodes.soa.count * (size_t)linear->dimension; k++)
+        if (!(linear->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
     const gn_eigen_system system = {.n = n,
                                     .apply =
                                         pressure ? gn_fem_linear_pressure : gn_fem_linear_apply,
                                     .metric = pressure ? gn_fem_linear_metric : NULL,
-                                    .context = y,
-                                    .threads = y->solid->threads};
+                                    .context = linear,
+                                    .threads = linear->solid->threads};
     gneiss_status status = gn_eigen_largest_of(&system, tolerance, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
         limit->frequency = sqrt(top.value);
         limit->sharp = fmax(2.0 / limit->frequency, limit->bound);
         limit->sharp_low = fmax(2.0 / sqrt(top.value + top.residual), limit->bound);
-        find_culprits(y, mode, limit);
+        find_culprits(linear, mode, limit);
     }
     gn_free(mode);
     return status;
@@ -141,54 +142,55 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
 
 /* --- both --- */
 
-static void set_scale(linear_system *y, bool whole) {
-    const gn_fem_solid *solid = y->solid;
-    const size_t d = (size_t)y->dimension;
+static void set_scale(linear_system *system, bool whole) {
+    const gn_fem_solid *solid = system->solid;
+    const size_t d = (size_t)system->dimension;
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         for (size_t i = 0; i < d; i++) {
             int32_t slot = solid->nodes.slot[n];
             bool fixed = slot >= 0 && solid->prescribed.mask[slot] >> i & 1;
             double inverse = whole ? solid->nodes.vel[4 * n + 3] : gn_fem_own_inverse(solid, n);
-            y->scale[d * n + i] = fixed ? 0.0 : sqrt(inverse);
+            system->scale[d * n + i] = fixed ? 0.0 : sqrt(inverse);
         }
 }
 
-static bool make_pressure(linear_system *y) {
-    size_t nodes = y->solid->nodes.soa.count;
-    if (y->solid->form != GN_FEM_PRESSURE) return true;
-    y->gradient = gn_alloc_array(nodes + 1, 4 * sizeof *y->gradient);
-    y->pressure = gn_alloc_array(nodes + 1, sizeof *y->pressure);
-    return y->gradient && y->pressure;
+static bool make_pressure(linear_system *system) {
+    size_t nodes = system->solid->nodes.soa.count;
+    if (system->solid->form != GN_FEM_PRESSURE) return true;
+    system->gradient = gn_alloc_array(nodes + 1, 4 * sizeof *system->gradient);
+    system->pressure = gn_alloc_array(nodes + 1, sizeof *system->pressure);
+    return system->gradient && system->pressure;
 }
 
-gneiss_status gn_fem_linear_begin(gn_fem_solid *solid, bool whole, linear_system *y,
+gneiss_status gn_fem_linear_begin(gn_fem_solid *solid, bool whole, linear_system *system,
                                   gneiss_error *error) {
     const size_t nodes = solid->nodes.soa.count, d = (size_t)solid->dimension;
-    *y = (linear_system){.solid = solid, .dimension = solid->dimension};
-    y->strains = solid->dimension == 3 ? 6 : 3;
-    y->scale = gn_alloc_array(nodes + 1, d * sizeof *y->scale);
-    y->moved = gn_alloc_array(nodes + 1, d * sizeof *y->moved);
-    y->stiffness = gn_alloc_array(nodes + 1, sizeof *y->stiffness);
-    if (!y->scale || !y->moved || !y->stiffness || !make_pressure(y)) {
-        gn_fem_linear_free(y);
+    *system = (linear_system){.solid = solid, .dimension = solid->dimension};
+    system->strains = solid->dimension == 3 ? 6 : 3;
+    system->scale = gn_alloc_array(nodes + 1, d * sizeof *system->scale);
+    system->moved = gn_alloc_array(nodes + 1, d * sizeof *system->moved);
+    system->stiffness = gn_alloc_array(nodes + 1, sizeof *system->stiffness);
+    if (!system->scale || !system->moved || !system->stiffness || !make_pressure(system)) {
+        gn_fem_linear_free(system);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step of %zu nodes",
                        nodes);
     }
-    set_scale(y, whole);
+    set_scale(system, whole);
     return GNEISS_OK;
 }
 
-gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, linear_system *y,
+gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, linear_system *system,
                                  gneiss_error *error) {
-    GN_TRY(gn_fem_linear_begin(solid, whole, y, error));
-    gn_fem_sum_stiffness(y);
+    GN_TRY(gn_fem_linear_begin(solid, whole, system, error));
+    gn_fem_sum_stiffness(system);
     return GNEISS_OK;
 }
 
-void gn_fem_linear_free(linear_system *y) {
-    void *blocks[] = {y->scale, y->moved, y->stiffness, y->gradient, y->pressure};
+void gn_fem_linear_free(linear_system *system) {
+    void *blocks[] = {system->scale, system->moved, system->stiffness, system->gradient,
+                      system->pressure};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    *y = (linear_system){0};
+    *system = (linear_system){0};
 }
 
 gn_fem_limit gn_fem_limit_none(void) {

@@ -1,4 +1,4 @@
-/* Sets of nodes, and what drives them. */
+/* Sets of nodes, prescribed motions and loads. */
 #include "base/memory.h"
 #include "base/names.h"
 #include "fem/internal.h"
@@ -30,7 +30,7 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
     return gn_fem_no_group(name, mesh, group, dimension, error);
 }
 
-/* A group that the file names, without elements of the body. */
+/* Reports a group that the file names, but without elements of the body. */
 static gneiss_status empty_group(const char *mesh_name, const gn_mesh_group *group,
                                  const char *name, int dimension, gneiss_error *error) {
     if (dimension >= 0 && group->dimension != dimension)
@@ -147,7 +147,7 @@ void gn_fem_set_free(gn_fem_set *set) {
 
 /* --- prescribed motion --- */
 
-/* A copy of an array with room for `count` items of `size`; the old one is freed. */
+/* Enlarges an array to `count` items of `size`; the old one is freed. */
 static bool grow(void **array, size_t had, size_t count, size_t size) {
     void *larger = gn_alloc_array(count + 1, size);
     if (!larger) return false;
@@ -194,7 +194,7 @@ gneiss_status gn_fem_prescribe(gn_fem_solid *solid, const gn_fem_set *set, unsig
     return GNEISS_OK;
 }
 
-/* Prescribed components start with their prescribed value, not with a jump. */
+/* Prescribed components start with their prescribed value to avoid a jump. */
 static void start_prescribed(gn_fem_solid *solid) {
     for (size_t n = 0; n < solid->nodes.soa.count; n++) {
         int32_t slot = solid->nodes.slot[n];

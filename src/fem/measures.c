@@ -1,4 +1,4 @@
-/* Averages over the solid, and how strain changes its stability limit: plain code. */
+/* Averages over the solid, and the effect of strain on its stability limit, in scalar code. */
 #include "base/memory.h"
 #include "fem/internal.h"
 #include "neigh/pairs.h"
@@ -53,15 +53,16 @@ double gn_fem_mean_force(const gn_fem_solid *solid, const double (*stress)[6]) {
     return total / (double)(count * corners);
 }
 
-/* Of the tangent's two parts the material one is that of the reference for the motion F^T H, so
- * that its eigenvalues grow by at most |C| = |I + 2 E| <= 1 + 2 |E|. The geometric one, V sigma : H
- * H^T, has at most |sigma|/(lambda + 2 mu) times the largest eigenvalue of the element, which is
- * at least that of a pressure wave along the same gradient (Bathe 1996, sec. 6.3 for the tangent).
- * Norms are Frobenius'; to first order in the strain.
+/* Returns a factor by which an element's eigenvalues may have grown. Of the tangent's two parts the
+ * material one is that of the reference for the motion F^T H, so that its eigenvalues grow by at
+ * most |C| = |I + 2 E| <= 1 + 2 |E|. The geometric one, V sigma : H H^T, has at most
+ * |sigma|/(lambda + 2 mu) times the largest eigenvalue of the element, which is at least that of a
+ * pressure wave along the same gradient (Bathe 1996, sec. 6.3 for the tangent). Norms are
+ * Frobenius'; to first order in the strain.
  *
- * Stress is looked for only where the factor may be above `known`: |sigma| <= |F|^2 |S|/det F with
- * |F|^2 <= 1 + 2 |E|, |S| <= 3 (lambda + 2 mu) |E| for every nu, det F^2 >= (1 - 2 |E|)^3, which
- * for |E| <= 1/10 makes the factor at most 1 + 7.1 |E|. */
+ * The stress is computed only where the factor may be above `known`: |sigma| <= |F|^2 |S|/det F
+ * with |F|^2 <= 1 + 2 |E|, |S| <= 3 (lambda + 2 mu) |E| for every nu, det F^2 >= (1 - 2 |E|)^3,
+ * which for |E| <= 1/10 makes the factor at most 1 + 7.1 |E|. */
 static double element_stiffening(const gn_fem_solid *solid, size_t e, double known) {
     const gn_elements *q = &solid->elements;
     double f[3][3], s[6], strain2 = 0.0;
@@ -72,7 +73,8 @@ static double element_stiffening(const gn_fem_solid *solid, size_t e, double kno
             strain2 += 0.25 * c * c;
         }
     const double strain = sqrt(strain2);
-    const bool elastic = solid->form == GN_FEM_DISPLACEMENT; /* a pressure has a life of its own */
+    /* in the pressure form, the pressure is independent of the strain */
+    const bool elastic = solid->form == GN_FEM_DISPLACEMENT;
     if (elastic && strain <= 0.1 && 1.0 + 7.5 * strain <= known) return known;
     gn_fem_stress_of(solid, e, s);
     double stress2 =

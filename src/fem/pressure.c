@@ -5,10 +5,10 @@
  * with   p = M_p^-1 (e - S q), M_p the lumped mass over K and S = L - Q Gh^-1 Q^T the orthogonal
  * sub-scales: q.S q is the least sum over pi of tau |grad q - pi|^2, taken at the corners of the
  * elements. Its minimum over q is the static method, q = p and (M_p + S) p = e. Here q has an
- * inertia S/w^2 instead, so that q'' = w^2 (p - q), which asks for no solution of equations:
- * everything is local, q moves by the leap-frog of the nodes, and energy is conserved as in the
- * displacement form. Its mean gradient pi obeys the same equation and need not be projected anew:
- * pi'' = w^2 (Gh^-1 Q^T p - pi). docs/fem.md derives it.
+ * inertia S/w^2 instead, so that q'' = w^2 (p - q), which needs no solution of equations:
+ * everything is local, q is integrated by the leap-frog of the nodes, and energy is conserved as in
+ * the displacement form. Its mean gradient pi obeys the same equation and needs no projection of
+ * its own: pi'' = w^2 (Gh^-1 Q^T p - pi). docs/fem.md derives it.
  */
 #include "base/memory.h"
 #include "fem/internal.h"
@@ -19,17 +19,17 @@
 
 /* tau = c h^2/(2 G). */
 static const double c_stabilising = 1.0;
-/* Of the squared frequency at which the bound of the time step would feel q; more would make steps
- * shorter, less lets q lag behind. */
+/* Fraction of the squared frequency at which q would determine the bound of the time step; a larger
+ * one would shorten steps, a smaller one makes q lag behind. */
 static const double rate_share = 0.25;
 
-/* Squared size of an element: the side of a regular one, whatever the shape. */
-static double size2(const gn_elements *q, size_t e) {
-    const int d = gn_elements_dimension(q);
+/* Returns the squared size of an element: the side of a regular element of that volume. */
+static double size2(const gn_elements *elements, size_t e) {
+    const int d = gn_elements_dimension(elements);
     double sum = 0.0, rest[3] = {0.0};
     for (int a = 1; a <= d; a++)
         for (int k = 0; k < d; k++) {
-            double g = gn_elements_gradient(q, a, k)[e];
+            double g = gn_elements_gradient(elements, a, k)[e];
             rest[k] -= g;
             sum += g * g;
         }
@@ -37,8 +37,8 @@ static double size2(const gn_elements *q, size_t e) {
     return 2.0 * d / sum;
 }
 
-double gn_fem_bulk(const gn_elements *q, size_t e) {
-    return q->lambda[e] + 2.0 / 3.0 * q->mu[e];
+double gn_fem_bulk(const gn_elements *elements, size_t e) {
+    return elements->lambda[e] + 2.0 / 3.0 * elements->mu[e];
 }
 
 static void weigh(gn_fem_solid *solid) {
@@ -58,23 +58,23 @@ static void weigh(gn_fem_solid *solid) {
         for (size_t k = 0; k < 2; k++) lumped[4 * n + k] = 1.0 / lumped[4 * n + k];
 }
 
-/* M_p^-1 S, element by element, with the element's own M_p: nodes K tau times the largest
- * eigenvalue of sum_a grad N_a (x) grad N_a. */
-double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e) {
-    const int d = gn_elements_dimension(q);
+/* Returns the eigenvalue of M_p^-1 S of a single element with its own M_p: nodes K tau times the
+ * largest eigenvalue of sum_a grad N_a (x) grad N_a. */
+double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e) {
+    const int d = gn_elements_dimension(elements);
     double a[9] = {0.0}, rest[3] = {0.0}, values[3], vectors[9];
     for (int n = 1; n <= d + 1; n++)
         for (int i = 0; i < d; i++) {
-            double gi = n <= d ? gn_elements_gradient(q, n, i)[e] : rest[i];
+            double gi = n <= d ? gn_elements_gradient(elements, n, i)[e] : rest[i];
             if (n <= d) rest[i] -= gi;
             for (int k = 0; k < d; k++)
-                a[d * i + k] += gi * (n <= d ? gn_elements_gradient(q, n, k)[e] : rest[k]);
+                a[d * i + k] += gi * (n <= d ? gn_elements_gradient(elements, n, k)[e] : rest[k]);
         }
     gn_eigen_symmetric(d, a, values, vectors);
-    return (d + 1) * gn_fem_bulk(q, e) * q->tau[e] * values[0];
+    return (d + 1) * gn_fem_bulk(elements, e) * elements->tau[e] * values[0];
 }
 
-/* The rate that leaves the bound on the time step where it is without q. */
+/* Chooses the rate at which q does not change the bound of the time step. */
 static gneiss_status choose_rate(gn_fem_solid *solid, gneiss_error *error) {
     gn_fem_limit limit;
     double most = 0.0;
@@ -97,7 +97,7 @@ gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error) 
         return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the pressures of %zu nodes",
                        solid->name, solid->nodes.soa.count);
     weigh(solid);
-    gn_fem_moved(solid);
+    gn_fem_positions_changed(solid);
     return choose_rate(solid, error);
 }
 
@@ -111,7 +111,7 @@ static void copy_places(const gn_fem_solid *solid) {
     }
 }
 
-void gn_fem_moved(gn_fem_solid *solid) {
+void gn_fem_positions_changed(gn_fem_solid *solid) {
     if (solid->form == GN_FEM_PRESSURE) copy_places(solid);
     gn_particles_to_single(&solid->nodes, solid->nodes.start, solid->threads);
 }
@@ -121,8 +121,8 @@ gn_dilation_args gn_fem_dilation_args(const gn_fem_solid *solid) {
                               &solid->partials, solid->growth_row};
 }
 
-/* With viscous damping q is damped at the same rate; other kinds damp a mode of frequency w by
- * about a/pi of the critical value. */
+/* Returns the damping rate of q. With viscous damping it is that of the motion; other kinds damp a
+ * mode of frequency w by about a/pi of the critical value. */
 static double damping_rate(const gn_fem_solid *solid) {
     const double pi = 3.14159265358979323846;
     if (solid->effects & GN_FX_VISCOUS) return solid->damping_coefficient;
@@ -145,7 +145,8 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measu
 
 /* --- reading --- */
 
-/* One serial pass over all blocks; rows are made anew in every step, and no energy is asked for. */
+/* Computes pressures in one serial pass over all blocks; rows are overwritten in every step, and no
+ * energy is needed. */
 void gn_fem_find_pressures(const gn_fem_solid *solid) {
     const gn_dilation_args args = gn_fem_dilation_args(solid);
     const gn_partials *q = &solid->partials;

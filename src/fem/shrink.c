@@ -1,5 +1,5 @@
-/* Elements that are taken out of a solid while it moves, and the parts of the body that those have
- * which stay beside what took their place. */
+/* Removal of elements from a moving solid, and the weights of those that remain in coupling
+ * zones. */
 #include "base/memory.h"
 #include "fem/internal.h"
 #include "neigh/pairs.h"
@@ -84,18 +84,19 @@ gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error
     return status;
 }
 
-/* m3 of an element as a whole: gradients are those of its edges, turned round. */
-static double whole_volume(const gn_elements *q, size_t e, int dimension) {
+/* Returns the full volume of an element, m3, from its gradients, which are those of its edges
+ * inverted. */
+static double whole_volume(const gn_elements *elements, size_t e, int dimension) {
     double g[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     for (int a = 1; a <= dimension; a++)
-        for (int k = 0; k < dimension; k++) g[a - 1][k] = gn_elements_gradient(q, a, k)[e];
+        for (int k = 0; k < dimension; k++) g[a - 1][k] = gn_elements_gradient(elements, a, k)[e];
     double det = g[0][0] * (g[1][1] * g[2][2] - g[1][2] * g[2][1]) -
                  g[0][1] * (g[1][0] * g[2][2] - g[1][2] * g[2][0]) +
                  g[0][2] * (g[1][0] * g[2][1] - g[1][1] * g[2][0]);
     return 1.0 / (fabs(det) * (dimension == 3 ? 6.0 : 2.0));
 }
 
-void gn_fem_weigh(gn_fem_solid *solid) {
+void gn_fem_apply_weights(gn_fem_solid *solid) {
     gn_elements *q = &solid->elements;
     gn_particles *nodes = &solid->nodes;
     const int d = solid->dimension;
@@ -131,8 +132,9 @@ static double inverse3(double a[3][3], double out[3][3]) {
     return det;
 }
 
-/* Newton's iteration X <- (X + X^-T)/2, which converges by squares from F (Higham 1986). */
-void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]) {
+/* Polar decomposition by Newton's iteration X <- (X + X^-T)/2, which converges quadratically from F
+ * (Higham 1986). */
+void gn_fem_rotation(const gn_fem_solid *solid, size_t element, double turn[3][3]) {
     enum { ROUNDS = 40 };
     gn_fem_deformation(solid, element, turn);
     for (int round = 0; round < ROUNDS; round++) {

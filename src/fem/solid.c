@@ -1,4 +1,4 @@
-/* From a mesh to nodes and elements. */
+/* Construction of nodes and elements from a mesh. */
 #include "fem/solid.h"
 
 #include "base/memory.h"
@@ -12,56 +12,57 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What building needs besides the solid. */
+/* Work data of the construction. */
 typedef struct builder {
     gn_fem_solid *solid;
     const gn_fem_spec *spec;
     gn_mesh_elements *solids;
-    int32_t *place;    /* [nodes of the mesh as given] place in the solid, -1: unused */
+    int32_t *place;    /* [nodes of the given mesh] place in the solid, -1: unused */
     int32_t *material; /* [solids] */
 } builder;
 
-static gneiss_status out_of_memory(const builder *b, gneiss_error *error) {
+static gneiss_status out_of_memory(const builder *maker, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for %zu nodes and %zu elements",
-                   b->solid->name, b->solid->mesh.node_count, b->solids->count);
+                   maker->solid->name, maker->solid->mesh.node_count, maker->solids->count);
 }
 
 /* --- materials --- */
 
-static gneiss_status check_material(const gn_fem_solid *solid, const gn_fem_material *m,
+static gneiss_status check_material(const gn_fem_solid *solid, const gn_fem_material *material,
                                     gneiss_error *error) {
-    const char *group = m->group ? m->group : "all elements";
-    if (!(m->young > 0.0 && m->young < INFINITY && m->density > 0.0 && m->density < INFINITY))
+    const char *group = material->group ? material->group : "all elements";
+    if (!(material->young > 0.0 && material->young < INFINITY && material->density > 0.0 &&
+          material->density < INFINITY))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: material of %s: expected Young's modulus and density > 0, found %g Pa "
                        "and %g kg/m3",
-                       solid->name, group, m->young, m->density);
-    if (m->poisson > -1.0 && m->poisson < 0.5) return GNEISS_OK;
+                       solid->name, group, material->young, material->density);
+    if (material->poisson > -1.0 && material->poisson < 0.5) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: material of %s: expected Poisson's ratio > -1 and < 0.5, because the "
                    "explicit %s form has no stable step for an incompressible material, found %g",
                    solid->name, group, solid->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
-                   m->poisson);
+                   material->poisson);
 }
 
-/* Marks the elements of one material; how many there are. */
-static gneiss_status give_material(builder *b, int32_t index, gneiss_error *error) {
-    const gn_fem_material *m = &b->spec->materials[index];
-    gn_fem_solid *solid = b->solid;
+/* Marks the elements of one material; fails if there are none. */
+static gneiss_status give_material(builder *maker, int32_t index, gneiss_error *error) {
+    const gn_fem_material *m = &maker->spec->materials[index];
+    gn_fem_solid *solid = maker->solid;
     GN_TRY(check_material(solid, m, error));
     solid->density[index] = m->density;
-    uint8_t *in = gn_alloc_array(b->solids->count + 1, sizeof *in);
-    if (!in) return out_of_memory(b, error);
+    uint8_t *in = gn_alloc_array(maker->solids->count + 1, sizeof *in);
+    if (!in) return out_of_memory(maker, error);
     const gn_mesh_group *group =
         m->group ? gn_fem_find_group(&solid->mesh, m->group, solid->dimension) : NULL;
     if (group)
-        gn_fem_mark_group(b->solids, group->tag, in);
+        gn_fem_mark_group(maker->solids, group->tag, in);
     else
-        memset(in, m->group == NULL, b->solids->count);
+        memset(in, m->group == NULL, maker->solids->count);
     size_t marked = 0;
-    for (size_t e = 0; e < b->solids->count; e++) {
+    for (size_t e = 0; e < maker->solids->count; e++) {
         if (!in[e]) continue;
-        b->material[e] = index;
+        maker->material[e] = index;
         marked++;
     }
     gn_free(in);
@@ -69,20 +70,21 @@ static gneiss_status give_material(builder *b, int32_t index, gneiss_error *erro
     return gn_fem_no_group(solid->name, &solid->mesh, m->group, solid->dimension, error);
 }
 
-static gneiss_status give_materials(builder *b, gneiss_error *error) {
-    b->material = gn_alloc_array(b->solids->count + 1, sizeof *b->material);
-    b->solid->density = gn_alloc_array(b->spec->material_count + 1, sizeof *b->solid->density);
-    if (!b->material || !b->solid->density) return out_of_memory(b, error);
-    for (size_t e = 0; e < b->solids->count; e++) b->material[e] = -1;
-    for (size_t m = 0; m < b->spec->material_count; m++)
-        GN_TRY(give_material(b, (int32_t)m, error));
-    for (size_t e = 0; e < b->solids->count; e++)
-        if (b->material[e] < 0)
+static gneiss_status give_materials(builder *maker, gneiss_error *error) {
+    maker->material = gn_alloc_array(maker->solids->count + 1, sizeof *maker->material);
+    maker->solid->density =
+        gn_alloc_array(maker->spec->material_count + 1, sizeof *maker->solid->density);
+    if (!maker->material || !maker->solid->density) return out_of_memory(maker, error);
+    for (size_t e = 0; e < maker->solids->count; e++) maker->material[e] = -1;
+    for (size_t m = 0; m < maker->spec->material_count; m++)
+        GN_TRY(give_material(maker, (int32_t)m, error));
+    for (size_t e = 0; e < maker->solids->count; e++)
+        if (maker->material[e] < 0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected a material for every %s, found none for number %zu (base "
                            "0) in group %d",
-                           b->solid->name, gn_fem_kind(b->solid->dimension), e,
-                           b->solids->group[e]);
+                           maker->solid->name, gn_fem_kind(maker->solid->dimension), e,
+                           maker->solids->group[e]);
     return GNEISS_OK;
 }
 
@@ -102,21 +104,21 @@ static gneiss_status check_plane(const gn_fem_solid *solid, const gn_mesh_elemen
     return GNEISS_OK;
 }
 
-/* The used nodes as particles in the order of the mesh. */
-static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *error) {
-    gn_fem_solid *solid = b->solid;
+/* Makes particles of the used nodes in the order of the mesh. */
+static gneiss_status take_nodes(builder *maker, gn_particles *nodes, gneiss_error *error) {
+    gn_fem_solid *solid = maker->solid;
     const gn_mesh *mesh = &solid->mesh;
-    b->place = gn_alloc_array(mesh->node_count + 1, sizeof *b->place);
-    if (!b->place) return out_of_memory(b, error);
-    for (size_t k = 0; k < b->solids->count * (size_t)b->solids->nodes; k++)
-        b->place[b->solids->node[k]] = 1;
+    maker->place = gn_alloc_array(mesh->node_count + 1, sizeof *maker->place);
+    if (!maker->place) return out_of_memory(maker, error);
+    for (size_t k = 0; k < maker->solids->count * (size_t)maker->solids->nodes; k++)
+        maker->place[maker->solids->node[k]] = 1;
     size_t used = 0;
-    for (size_t n = 0; n < mesh->node_count; n++) used += b->place[n] == 1;
+    for (size_t n = 0; n < mesh->node_count; n++) used += maker->place[n] == 1;
     solid->unused_nodes = mesh->node_count - used;
     GN_TRY(gn_soa_create(&gn_particle_record, nodes, used, solid->effects, error));
     used = 0;
     for (size_t n = 0; n < mesh->node_count; n++) {
-        if (!b->place[n]) continue;
+        if (!maker->place[n]) continue;
         for (int k = 0; k < solid->dimension; k++) nodes->pos[4 * used + k] = mesh->node[3 * n + k];
         nodes->slot[used] = -1;
         nodes->id[used++] = (int32_t)n;
@@ -124,12 +126,13 @@ static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* The solid's nodes along the Morton curve, and where each node of the mesh has gone. */
-static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_error *error) {
-    gn_fem_solid *solid = b->solid;
+/* Sorts the solid's nodes along the Morton curve, and records the new place of each node of the
+ * mesh. */
+static gneiss_status order_nodes(builder *maker, const gn_particles *given, gneiss_error *error) {
+    gn_fem_solid *solid = maker->solid;
     size_t count = given->soa.count;
     int32_t *order = gn_alloc_array(count + 1, sizeof *order);
-    gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
+    gneiss_status status = order ? GNEISS_OK : out_of_memory(maker, error);
     if (status == GNEISS_OK) status = gn_morton_order(given, solid->dimension, order, error);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_particle_record, &solid->nodes, count, solid->effects, error);
@@ -137,14 +140,14 @@ static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_e
         gn_soa_permute(&gn_particle_record, &solid->nodes, given, order);
         memcpy(solid->nodes.start, solid->nodes.pos, 4 * count * sizeof(double));
         gn_particles_set_null(&solid->nodes, 1.0);
-        for (size_t n = 0; n < solid->mesh.node_count; n++) b->place[n] = -1;
-        for (size_t n = 0; n < count; n++) b->place[solid->nodes.id[n]] = (int32_t)n;
+        for (size_t n = 0; n < solid->mesh.node_count; n++) maker->place[n] = -1;
+        for (size_t n = 0; n < count; n++) maker->place[solid->nodes.id[n]] = (int32_t)n;
     }
     gn_free(order);
     return status;
 }
 
-/* Facets (or solids) in the solid's numbers; those with an unused node are left out. */
+/* Renumbers facets (or solids) to the solid's nodes; those with an unused node are left out. */
 static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
     size_t kept = 0, also = 0, next = 0, nodes = (size_t)list->nodes;
     for (size_t e = 0; e < list->count; e++) {
@@ -163,17 +166,17 @@ static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
     list->also_count = also;
 }
 
-static gneiss_status renumber_mesh(builder *b, gneiss_error *error) {
-    gn_mesh *mesh = &b->solid->mesh;
-    size_t count = b->solid->nodes.soa.count;
+static gneiss_status renumber_mesh(builder *maker, gneiss_error *error) {
+    gn_mesh *mesh = &maker->solid->mesh;
+    size_t count = maker->solid->nodes.soa.count;
     double *node = gn_alloc_array(count + 1, 3 * sizeof *node);
-    if (!node) return out_of_memory(b, error);
+    if (!node) return out_of_memory(maker, error);
     for (size_t n = 0; n < count; n++)
-        memcpy(node + 3 * n, mesh->node + 3 * (size_t)b->solid->nodes.id[n], 3 * sizeof *node);
+        memcpy(node + 3 * n, mesh->node + 3 * (size_t)maker->solid->nodes.id[n], 3 * sizeof *node);
     gn_free(mesh->node);
     mesh->node = node;
     mesh->node_count = count;
-    for (int d = 0; d <= 3; d++) renumber_elements(b->place, gn_fem_elements_of(mesh, d));
+    for (int d = 0; d <= 3; d++) renumber_elements(maker->place, gn_fem_elements_of(mesh, d));
     return GNEISS_OK;
 }
 
@@ -196,8 +199,8 @@ static int by_number(const void *a, const void *b) {
     return (*x > *y) - (*x < *y);
 }
 
-static sorted_element *sort_elements(const builder *b) {
-    const gn_mesh_elements *list = b->solids;
+static sorted_element *sort_elements(const builder *maker) {
+    const gn_mesh_elements *list = maker->solids;
     sorted_element *s = gn_alloc_array(list->count + 1, sizeof *s);
     for (size_t e = 0; s && e < list->count; e++) {
         s[e] = (sorted_element){.id = (int32_t)e};
@@ -213,8 +216,9 @@ static double cross_part(const double *a, const double *b, int k) {
     return a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* Gradients of all nodes but the first, and the volume, which is negative inside out. The gradient
- * of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+/* Computes gradients of all nodes but the first and returns the volume, which is negative for an
+ * inverted element. The gradient of node a is normal to the opposite face: these are rows of the
+ * inverse matrix of edges. */
 static double gradients(int dimension, const double *const x[4], double gradient[3][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}};
     for (int a = 0; a < dimension; a++)
@@ -238,7 +242,7 @@ static double longest_edge(int dimension, const double *const x[4]) {
     return sqrt(most);
 }
 
-/* A shape function falls from 1 to 0 over the height of its node. */
+/* A shape function decreases from 1 to 0 over the height of its node. */
 static double least_height(int dimension, const double gradient[3][3]) {
     double first[3] = {0.0}, steepest2 = 0.0;
     for (int a = 0; a < dimension; a++) {
@@ -253,18 +257,17 @@ static double least_height(int dimension, const double gradient[3][3]) {
     return 1.0 / sqrt(steepest2);
 }
 
-static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[4], double volume,
-                               gneiss_error *error) {
+static gneiss_status no_volume(const builder *maker, int32_t id, const int32_t node[4],
+                               double volume, gneiss_error *error) {
     char at[GN_POINT_SIZE];
-    gn_point_text(b->solid->origin, b->solid->nodes.start + 4 * (size_t)node[0], at);
+    gn_point_text(maker->solid->origin, maker->solid->nodes.start + 4 * (size_t)node[0], at);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected elements with a volume, found %s %d (base 0) at %s m with %g m%d",
-                   b->solid->name, gn_fem_kind(b->solid->dimension), id, at, volume,
-                   b->solid->dimension);
+                   maker->solid->name, gn_fem_kind(maker->solid->dimension), id, at, volume,
+                   maker->solid->dimension);
 }
 
-/* An element between nodes that have no part in the body keeps next to nothing, for its nodes to
- * have a mass. */
+/* Least weight of an element between nodes of zero weight, which gives its nodes a mass. */
 static const double share_least = 1e-6;
 
 static double share_of(const gn_fem_spec *spec, int dimension, const double *const x[4]) {
@@ -274,16 +277,17 @@ static double share_of(const gn_fem_spec *spec, int dimension, const double *con
     return fmax(sum / (dimension + 1), share_least);
 }
 
-/* Element e of the solid from element `id` of the mesh; nodes in the mesh's order, the last two
- * exchanged when it is inside out. */
-static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error *error) {
+/* Makes element e of the solid from element `id` of the mesh; nodes are in the mesh's order, the
+ * last two exchanged if it is inverted. */
+static gneiss_status make_element(builder *maker, size_t e, int32_t id, gneiss_error *error) {
     enum { ROUND_OFF = 64 };
-    gn_fem_solid *solid = b->solid;
+    gn_fem_solid *solid = maker->solid;
     const int d = solid->dimension;
     gn_elements *q = &solid->elements;
     const double *x[4];
     int32_t node[4] = {0};
-    memcpy(node, b->solids->node + (size_t)(d + 1) * (size_t)id, (size_t)(d + 1) * sizeof *node);
+    memcpy(node, maker->solids->node + (size_t)(d + 1) * (size_t)id,
+           (size_t)(d + 1) * sizeof *node);
     double gradient[3][3], volume = 0.0;
     for (int turn = 0; turn < 2; turn++) {
         for (int a = 0; a <= d; a++) x[a] = solid->nodes.start + 4 * (size_t)node[a];
@@ -295,12 +299,12 @@ static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error
         solid->turned_elements++;
     }
     if (!(volume > ROUND_OFF * 2.2e-16 * pow(longest_edge(d, x), d)))
-        return no_volume(b, id, node, volume, error);
-    const gn_fem_material *m = &b->spec->materials[b->material[id]];
+        return no_volume(maker, id, node, volume, error);
+    const gn_fem_material *m = &maker->spec->materials[maker->material[id]];
     solid->height = fmin(solid->height, least_height(d, (const double(*)[3])gradient));
-    volume *= share_of(b->spec, d, x);
+    volume *= share_of(maker->spec, d, x);
     q->id[e] = id;
-    q->material[e] = b->material[id];
+    q->material[e] = maker->material[id];
     q->volume[e] = volume;
     q->mu[e] = 0.5 * m->young / (1.0 + m->poisson);
     q->lambda[e] = 2.0 * q->mu[e] * m->poisson / (1.0 - 2.0 * m->poisson);
@@ -314,25 +318,25 @@ static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error
     return GNEISS_OK;
 }
 
-static gneiss_status make_elements(builder *b, gneiss_error *error) {
-    gn_fem_solid *solid = b->solid;
-    GN_TRY(gn_soa_create(&gn_element_record, &solid->elements, b->solids->count, solid->effects,
+static gneiss_status make_elements(builder *maker, gneiss_error *error) {
+    gn_fem_solid *solid = maker->solid;
+    GN_TRY(gn_soa_create(&gn_element_record, &solid->elements, maker->solids->count, solid->effects,
                          error));
-    sorted_element *order = sort_elements(b);
+    sorted_element *order = sort_elements(maker);
     solid->height = INFINITY;
-    gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
-    for (size_t e = 0; e < b->solids->count && status == GNEISS_OK; e++)
-        status = make_element(b, e, order[e].id, error);
+    gneiss_status status = order ? GNEISS_OK : out_of_memory(maker, error);
+    for (size_t e = 0; e < maker->solids->count && status == GNEISS_OK; e++)
+        status = make_element(maker, e, order[e].id, error);
     gn_free(order);
     GN_TRY(status);
-    /* The sums of masses become their inverses. */
+    /* Inverts the sums of masses. */
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         solid->nodes.vel[4 * n + 3] = 1.0 / solid->nodes.vel[4 * n + 3];
     for (size_t n = 0; solid->nodes.blend && n < solid->nodes.soa.count; n++) {
         solid->nodes.blend[2 * n] = 1.0;
         solid->nodes.blend[2 * n + 1] = GN_FEM_FAR;
     }
-    bool uniform = b->spec->material_count == 1;
+    bool uniform = maker->spec->material_count == 1;
     solid->uniform.lambda = solid->uniform.mu = uniform ? ~(size_t)0 : 0;
     gn_elements_pad(&solid->elements, &solid->nodes);
     return GNEISS_OK;
@@ -340,8 +344,8 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
 
 /* --- all of it --- */
 
-gneiss_status gn_fem_surround(gn_fem_solid *solid, const double gravity[3], gn_effects damping,
-                              double coefficient, gneiss_error *error) {
+gneiss_status gn_fem_set_environment(gn_fem_solid *solid, const double gravity[3],
+                                     gn_effects damping, double coefficient, gneiss_error *error) {
     const gn_effects own =
         GN_FX_GRAVITY | GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
     solid->effects = (solid->effects & ~own) | damping;
@@ -375,55 +379,57 @@ static gneiss_status prepare(gn_fem_solid *solid, const gn_fem_spec *spec, gneis
         solid->element_kernel[measure] =
             solid->kernels->element[gn_element_variant(space, measure, pressure)];
     if (solid->single) solid->element_kernel[0] = solid->kernels->single[space];
-    return gn_fem_surround(solid, spec->gravity, spec->damping, spec->damping_coefficient, error);
+    return gn_fem_set_environment(solid, spec->gravity, spec->damping, spec->damping_coefficient,
+                                  error);
 }
 
-static gneiss_status make_sums(builder *b, gneiss_error *error) {
-    gn_fem_solid *solid = b->solid;
+static gneiss_status make_sums(builder *maker, gneiss_error *error) {
+    gn_fem_solid *solid = maker->solid;
     size_t nodes = solid->nodes.soa.count;
     GN_TRY(gn_element_partials_build(&solid->elements, nodes, solid->threads, &solid->partials,
                                      error));
     solid->motion_blocks = (nodes + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     solid->element_sums = gn_alloc_array(solid->partials.blocks + 1, sizeof *solid->element_sums);
     solid->motion_sums = gn_alloc_array(solid->motion_blocks + 1, sizeof *solid->motion_sums);
-    if (!solid->element_sums || !solid->motion_sums) return out_of_memory(b, error);
+    if (!solid->element_sums || !solid->motion_sums) return out_of_memory(maker, error);
     GN_TRY(gn_hold_create(&solid->hold, solid->motion_blocks, error));
     GN_TRY(gn_deal_create(&solid->deal, solid->threads, error));
     return gn_deal_lists(&solid->deal, (gn_deal_list){.partials = &solid->partials},
                          (gn_deal_list){0}, solid->motion_blocks, error);
 }
 
-static gneiss_status build(builder *b, gneiss_error *error) {
-    gn_fem_solid *solid = b->solid;
-    if (b->spec->dimension != 2 && b->spec->dimension != 3)
+static gneiss_status build(builder *maker, gneiss_error *error) {
+    gn_fem_solid *solid = maker->solid;
+    if (maker->spec->dimension != 2 && maker->spec->dimension != 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
-    if (b->spec->form != GN_FEM_DISPLACEMENT && b->spec->form != GN_FEM_PRESSURE)
+                       "finite elements: expected dimension 2 or 3, found %d",
+                       maker->spec->dimension);
+    if (maker->spec->form != GN_FEM_DISPLACEMENT && maker->spec->form != GN_FEM_PRESSURE)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected the displacement or the mixed form, found form "
                        "%d",
-                       (int)b->spec->form);
-    if (b->spec->single && b->spec->form == GN_FEM_PRESSURE)
+                       (int)maker->spec->form);
+    if (maker->spec->single && maker->spec->form == GN_FEM_PRESSURE)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected double precision with the mixed form, found "
                        "single, which only the displacement form has");
-    GN_TRY(prepare(solid, b->spec, error));
-    if (!b->solids->count)
+    GN_TRY(prepare(solid, maker->spec, error));
+    if (!maker->solids->count)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a mesh with %s elements, found none (%zu lines, %zu "
                        "triangles, %zu tetrahedra)",
                        solid->name, gn_fem_kind(solid->dimension), solid->mesh.lines.count,
                        solid->mesh.triangles.count, solid->mesh.tetrahedra.count);
-    GN_TRY(check_plane(solid, b->solids, error));
-    GN_TRY(give_materials(b, error));
+    GN_TRY(check_plane(solid, maker->solids, error));
+    GN_TRY(give_materials(maker, error));
     gn_particles given = {0};
-    gneiss_status status = take_nodes(b, &given, error);
-    if (status == GNEISS_OK) status = order_nodes(b, &given, error);
+    gneiss_status status = take_nodes(maker, &given, error);
+    if (status == GNEISS_OK) status = order_nodes(maker, &given, error);
     gn_soa_destroy(&gn_particle_record, &given);
     GN_TRY(status);
-    GN_TRY(renumber_mesh(b, error));
-    GN_TRY(make_elements(b, error));
-    GN_TRY(make_sums(b, error));
+    GN_TRY(renumber_mesh(maker, error));
+    GN_TRY(make_elements(maker, error));
+    GN_TRY(make_sums(maker, error));
     gn_fem_to_single(solid);
     return solid->form == GN_FEM_PRESSURE ? gn_fem_pressure_prepare(solid, error) : GNEISS_OK;
 }
@@ -468,7 +474,7 @@ void gn_fem_solid_free(gn_fem_solid *solid) {
     gn_partials_free(&solid->partials);
     gn_deal_free(&solid->deal);
     gn_hold_free(&solid->hold);
-    gn_fem_known_free(solid->known);
+    gn_fem_known_free(solid->bound_cache);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     memset(solid, 0, sizeof *solid);
 }

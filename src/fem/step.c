@@ -1,4 +1,4 @@
-/* One step: the sweep, sums in block order, and what stops a run. */
+/* One step: the sweep, sums in block order, and checks of the state. */
 #include "fem/internal.h"
 
 #include <math.h>
@@ -28,8 +28,8 @@ static gn_pressure_sums merge_pressure(const gn_fem_solid *solid) {
     return total;
 }
 
-/* The first halves of the works close the interval that led here, the second ones are of the coming
- * interval; the reading lies between them. */
+/* Merges the sums of motion. The first halves of the works belong to the past interval, the second
+ * halves to the coming one; the reading lies between them. */
 static int64_t merge_motion(gn_fem_solid *solid, bool measure, double *speed2) {
     gn_fem_energy *e = &solid->energy;
     double kinetic = 0.0;
@@ -59,12 +59,13 @@ static int64_t merge_motion(gn_fem_solid *solid, bool measure, double *speed2) {
     return bad;
 }
 
-double gn_fem_energy_residual(const gn_fem_energy *e) {
-    return e->kinetic + e->elastic - e->stored_at_start -
-           (e->work_prescribed + e->work_applied + e->work_gravity) + e->damping;
+double gn_fem_energy_residual(const gn_fem_energy *energy) {
+    return energy->kinetic + energy->elastic - energy->stored_at_start -
+           (energy->work_prescribed + energy->work_applied + energy->work_gravity) +
+           energy->damping;
 }
 
-/* --- going bad --- */
+/* --- checks --- */
 
 static gneiss_status inside_out(const gn_fem_solid *solid, gneiss_error *error) {
     const gn_elements *q = &solid->elements;

@@ -1,4 +1,4 @@
-/* Stresses of the present positions, for output: plain code. */
+/* Stresses at the present positions, for output, in scalar code. */
 #include "base/memory.h"
 #include "fem/internal.h"
 
@@ -20,20 +20,20 @@ double gn_fem_deformation(const gn_fem_solid *solid, size_t e, double f[3][3]) {
            f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
 }
 
-static inline void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
-                                double s[3][3]) {
+static inline void second_piola(const gn_elements *elements, size_t e, bool pressure,
+                                double f[3][3], double s[3][3]) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++) {
             double c = f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l);
-            s[k][l] = q->mu[e] * c;
+            s[k][l] = elements->mu[e] * c;
             if (k == l) trace += 0.5 * c;
         }
-    const double lambda = pressure ? -2.0 / 3.0 * q->mu[e] : q->lambda[e];
+    const double lambda = pressure ? -2.0 / 3.0 * elements->mu[e] : elements->lambda[e];
     for (int k = 0; k < 3; k++) s[k][k] += lambda * trace;
 }
 
-/* Mean over the nodes; zero in the displacement form, whose pressure is part of S. */
+/* Returns the mean over the nodes; zero in the displacement form, whose pressure is part of S. */
 static double mean_pressure(const gn_fem_solid *solid, size_t e) {
     double sum = 0.0;
     if (solid->form != GN_FEM_PRESSURE) return 0.0;
@@ -74,7 +74,7 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
             volume[n] += q->volume[e];
             for (int c = 0; c < 6; c++) nodal[n][c] += q->volume[e] * element[e][c];
         }
-    for (size_t n = 0; n < nodes; n++) /* without elements: none */
+    for (size_t n = 0; n < nodes; n++) /* without elements: zero */
         for (int c = 0; c < 6 && volume[n] > 0.0; c++) nodal[n][c] /= volume[n];
     gn_free(volume);
     return GNEISS_OK;
@@ -114,7 +114,7 @@ void gn_fem_force_of(const gn_fem_solid *solid, size_t e, double force[4][3]) {
         }
 }
 
-/* St Venant-Kirchhoff: half of S : E. */
+/* Returns half of S : E of the St Venant-Kirchhoff law. */
 static double energy_density(const gn_fem_solid *solid, size_t e, double f[3][3]) {
     double s[3][3], energy = 0.0;
     second_piola(&solid->elements, e, false, f, s);
@@ -129,7 +129,7 @@ static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]
     return solid->elements.volume[e] * energy_density(solid, e, f);
 }
 
-double gn_fem_held_density(const gn_fem_solid *solid, size_t e) {
+double gn_fem_energy_density(const gn_fem_solid *solid, size_t e) {
     double f[3][3];
     gn_fem_deformation(solid, e, f);
     return energy_density(solid, e, f);
@@ -139,7 +139,7 @@ void gn_fem_gradient_of(const gn_fem_solid *solid, size_t e, double f[3][3]) {
     gn_fem_deformation(solid, e, f);
 }
 
-/* With the displacements that velocities make in `ahead` s. */
+/* Returns the energy after the displacements of the velocities over `ahead` s. */
 static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
     const gn_elements *q = &solid->elements;
     double f[3][3], g[4][3];
@@ -155,9 +155,9 @@ static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
     return element_energy(solid, e, f);
 }
 
-/* Threads find what single elements hold; it is added up in their order. */
-double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count,
-                     double ahead) {
+/* Threads compute the energies of single elements, which are summed in their order. */
+double gn_fem_elastic_energy(const gn_fem_solid *solid, const int32_t *element, size_t count,
+                             double ahead) {
     enum { SOME = 4096 };
     double sum = 0.0, held[SOME];
     for (size_t from = 0; from < count; from += SOME) {

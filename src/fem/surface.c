@@ -1,4 +1,4 @@
-/* Facets of a solid that something can touch. */
+/* Contact facets of a solid. */
 #include "base/memory.h"
 #include "fem/internal.h"
 
@@ -31,7 +31,7 @@ static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *grou
     return status;
 }
 
-/* gn_mesh_boundary puts the facets in the place of those listed: it works on a copy. */
+/* gn_mesh_boundary replaces the listed facets, so that it works on a copy. */
 static gneiss_status all_facets(const gn_fem_solid *solid, int32_t **corner, size_t *count,
                                 gneiss_error *error) {
     gn_mesh from = solid->mesh, mesh = {0};

@@ -1,4 +1,4 @@
-/* The parallel part of a step: elements and nodes. Who does what: sched/deal.h. */
+/* The parallel part of a step: elements and nodes. sched/deal.h describes the work distribution. */
 #include "base/timer.h"
 #include "fem/internal.h"
 
@@ -13,7 +13,7 @@ typedef struct work {
     bool measure;
 } work;
 
-/* Blocks [begin, end). */
+/* A range of blocks [begin, end). */
 typedef struct range {
     size_t begin, end;
 } range;
@@ -22,11 +22,12 @@ static range items_of(size_t block, size_t length, size_t count) {
     size_t end = (block + 1) * length;
     return (range){block * length, end < count ? end : count};
 }
-static range elements_of(const work *k, size_t block) {
-    return items_of(block, k->solid->partials.length, k->solid->elements.soa.count);
+static range elements_of(const work *context_work, size_t block) {
+    return items_of(block, context_work->solid->partials.length,
+                    context_work->solid->elements.soa.count);
 }
-static range nodes_of(const work *k, size_t block) {
-    return items_of(block, GN_PARTICLE_BLOCK, k->solid->nodes.soa.count);
+static range nodes_of(const work *context_work, size_t block) {
+    return items_of(block, GN_PARTICLE_BLOCK, context_work->solid->nodes.soa.count);
 }
 
 /* --- one block --- */
@@ -53,8 +54,8 @@ static void find_forces(void *context, int list, size_t block) {
     const gn_fem_solid *solid = k->solid;
     *sums = GN_ELEMENT_SUMS_ZERO;
     if (k->measure) solid->element_kernel[1](&k->elements, r.begin, r.end, sums);
-    /* Forces in single precision take the place of those that the energy was measured with: a run
-     * must not depend on how often it is measured. */
+    /* Single precision forces replace those with which the energy was measured, so that a run does
+     * not depend on how often it is measured. */
     if (!k->measure || solid->single) solid->element_kernel[0](&k->elements, r.begin, r.end, sums);
 }
 

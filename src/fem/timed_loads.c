@@ -1,8 +1,8 @@
-/* Loads whose size may change from step to step. */
+/* Loads that may vary with time. */
 #include "base/memory.h"
 #include "fem/internal.h"
 
-/* Nodes with a weight above zero. */
+/* Collects nodes with a weight above zero. */
 static gneiss_status collect(const double *weight, size_t nodes, gn_fem_load *load,
                              gneiss_error *error) {
     *load = (gn_fem_load){0};

@@ -40,7 +40,8 @@ static int fsync_again(int descriptor) {
     return result;
 }
 
-/* Renaming onto /dev/null or a pipe would replace it; a folder would only fail at the very end. */
+/* Renaming onto /dev/null or a pipe would replace it; onto a folder it would fail only at the
+ * end. */
 static gneiss_status check_target(const char *path, gneiss_error *error) {
     struct stat info;
     if (stat(path, &info) != 0 || S_ISREG(info.st_mode)) return GNEISS_OK;
@@ -48,7 +49,7 @@ static gneiss_status check_target(const char *path, gneiss_error *error) {
                    S_ISDIR(info.st_mode) ? "a folder" : "a device or pipe");
 }
 
-bool gn_own_temporary(int descriptor, const char *path) {
+bool gn_lock_temporary(int descriptor, const char *path) {
     struct stat mine, there;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
     return fstat(descriptor, &mine) == 0 && lstat(path, &there) == 0 &&
@@ -56,14 +57,14 @@ bool gn_own_temporary(int descriptor, const char *path) {
            mine.st_nlink == 1;
 }
 
-/* An empty file under this name that nobody else writes, -1: none (errno: why). What a killed
- * process left is taken over; what another holds, or has just renamed, is not touched, nor a link
- * or pipe of that name. */
+/* Opens an empty file under this name that no other process writes; returns -1 if there is none
+ * (errno: reason). A file left by a killed process is taken over; one that another process holds,
+ * or has just renamed, is not touched, nor is a link or pipe of that name. */
 static int open_temporary(const char *name) {
     int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0 && (errno == ELOOP || errno == ENXIO)) errno = EWOULDBLOCK;
     if (descriptor < 0) return -1;
-    if (!gn_own_temporary(descriptor, name))
+    if (!gn_lock_temporary(descriptor, name))
         errno = EWOULDBLOCK;
     else if (ftruncate(descriptor, 0) == 0)
         return descriptor;
@@ -73,7 +74,7 @@ static int open_temporary(const char *name) {
     return -1;
 }
 
-enum { MOST_WRITERS = 64 }; /* of one file at a time */
+enum { MOST_WRITERS = 64 }; /* processes that write the same file at a time */
 
 static gneiss_status begin_temporary(gn_atomic_file *file, gneiss_error *error) {
     for (int k = 1; k <= MOST_WRITERS; k++) {
@@ -102,7 +103,7 @@ gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_er
 
 gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t size,
                               gneiss_error *error) {
-    const size_t most = (size_t)1 << 30; /* one write call moves less than 2 GB */
+    const size_t most = (size_t)1 << 30; /* one write call transfers less than 2 GB */
     const char *from = bytes;
     while (size > 0) {
         ssize_t written = write(file->descriptor, from, size < most ? size : most);
@@ -117,7 +118,7 @@ gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t si
 }
 
 void gn_sync_folder_of(const char *path) {
-    char folder[PATH_MAX]; /* without memory it must work as well */
+    char folder[PATH_MAX]; /* on the stack, as this must work without free memory */
     const char *slash = strrchr(path, '/');
     size_t length = !slash ? 0 : slash == path ? 1 : (size_t)(slash - path);
     if (length >= sizeof folder) return;
@@ -134,9 +135,9 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
     const char *failed = NULL;
     if (durability != GN_RENAMED && fsync_again(file->descriptor) != 0) failed = "flushed to disk";
     int code = errno;
-    /* close may be the call that reports a full disk (network file systems). A copy is closed: the
-     * descriptor itself keeps others from the temporary file until it has its name. Linux frees a
-     * descriptor even when close fails, so it is not repeated. */
+    /* close may be the call that reports a full disk (network file systems). A copy is closed,
+     * since the descriptor itself locks the temporary file until it has its name. Linux frees a
+     * descriptor even if close fails, so that it is not repeated. */
     int copy = dup(file->descriptor);
     if (copy >= 0 && close(copy) != 0 && errno != EINTR && !failed) {
         failed = "closed";
@@ -162,7 +163,7 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
 void gn_atomic_abort(gn_atomic_file *file) {
     if (file->descriptor >= 0) {
         unlink(file->temporary);
-        close(file->descriptor); /* gives the name free */
+        close(file->descriptor); /* releases the lock on the name */
     }
     free(file->path);
     free(file->temporary);

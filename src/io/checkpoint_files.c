@@ -48,7 +48,8 @@ gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_err
     return status;
 }
 
-/* A name that nothing has yet: the same step may have been damaged before. NULL: out of memory. */
+/* Returns an unused name, as a checkpoint of this step may have been damaged before. NULL: out of
+ * memory. */
 static char *free_name(const char *path) {
     char *name = gn_text_format("%s.damaged", path);
     for (int k = 2; name && access(name, F_OK) == 0; k++) {

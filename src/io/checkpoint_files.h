@@ -7,21 +7,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* *path is malloc'ed. step >= 0. */
+/* Makes the name of a checkpoint; *path is malloc'ed. step >= 0. */
 gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
                                  gneiss_error *error);
 
-/* The steps of up to `max` checkpoints, newest first; *count is how many were filled in. The names
- * are looked at, not the contents. Temporary files that nobody writes any more are
- * removed. */
+/* Lists the steps of up to `max` checkpoints, newest first, and their number in *count. Names are
+ * examined, not contents. Temporary files that no process writes are removed. */
 gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
                                  gneiss_error *error);
 
-/* Removes all but the newest `keep`. */
+/* Removes all but the newest `keep` checkpoints. */
 gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
 
-/* Puts ".damaged" behind the name (".damaged-2", ... when that is taken): kept for looking at, no
- * longer listed. */
+/* Appends ".damaged" to the name (".damaged-2", ... if that exists): the file is kept for
+ * inspection, but no longer listed. */
 gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error);
 
 #endif

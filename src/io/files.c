@@ -9,12 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* An automounter or a read-only parent may answer EACCES or EROFS for a folder that is there: look.
- */
+/* An automounter or a read-only parent may return EACCES or EROFS for an existing folder: check. */
 static int make_one(const char *path, bool *made) {
     *made = mkdir(path, 0777) == 0;
     if (*made) {
-        gn_sync_folder_of(path); /* what is synced inside it is lost with it */
+        gn_sync_folder_of(path); /* without it, synced files inside may be lost */
         return 0;
     }
     int code = errno;
@@ -23,7 +22,7 @@ static int make_one(const char *path, bool *made) {
     return S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
 }
 
-/* *first is the length of the first folder that was not there before, 0: all were. */
+/* *first is the length of the first folder that did not exist, 0: all existed. */
 static gneiss_status make_parents(char *path, size_t *first, gneiss_error *error) {
     for (char *end = path + 1;; end++) {
         if (*end != '/' && *end != '\0') continue;
@@ -40,7 +39,7 @@ static gneiss_status make_parents(char *path, size_t *first, gneiss_error *error
     }
 }
 
-/* Innermost first; folders into which something came meanwhile stay. */
+/* Removes folders, innermost first; those that are no longer empty stay. */
 static void remove_parents(char *path, size_t first) {
     for (size_t length = strlen(path); first && length >= first; length--) {
         if (path[length] != '\0' && path[length] != '/') continue;
@@ -49,8 +48,8 @@ static void remove_parents(char *path, size_t first) {
     }
 }
 
-/* access() does not see quotas, missing inodes and network file systems that map the user: try it.
- */
+/* access() does not detect quotas, missing inodes and network file systems that map the user:
+ * create a file. */
 static gneiss_status check_writable(const char *path, gneiss_error *error) {
     char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
     if (!probe) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", path);
@@ -158,7 +157,7 @@ gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gne
 static gneiss_status read_bytes(int descriptor, const char *path, char *bytes, size_t size,
                                 gneiss_error *error) {
     for (size_t used = 0; used < size;) {
-        size_t most = (size_t)1 << 30, left = size - used; /* one call moves less than 2 GB */
+        size_t most = (size_t)1 << 30, left = size - used; /* one call transfers less than 2 GB */
         ssize_t got = read(descriptor, bytes + used, left < most ? left : most);
         if (got < 0 && errno == EINTR) continue;
         if (got < 0)

@@ -1,4 +1,4 @@
-/* Small text files written whole and atomically; folders; JSON text. */
+/* Small text files written atomically; folders; JSON text. */
 #ifndef GN_IO_FILES_H
 #define GN_IO_FILES_H
 
@@ -9,34 +9,34 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Creates the folder and its parents; checks that it can be written to. On failure those that it
- * made are gone again. */
+/* Creates the folder and its parents; checks that it is writable. On failure the folders that it
+ * created are removed. */
 gneiss_status gn_make_directory(const char *path, gneiss_error *error);
 
 /* Writes `text` to path.tmp and commits it. */
 gneiss_status gn_write_text_file(const char *path, const char *text, gn_durability durability,
                                  gneiss_error *error);
 
-/* Whole file as a NUL-terminated malloc'ed string. GNEISS_ERROR_INPUT: a folder, more than `limit`
- * bytes, a zero byte in it; GNEISS_ERROR_IO: it cannot be opened or read. */
+/* Reads a whole file into a NUL-terminated malloc'ed string. GNEISS_ERROR_INPUT: a folder, more
+ * than `limit` bytes, or a zero byte in it; GNEISS_ERROR_IO: it cannot be opened or read. */
 gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gneiss_error *error);
 
-/* Whole file, malloc'ed. GNEISS_ERROR_IO: it cannot be opened or read; GNEISS_ERROR_INPUT: it is
- * empty or ends before its size. */
+/* Reads a whole file, malloc'ed. GNEISS_ERROR_IO: it cannot be opened or read; GNEISS_ERROR_INPUT:
+ * it is empty or ends before its size. */
 gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss_error *error);
 
-/* Minimal JSON building: numbers in full precision, NaN and infinity as null, strings escaped. */
+/* A minimal JSON writer: numbers in full precision, NaN and infinity as null, strings escaped. */
 typedef struct gn_json gn_json;
 gn_json *gn_json_begin(void);                        /* opens an object */
-void gn_json_object(gn_json *json, const char *key); /* nested object, key NULL inside arrays */
+void gn_json_object(gn_json *json, const char *key); /* nested object; key is NULL inside arrays */
 void gn_json_array(gn_json *json, const char *key);
 void gn_json_end(gn_json *json); /* closes the innermost object or array */
 void gn_json_number(gn_json *json, const char *key, double value);
 void gn_json_integer(gn_json *json, const char *key, int64_t value);
 void gn_json_text(gn_json *json, const char *key, const char *value);
 void gn_json_bool(gn_json *json, const char *key, bool value);
-/* Closes what is open; returns the malloc'ed text (NULL: out of memory) and frees the builder. With
- * `pretty` indented, otherwise one line. */
+/* Closes open objects; returns the malloc'ed text (NULL: out of memory) and frees the builder. With
+ * `pretty` the text is indented, otherwise one line. */
 char *gn_json_finish(gn_json *json, bool pretty);
 
 #endif

@@ -11,7 +11,7 @@
 
 void gn_h5_quiet(void) {
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    (void)H5PLset_loading_state(0); /* a file cannot ask for code of a plugin */
+    (void)H5PLset_loading_state(0); /* a file cannot load code of a plugin */
 }
 
 typedef struct failure {
@@ -41,9 +41,9 @@ gneiss_status gn_h5_fail(const gn_h5 *file, gneiss_error *error, gneiss_status s
     return gn_fail(error, status, "%s: %s%s", file->path, what, found.reason);
 }
 
-/* A file being created lives in memory and is written by plain write calls at the end: HDF5 1.10
- * does not survive a full disk (H5Fclose fails, keeps the file open and tries again at exit), and
- * errno is lost. */
+/* A file being created is in memory and is written by plain write calls at the end: HDF5 1.10 does
+ * not survive a full disk (H5Fclose fails, keeps the file open and tries again at exit), and errno
+ * is lost. */
 static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void *udata) {
     (void)op;
     gn_h5_image *image = udata;
@@ -59,7 +59,7 @@ static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void
     return image->data;
 }
 
-/* A file being read: the bytes are there already and are never copied nor resized. */
+/* A file being read is already in memory and is never copied nor resized. */
 static void *image_hand_out(size_t size, H5FD_file_image_op_t op, void *udata) {
     (void)op;
     gn_h5_image *image = udata;
@@ -73,7 +73,7 @@ static void *image_stay(void *to, const void *from, size_t size, H5FD_file_image
 }
 
 static herr_t image_release(void *data, H5FD_file_image_op_t op, void *udata) {
-    (void)data, (void)op, (void)udata; /* gn_h5_image keeps it */
+    (void)data, (void)op, (void)udata; /* gn_h5_image owns it */
     return 0;
 }
 static void *image_udata_copy(void *udata) {
@@ -84,8 +84,9 @@ static herr_t image_udata_free(void *udata) {
     return 0;
 }
 
-/* Everything but raw chunks has a checksum in the format of HDF5 1.10 (superblock 3, object headers
- * 2); chunks have Fletcher32. Older formats have none and a flipped bit could go unseen. */
+/* In the format of HDF5 1.10 (superblock 3, object headers 2) everything but raw chunks has a
+ * checksum; chunks have Fletcher32. Older formats have none, so that a flipped bit could be
+ * undetected. */
 static hid_t image_access(gn_h5_image *image) {
     H5FD_file_image_callbacks_t callbacks = {
         .image_realloc = image_resize,
@@ -136,7 +137,8 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
     if (status == GNEISS_OK) {
         file->writing = file->digested = true;
         hid_t access = image_access(&file->image);
-        /* HDF5 would first read whatever has the name; a file within a file cannot be there. */
+        /* HDF5 would first read an existing file of that name; a file inside of a file cannot
+         * exist. */
         char *name = gn_text_format("%s/image", file->target.temporary);
         if (access >= 0 && name) file->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
         free(name);
@@ -169,7 +171,8 @@ void gn_h5_load(void) {
     gn_h5_close(file);
 }
 
-/* Only the checksummed format is taken: a damaged header of an older one can crash the library. */
+/* Only the checksummed format is accepted: a damaged header of an older one can crash the
+ * library. */
 static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
     static const unsigned char expected[9] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n', 3};
     unsigned char found[9] = {0};
@@ -207,7 +210,7 @@ static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
 
 static gneiss_status open_on_disk(gn_h5 *file, gneiss_error *error) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    /* Files appear whole by renaming, and some cluster file systems have no locks. */
+    /* Files appear complete by renaming, and some cluster file systems have no locks. */
     (void)H5Pset_file_locking(access, 0, 1);
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     file->id = H5Fopen(file->path, H5F_ACC_RDONLY, access);
@@ -229,7 +232,7 @@ static gneiss_status open_image(gn_h5 *file, gneiss_error *error) {
         .udata = image,
     };
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    char *name = gn_text_format("%s/image", file->path); /* a name that is not on disk */
+    char *name = gn_text_format("%s/image", file->path); /* a name that does not exist on disk */
     if (name && access >= 0 && H5Pset_fapl_core(access, 1, 0) >= 0 &&
         H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
         H5Pset_file_image(access, image->data, image->size) >= 0 &&
@@ -276,12 +279,12 @@ gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *
                          file->writing ? "a write into it failed" : "it was opened for reading");
     else if (file->digested && (status = gn_h5_seal(file, error)) != GNEISS_OK)
         file->failed = true;
-    /* The flush brings the image to its full size, the close marks it as closed. */
+    /* The flush extends the image to its full size, the close marks it as closed. */
     else if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
     else if (H5Fclose(file->id) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be closed in memory");
-    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always tell */
+    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always report it */
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", file->path);
     else {
         status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);
@@ -295,7 +298,7 @@ void gn_h5_close(gn_h5 *file) {
     if (!file) return;
     gn_h5_quiet();
     if (file->writing) gn_atomic_abort(&file->target);
-    /* Out of memory while closing: HDF5 still holds the image and will touch it at exit. */
+    /* If memory is lacking while closing, HDF5 still uses the image and accesses it at exit. */
     if (file->id >= 0 && H5Fclose(file->id) < 0) return;
     free(file->image.data);
     free(file->path);

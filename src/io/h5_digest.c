@@ -1,13 +1,13 @@
-/* Digests: a data set, an attribute or an object that was changed after the file was written is
- * found and named. HDF5's own checksums guard chunks of bytes: a tool that writes another value
- * writes their new checksum as well.
+/* Digests detect and name data sets, attributes and objects that were changed after the file was
+ * written. HDF5's own checksums guard chunks of bytes: a tool that writes another value also writes
+ * its new checksum.
  *
- * Three attributes hold them, as 64-bit integers. `digest` of a data set covers its name, type,
+ * Three attributes contain them, as 64-bit integers. `digest` of a data set covers its name, type,
  * shape and values; `digest_of_attributes` of every object its other attributes; `digest_of_names`
  * of the root the names and attributes of all objects, so that none can be missing or new. They
- * guard against accidents and edits, not against an author who computes them anew: for that, values
- * that index or count are held against their ranges where they are used. Files of earlier versions
- * have none. tools/report_digest.py does the same. */
+ * guard against accidents and edits, not against an author who recomputes them: for that, values
+ * that index or count are checked against their ranges where they are used. Files of earlier
+ * versions have none. tools/report_digest.py has the same algorithm. */
 #include "io/h5_private.h"
 
 #include <stdlib.h>
@@ -19,15 +19,15 @@ static const char of_values[] = "digest", of_attributes[] = "digest_of_attribute
                   of_names[] = "digest_of_names";
 enum { ATTRIBUTE_BYTES_MOST = 1 << 24 };
 
-/* Finaliser of splitmix64 (Steele et al. 2014), a bijection. */
+/* The finaliser of splitmix64 (Steele et al. 2014), a bijection. */
 static uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
     return z ^ (z >> 31);
 }
 
-/* Every word of eight bytes is mixed with its place and added: terms do not wait for each other, so
- * that the sum runs at the speed of memory, and a single changed word always changes it. */
+/* Mixes every word of eight bytes with its place and adds it: terms are independent, so that the
+ * sum runs at the speed of memory, and a single changed word always changes it. */
 uint64_t gn_h5_digest(const void *bytes, size_t size, uint64_t seed) {
     const unsigned char *from = bytes;
     uint64_t sum = 0, place = 0;
@@ -46,7 +46,7 @@ static uint64_t digest_of_text(const char *text) {
     return gn_h5_digest(text, strlen(text), 0);
 }
 
-/* "f8", "i4", "u1", "S12": as NumPy names them. */
+/* Writes "f8", "i4", "u1", "S12": the type names of NumPy. */
 static void type_code(hid_t type, char out[32]) {
     H5T_class_t kind = H5Tget_class(type);
     char letter = kind == H5T_FLOAT     ? 'f'
@@ -73,18 +73,18 @@ uint64_t gn_h5_digest_of_values(const char *name, hid_t set, const void *bytes, 
     return gn_h5_digest(bytes, size, digest_of_text(head));
 }
 
-/* Objects go by their paths within the file, the root by ".". */
+/* Objects are named by their paths within the file, the root by ".". */
 static const char *shown(const char *name) {
     return strcmp(name, ".") == 0 ? "/" : name;
 }
 
-/* A failure keeps what HDF5 says of it: out of memory is no damage. */
+/* A failure keeps the message of HDF5, as lack of memory is no damage. */
 static gneiss_status unreadable(const gn_h5 *file, const char *name, gneiss_error *error) {
     return gn_h5_fail(file, error, file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
                       "attributes of %s cannot be read", shown(name));
 }
 
-/* Attribute `name` of the object that is `of`. */
+/* Reads attribute `name` of an object; `of` names the object. */
 static gneiss_status read_number(const gn_h5 *file, hid_t object, const char *of, const char *name,
                                  uint64_t *value, gneiss_error *error) {
     int64_t found = 0;
@@ -149,24 +149,24 @@ typedef struct attribute_sum {
     gneiss_error *error;
 } attribute_sum;
 
-static gneiss_status add_values(attribute_sum *s, const char *name, hid_t id, hid_t type,
+static gneiss_status add_values(attribute_sum *sum, const char *name, hid_t id, hid_t type,
                                 hsize_t points) {
     char head[512], code[32] = "";
     size_t size = 0, item = H5Tis_variable_str(type) != 0 ? 0 : H5Tget_size(type);
     if (!item || __builtin_mul_overflow((size_t)points, item, &size) || size > ATTRIBUTE_BYTES_MOST)
-        return gn_fail(s->error, GNEISS_ERROR_INPUT,
+        return gn_fail(sum->error, GNEISS_ERROR_INPUT,
                        "%s: attribute %s of %s: expected values of fixed length, found others",
-                       s->file->path, name, shown(s->object));
+                       sum->file->path, name, shown(sum->object));
     void *bytes = calloc(size + 1, 1);
     if (!bytes)
-        return gn_fail(s->error, GNEISS_ERROR_MEMORY, "%s: no memory to read attribute %s",
-                       s->file->path, name);
+        return gn_fail(sum->error, GNEISS_ERROR_MEMORY, "%s: no memory to read attribute %s",
+                       sum->file->path, name);
     gneiss_status status = !points || H5Aread(id, type, bytes) >= 0
                                ? GNEISS_OK
-                               : unreadable(s->file, s->object, s->error);
+                               : unreadable(sum->file, sum->object, sum->error);
     type_code(type, code);
     snprintf(head, sizeof head, "%.400s %s %llu", name, code, (unsigned long long)points);
-    s->sum += mix(gn_h5_digest(bytes, size, digest_of_text(head)));
+    sum->sum += mix(gn_h5_digest(bytes, size, digest_of_text(head)));
     free(bytes);
     return status;
 }
@@ -243,11 +243,12 @@ static herr_t visit(hid_t root, const char *name, const H5O_info_t *info, void *
     return w->status == GNEISS_OK ? 0 : -1;
 }
 
-static gneiss_status walk_all(walk *w) {
-    herr_t ended = H5Ovisit2(w->file->id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, w, H5O_INFO_BASIC);
-    if (w->status != GNEISS_OK || ended >= 0) return w->status;
-    return gn_h5_fail(w->file, w->error,
-                      w->file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
+static gneiss_status walk_all(walk *visitor) {
+    herr_t ended =
+        H5Ovisit2(visitor->file->id, H5_INDEX_NAME, H5_ITER_NATIVE, visit, visitor, H5O_INFO_BASIC);
+    if (visitor->status != GNEISS_OK || ended >= 0) return visitor->status;
+    return gn_h5_fail(visitor->file, visitor->error,
+                      visitor->file->writing ? GNEISS_ERROR_INTERNAL : GNEISS_ERROR_INPUT,
                       "its objects cannot be listed");
 }
 

@@ -6,7 +6,7 @@
 
 enum { PATH_SIZE = 128 };
 
-/* Data set names cannot hold the dots of a member path. */
+/* Names of data sets cannot contain the dots of a member path. */
 static void path_of(const char *group, const gn_piece *piece, char path[PATH_SIZE]) {
     int name = snprintf(path, PATH_SIZE, "%s/", group);
     snprintf(path + name, PATH_SIZE - (size_t)name, "%s", piece->name);
@@ -28,8 +28,8 @@ gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *p
     return GNEISS_OK;
 }
 
-/* Counts, steps and numbers of things: below 0 are such as walls are counted by, or none, and each
- * is a double without rounding. What may be infinite or no number bounds something and is never
+/* Checks counts, steps and numbers of items: negative values as for wall indices or none, and
+ * exactly representable as doubles. Values that may be infinite or NaN are bounds and never
  * negative. */
 static gneiss_status check_range(const gn_h5 *file, const char *path, const gn_piece *piece,
                                  const void *data, gneiss_error *error) {

@@ -1,5 +1,5 @@
-/* Members of a struct, doubles or 64-bit integers, as data sets of one group: what a checkpoint
- * holds besides records and arrays. */
+/* Members of a struct, doubles or 64-bit integers, as data sets of one group: the contents of a
+ * checkpoint other than records and arrays. */
 #ifndef GN_IO_H5_PIECES_H
 #define GN_IO_H5_PIECES_H
 
@@ -11,12 +11,11 @@ typedef struct gn_piece {
     const char *name; /* path of the member; its data set has underscores for dots */
     gn_type type;     /* GN_F64 or GN_I64 */
     size_t offset, count;
-    bool any; /* may be infinite or no number in a file of which finite numbers are demanded */
+    bool any; /* may be infinite or NaN in a file that requires finite numbers */
 } gn_piece;
 
-/* A member, or array or struct of doubles alone, of TYPE; one of limits,
- * which are infinite where nothing sets them; and one of 64-bit integers. The path of the member
- * follows PREFIX in the file. */
+/* Describe a member of TYPE: a double, array or struct of doubles; limits, which are infinite if
+ * unset; 64-bit integers. The path of the member follows PREFIX in the file. */
 #define GN_PIECE_DOUBLES(PREFIX, TYPE, member)                                                     \
     { PREFIX #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, false }
 #define GN_PIECE_ANY(PREFIX, TYPE, member)                                                         \
@@ -24,7 +23,7 @@ typedef struct gn_piece {
 #define GN_PIECE_INTEGER(PREFIX, TYPE, member)                                                     \
     { PREFIX #member, GN_I64, offsetof(TYPE, member), 1, false }
 
-/* The `count` pieces of the struct at `base`, into and out of `group`. */
+/* Write and read the `count` pieces of the struct at `base`, in `group`. */
 gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *pieces, size_t count,
                                const void *base, gneiss_error *error);
 gneiss_status gn_h5_get_pieces(const gn_h5 *file, const char *group, const gn_piece *pieces,

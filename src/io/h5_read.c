@@ -1,4 +1,4 @@
-/* Reading data sets and attributes: nothing is taken on trust. */
+/* Reading of data sets and attributes with full validation. */
 #include "base/memory.h"
 #include "io/h5_private.h"
 
@@ -32,7 +32,7 @@ static const char *shape_text(int rank, const hsize_t *size, char out[96]) {
     return out;
 }
 
-/* All values are in the file itself, and no code but HDF5's own decodes them. */
+/* Checks that all values are in the file itself, and no other code than HDF5's own decodes them. */
 static gneiss_status check_storage(const gn_h5 *file, const char *name, hid_t set,
                                    gneiss_error *error) {
     hid_t list = H5Dget_create_plist(set);
@@ -81,7 +81,7 @@ static gneiss_status check_type(const gn_h5 *file, const char *name, hid_t set, 
     return status;
 }
 
-/* Rank and sizes of a data set; rank -1: not readable. */
+/* Reads rank and sizes of a data set; rank -1: not readable. */
 static int read_shape(hid_t set, hsize_t size[H5S_MAX_RANK]) {
     hid_t space = H5Dget_space(set);
     if (space < 0) return -1;
@@ -103,8 +103,8 @@ static gneiss_status check_shape(const gn_h5 *file, const char *name, hid_t set,
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: data set %s: expected shape %s, found %s",
                        file->path, name, shape_text(shape.rank, shape.size, wanted),
                        rank < 0 ? "nothing readable" : shape_text(rank, size, found));
-    /* A chunk that is not in the file would read as zeros, and a header may promise more than
-     * memory holds. */
+    /* A chunk that is missing in the file would read as zeros, and a header may declare more than
+     * fits in memory. */
     size_t row, bytes;
     if (gn_h5_shape_bytes(type, shape, &row, &bytes) && H5Dget_storage_size(set) >= bytes)
         return GNEISS_OK;
@@ -143,7 +143,7 @@ static gneiss_status get_values(const gn_h5 *file, const char *name, gn_type typ
     hid_t set;
     GN_TRY(open_checked(file, name, type, shape, &set, error));
     size_t row, bytes, rows = shape.size[0];
-    (void)gn_h5_shape_bytes(type, shape, &row, &bytes); /* open_checked saw that it fits */
+    (void)gn_h5_shape_bytes(type, shape, &row, &bytes); /* open_checked has verified that it fits */
     bool packed = stride == 0 || stride == row || rows <= 1;
     void *buffer = packed ? data : gn_alloc(bytes);
     gneiss_status status = GNEISS_OK;
@@ -176,7 +176,7 @@ gneiss_status gn_h5_get(const gn_h5 *file, const char *name, gn_type type, size_
     return gn_h5_get_shape(file, name, type, gn_h5_table(rows, components), stride, data, error);
 }
 
-/* Reads a data set of any type and shape, as it is stored, for its digest alone. */
+/* Reads a data set of any type and shape, as it is stored, only for its digest. */
 static gneiss_status check_values(const gn_h5 *file, const char *name, gneiss_error *error) {
     hid_t set;
     GN_TRY(open_set(file, name, &set, error));
@@ -239,7 +239,7 @@ gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gnei
     return GNEISS_OK;
 }
 
-/* A malloc'ed buffer for a text of this type and one zero byte behind it; NULL with a message. */
+/* Returns a malloc'ed buffer for a text of this type and a zero byte; NULL with a message. */
 static char *text_buffer(const gn_h5 *file, const char *name, hid_t type, hsize_t values,
                          gneiss_error *error) {
     if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || values != 1) {
@@ -252,7 +252,8 @@ static char *text_buffer(const gn_h5 *file, const char *name, hid_t type, hsize_
     return text;
 }
 
-/* Attribute `fnv1a` that earlier versions gave the texts that HDF5 keeps without a checksum. */
+/* Checks the attribute `fnv1a`, which earlier versions wrote for texts that HDF5 stores without a
+ * checksum. */
 static bool hash_agrees(hid_t set, const char *text) {
     if (H5Aexists(set, "fnv1a") <= 0) return true;
     int64_t stored = 0;

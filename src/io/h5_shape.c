@@ -1,4 +1,4 @@
-/* Types and shapes, in the file and in memory. */
+/* Types and shapes, in files and in memory. */
 #include "io/h5_private.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Writing data sets and attributes. */
+/* Writing of data sets and attributes. */
 #include "base/memory.h"
 #include "io/h5_private.h"
 
@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Up to COMPACT_LIMIT a data set lives in its object header, which has a checksum. */
+/* Up to COMPACT_LIMIT bytes a data set is stored in its object header, which has a checksum. */
 enum { COMPACT_LIMIT = 512, TEXT_COMPACT_LIMIT = 60000, CHUNK_BYTES = 1 << 18 };
 
 static hsize_t at_most(hsize_t value, hsize_t limit) {
     if (limit < 1) limit = 1;
     if (value <= limit) return value;
-    /* Equal parts, so that the last chunk is not mostly empty. */
+    /* Chunks are equal, so that the last one is not mostly empty. */
     hsize_t parts = (value + limit - 1) / limit;
     return (value + parts - 1) / parts;
 }
@@ -33,7 +33,7 @@ static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
     return -1;
 }
 
-/* Creates groups on the way to `name`. */
+/* Returns a property list that creates groups on the way to `name`. */
 static hid_t link_list(void) {
     hid_t list = H5Pcreate(H5P_LINK_CREATE);
     if (list >= 0) (void)H5Pset_create_intermediate_group(list, 1);
@@ -58,8 +58,9 @@ static gneiss_status put_attribute(gn_h5 *file, hid_t object, const char *name, 
     return status;
 }
 
-/* Fixed length: strings of variable length are kept in a heap without checksums, and the VTK reader
- * of `Type` takes only these. HDF5 has no strings of length 0; one zero byte reads as "". */
+/* Texts have a fixed length: strings of variable length are stored in a heap without checksums, and
+ * the VTK reader of `Type` only accepts these. HDF5 has no strings of length 0; one zero byte reads
+ * as "". */
 static hid_t text_type(const char *text) {
     size_t length = strlen(text);
     bool ascii = true;
@@ -96,8 +97,8 @@ static double real_at(gn_type type, const void *data, size_t k) {
     return type == GN_F64 ? ((const double *)data)[k] : (double)((const float *)data)[k];
 }
 
-/* What goes wrong in a run and is not seen at once must not end as a result, and no run goes on
- * from it. */
+/* An undetected failure of a run must not become a result, nor a state from which a run
+ * continues. */
 gneiss_status gn_h5_check_finite(const gn_h5 *file, const char *name, gn_type type,
                                  gn_h5_shape shape, size_t bytes, const void *data,
                                  gneiss_error *error) {
@@ -183,7 +184,7 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
         status = gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "text %s cannot be written", name);
     }
     size_t length = strlen(text);
-    if (status == GNEISS_OK) /* of an empty text, HDF5 keeps one zero byte */
+    if (status == GNEISS_OK) /* for an empty text, HDF5 stores one zero byte */
         status = gn_h5_put_digest(file, name, set, text, length ? length : 1, error);
     if (set >= 0) H5Dclose(set);
     if (creation >= 0) H5Pclose(creation);
@@ -193,9 +194,9 @@ gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gn
     return status;
 }
 
-/* Every link on the way has to be asked for: H5Lexists fails where a group before it is missing.
- * Symbolic links and those into other files are not followed: a file could have any other file of
- * its reader's shown. */
+/* Every link on the way must be tested: H5Lexists fails if a group before it is missing. Symbolic
+ * links and those into other files are not followed: a file could otherwise expose any other file
+ * of its reader. */
 bool gn_h5_has(const gn_h5 *file, const char *name) {
     gn_h5_quiet();
     char part[512];
@@ -214,7 +215,7 @@ bool gn_h5_has(const gn_h5 *file, const char *name) {
     return true;
 }
 
-/* Opens the group or data set, making the group if it is not there. */
+/* Opens the group or data set, creating the group if it does not exist. */
 static hid_t open_or_make(gn_h5 *file, const char *object) {
     if (strcmp(object, "/") == 0 || gn_h5_has(file, object))
         return H5Oopen(file->id, object, H5P_DEFAULT);

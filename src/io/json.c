@@ -14,8 +14,8 @@ typedef struct buffer {
 /* The text is built on one line; gn_json_finish indents it. */
 struct gn_json {
     buffer text;
-    buffer open;  /* what is open, as the character that closes it */
-    bool has_one; /* the innermost object or array holds something */
+    buffer open;  /* open levels, as the characters that close them */
+    bool has_one; /* the innermost object or array is not empty */
 };
 
 static void append(buffer *to, const char *text, size_t size) {
@@ -43,8 +43,8 @@ static char innermost(const gn_json *json) {
     return json->open.size ? json->open.data[json->open.size - 1] : '\0';
 }
 
-/* Length of the UTF-8 character at `text`, 0 when it is not one (RFC 3629: shortest form, no
- * surrogates). */
+/* Returns the length of the UTF-8 character at `text`, 0 if it is not one (RFC 3629: shortest form,
+ * no surrogates). */
 static size_t utf8_length(const unsigned char *text) {
     unsigned char first = text[0];
     if (first < 0x80) return 1;
@@ -79,7 +79,7 @@ static void append_quoted(buffer *to, const char *text) {
     append_char(to, '"');
 }
 
-/* What stands in front of a value: a comma, and its key inside an object. */
+/* Writes the prefix of a value: a comma, and its key inside an object. */
 static void begin_value(gn_json *json, const char *key) {
     if (json->has_one) append_char(&json->text, ',');
     json->has_one = true;
@@ -129,13 +129,13 @@ static void append_raw(gn_json *json, const char *key, const char *text) {
     append(&json->text, text, strlen(text));
 }
 
-/* The shortest form that reads back as the same double. */
+/* Writes the shortest form that reads back as the same double. */
 static void format_number(char text[40], double value) {
     for (int digits = 15; digits <= 17; digits++) {
         snprintf(text, 40, "%.*g", digits, value);
         if (strtod(text, NULL) == value) break;
     }
-    /* A program around the library may have set a locale with a decimal comma. */
+    /* A program that uses the library may have set a locale with a decimal comma. */
     char *comma = strchr(text, ',');
     if (comma) *comma = '.';
 }
@@ -170,7 +170,8 @@ static void new_line(buffer *to, size_t depth) {
     for (size_t k = 0; k < depth; k++) append(to, "  ", 2);
 }
 
-/* Two blanks a level; empty objects and arrays stay together; ends with a newline. */
+/* Indents by two blanks per level; empty objects and arrays stay on one line; ends with a
+ * newline. */
 static buffer indent(const buffer *text) {
     buffer to = {0};
     size_t depth = 0;

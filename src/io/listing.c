@@ -27,7 +27,8 @@ gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t 
     return status;
 }
 
-/* The step in `name`, -1 when it is not exactly what gn_step_path writes. *rest is what follows. */
+/* Returns the step in `name`, -1 if it does not have exactly the form of gn_step_path. *rest is the
+ * suffix. */
 static int64_t parse_step(const char *name, const char *prefix, const char **rest) {
     size_t length = strlen(prefix);
     if (strncmp(name, prefix, length) != 0 || name[length] != '_') return -1;
@@ -44,7 +45,7 @@ static int compare_steps(const void *a, const void *b) {
 }
 
 static gneiss_status push(int64_t **steps, size_t *count, int64_t step) {
-    /* Grows at powers of two. */
+    /* The array is enlarged at powers of two. */
     if ((*count & (*count - 1)) == 0) {
         size_t capacity = *count ? 2 * *count : 1;
         int64_t *more = realloc(*steps, capacity * sizeof *more);
@@ -61,12 +62,12 @@ static bool is_temporary(const char *ending) {
     return ending[0] == '.' && length >= 4 && strcmp(ending + length - 4, ".tmp") == 0;
 }
 
-/* A temporary file that some process still writes is its own. */
+/* Removes a temporary file unless some process still writes it. */
 static void remove_abandoned(const char *directory, const char *name) {
     char *path = gn_text_format("%s/%s", directory, name);
     int descriptor = path ? open(path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK) : -1;
     if (descriptor >= 0) {
-        if (gn_own_temporary(descriptor, path)) (void)unlink(path);
+        if (gn_lock_temporary(descriptor, path)) (void)unlink(path);
         close(descriptor);
     }
     free(path);

@@ -31,7 +31,7 @@ typedef struct reader {
     char text[LINE_LIMIT + 1];
 } reader;
 
-/* `at` is where in the line, base 0. */
+/* `at` is the position in the line, base 0. */
 __attribute__((format(printf, 3, 4))) static gneiss_status refuse(reader *in, size_t at,
                                                                   const char *format, ...) {
     char what[256];
@@ -43,7 +43,7 @@ __attribute__((format(printf, 3, 4))) static gneiss_status refuse(reader *in, si
                    what);
 }
 
-/* A line ends with LF, CR LF or CR. False at the end of the file. */
+/* Reads a line, which ends with LF, CR LF or CR. *found is false at the end of the file. */
 static gneiss_status next_line(reader *in, bool *found) {
     in->length = 0;
     in->line++;
@@ -79,7 +79,7 @@ static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\v' || c == '\f';
 }
 
-/* Up to 40 printable characters of what was found. */
+/* Returns up to 40 printable characters of the text. */
 static const char *shown(const char *text, size_t length, char out[48]) {
     size_t most = length < 40 ? length : 40;
     for (size_t k = 0; k < most; k++) out[k] = isprint((unsigned char)text[k]) ? text[k] : '?';
@@ -101,8 +101,8 @@ static gneiss_status read_number(reader *in, size_t at, size_t length, double *v
     return GNEISS_OK;
 }
 
-/* Fields are separated by blanks or by one comma with blanks around it. `at[columns]` is where the
- * data end. */
+/* Splits fields, which are separated by blanks or by one comma with blanks around it. `at[columns]`
+ * is the end of the data. */
 static gneiss_status split(reader *in, size_t at[5], double value[4], size_t *columns) {
     const char *text = in->text;
     size_t k = 0;
@@ -212,7 +212,7 @@ gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_
     if (!in || !plain) {
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to read it", path);
     } else if (!(in->file = fopen(path, "re"))) {
-        /* A name that leads nowhere is the fault of whoever gave it; the rest is the machine's. */
+        /* A path that does not exist is an input error; all else is an error of the machine. */
         bool wrong_name = errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG;
         status = gn_fail(error, wrong_name ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
                          "%s: cannot be opened: %s", path, strerror(errno));
@@ -221,7 +221,7 @@ gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_
         in->error = error;
         in->dimension = dimension;
         in->scale = scale;
-        locale_t before = uselocale(plain); /* the program around may have set a decimal comma */
+        locale_t before = uselocale(plain); /* the calling program may have set a decimal comma */
         status = read_lines(in, packing);
         uselocale(before);
         fclose(in->file);

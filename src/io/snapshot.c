@@ -15,27 +15,27 @@
 
 enum { VTK_VERTEX = 1, VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRA = 10 };
 
-/* A grid of lines may be empty (all bonds broken); its line arrays tell what it is. */
-static bool is_lines(const gn_snapshot *s) {
-    return s->line_count > 0 || s->line_array_count > 0;
+/* A grid of lines may be empty (all bonds broken); its line arrays identify it. */
+static bool is_lines(const gn_snapshot *snapshot) {
+    return snapshot->line_count > 0 || snapshot->line_array_count > 0;
 }
 
-/* Points of a cell. */
-static size_t cell_points(const gn_snapshot *s) {
-    if (!is_lines(s)) return 1;
-    return s->line_points ? s->line_points : 2;
+/* Returns the points of a cell. */
+static size_t cell_points(const gn_snapshot *snapshot) {
+    if (!is_lines(snapshot)) return 1;
+    return snapshot->line_points ? snapshot->line_points : 2;
 }
 
-static gneiss_status check_lines(const gn_snapshot *s, gneiss_error *error) {
-    size_t points = cell_points(s);
+static gneiss_status check_lines(const gn_snapshot *snapshot, gneiss_error *error) {
+    size_t points = cell_points(snapshot);
     if (points > 4)
         return gn_fail(error, GNEISS_ERROR_INTERNAL, "expected cells of 2 to 4 points, found %zu",
                        points);
-    for (size_t k = 0; k < points * s->line_count; k++)
-        if (s->lines[k] < 0 || (size_t)s->lines[k] >= s->point_count)
+    for (size_t k = 0; k < points * snapshot->line_count; k++)
+        if (snapshot->lines[k] < 0 || (size_t)snapshot->lines[k] >= snapshot->point_count)
             return gn_fail(error, GNEISS_ERROR_INTERNAL,
                            "line %zu: expected a point below %zu, found %d", k / points,
-                           s->point_count, (int)s->lines[k]);
+                           snapshot->point_count, (int)snapshot->lines[k]);
     return GNEISS_OK;
 }
 
@@ -44,28 +44,27 @@ static gneiss_status put_number(gn_h5 *file, const char *name, size_t value, gne
     return gn_h5_put(file, name, GN_I64, 1, 1, 0, &number, NULL, NULL, error);
 }
 
-/* Connectivity, offsets and types, filled one after the other into `work`, which has room for each.
- */
-static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *s, size_t cells, int64_t *work,
-                                  gneiss_error *error) {
+/* Writes connectivity, offsets and types in sequence; `work` has room for each. */
+static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *snapshot, size_t cells,
+                                  int64_t *work, gneiss_error *error) {
     static const int types[] = {0, VTK_VERTEX, VTK_LINE, VTK_TRIANGLE, VTK_TETRA};
-    size_t per_cell = cell_points(s), ids = per_cell * cells;
-    for (size_t k = 0; k < ids; k++) work[k] = is_lines(s) ? s->lines[k] : (int64_t)k;
+    size_t per_cell = cell_points(snapshot), ids = per_cell * cells;
+    for (size_t k = 0; k < ids; k++) work[k] = is_lines(snapshot) ? snapshot->lines[k] : (int64_t)k;
     GN_TRY(gn_h5_put(file, "VTKHDF/Connectivity", GN_I64, ids, 1, 0, work, NULL, NULL, error));
     for (size_t k = 0; k <= cells; k++) work[k] = (int64_t)(per_cell * k);
     GN_TRY(gn_h5_put(file, "VTKHDF/Offsets", GN_I64, cells + 1, 1, 0, work, NULL, NULL, error));
     memset(work, types[per_cell], cells);
     GN_TRY(gn_h5_put(file, "VTKHDF/Types", GN_U8, cells, 1, 0, work, NULL, NULL, error));
-    GN_TRY(put_number(file, "VTKHDF/NumberOfPoints", s->point_count, error));
+    GN_TRY(put_number(file, "VTKHDF/NumberOfPoints", snapshot->point_count, error));
     GN_TRY(put_number(file, "VTKHDF/NumberOfCells", cells, error));
     return put_number(file, "VTKHDF/NumberOfConnectivityIds", ids, error);
 }
 
-static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
-    size_t cells = is_lines(s) ? s->line_count : s->point_count;
-    int64_t *work = gn_alloc_array(cell_points(s) * cells + 1, sizeof *work);
+static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *snapshot, gneiss_error *error) {
+    size_t cells = is_lines(snapshot) ? snapshot->line_count : snapshot->point_count;
+    int64_t *work = gn_alloc_array(cell_points(snapshot) * cells + 1, sizeof *work);
     if (!work) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
-    gneiss_status status = put_topology(file, s, cells, work, error);
+    gneiss_status status = put_topology(file, snapshot, cells, work, error);
     gn_free(work);
     return status;
 }
@@ -86,23 +85,24 @@ static gneiss_status put_arrays(gn_h5 *file, const char *group, const gn_snapsho
 
 static const char on_points[] = "arrays on points";
 
-static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
+static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *snapshot, gneiss_error *error) {
     const int64_t version[2] = {1, 0};
     GN_TRY(gn_h5_attribute_i64(file, "VTKHDF", "Version", version, 2, error));
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF", "Type", "UnstructuredGrid", error));
-    GN_TRY(put_cells(file, s, error));
-    GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, s->point_count, 3, 0, s->points, "m", NULL,
-                     error));
-    /* An attribute makes the group, which the reader wants even when it is empty. */
+    GN_TRY(put_cells(file, snapshot, error));
+    GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, snapshot->point_count, 3, 0, snapshot->points,
+                     "m", NULL, error));
+    /* An attribute creates the group, which the reader requires even if it is empty. */
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "text", on_points, error));
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "text", "arrays on cells", error));
-    GN_TRY(put_arrays(file, "VTKHDF/PointData", s->point_arrays, s->point_array_count,
-                      s->point_count, error));
-    GN_TRY(put_arrays(file, "VTKHDF/CellData", s->line_arrays, s->line_array_count, s->line_count,
-                      error));
-    GN_TRY(
-        gn_h5_put(file, "VTKHDF/FieldData/TimeValue", GN_F64, 1, 1, 0, &s->time, "s", NULL, error));
-    return gn_h5_put(file, "VTKHDF/FieldData/Step", GN_I64, 1, 1, 0, &s->step, NULL, NULL, error);
+    GN_TRY(put_arrays(file, "VTKHDF/PointData", snapshot->point_arrays, snapshot->point_array_count,
+                      snapshot->point_count, error));
+    GN_TRY(put_arrays(file, "VTKHDF/CellData", snapshot->line_arrays, snapshot->line_array_count,
+                      snapshot->line_count, error));
+    GN_TRY(gn_h5_put(file, "VTKHDF/FieldData/TimeValue", GN_F64, 1, 1, 0, &snapshot->time, "s",
+                     NULL, error));
+    return gn_h5_put(file, "VTKHDF/FieldData/Step", GN_I64, 1, 1, 0, &snapshot->step, NULL, NULL,
+                     error);
 }
 
 gneiss_status gn_snapshot_write(const char *directory, const char *name,
@@ -138,7 +138,7 @@ gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *erro
 
 /* --- the series --- */
 
-/* Where a step is, or would have to be put in. */
+/* Returns the place of a step, or the place at which to insert it. */
 static size_t place_of(const gn_snapshot_times *times, int64_t step) {
     size_t low = 0, high = times->count;
     while (low < high) {
@@ -191,7 +191,7 @@ static gneiss_status read_time(const char *path, double *time, gneiss_error *err
     return status;
 }
 
-/* One entry of the series, or the removal of a file that is later than the series. */
+/* Adds an entry to the series, or removes a file that is later than the series. */
 static gneiss_status add_to_series(gn_json *json, const char *path, int64_t step, bool later,
                                    gn_snapshot_times *times, gneiss_error *error) {
     if (later) {

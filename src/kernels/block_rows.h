@@ -1,5 +1,5 @@
-/* The rows of a block of contacts or elements: those that it reads of its particles, and those in
- * which it sums what it exerts (see partials.h). */
+/* The rows of a block of contacts or elements: those of its particles that it reads, and those in
+ * which it sums forces (see partials.h). */
 #ifndef GN_KERNELS_BLOCK_ROWS_H
 #define GN_KERNELS_BLOCK_ROWS_H
 
@@ -9,31 +9,31 @@
 
 #include <string.h>
 
-/* Those of the block that begins with item `begin`, zeroed. `row`: rows of all blocks, of so many
- * bytes each. */
-static inline void *gn_clear_block_rows(const gn_partials *q, size_t begin, size_t bytes,
+/* Returns the zeroed rows of the block that begins with item `begin`. `row`: rows of all blocks, of
+ * `bytes` bytes each. */
+static inline void *gn_clear_block_rows(const gn_partials *partials, size_t begin, size_t bytes,
                                         void *row) {
-    size_t block = begin / q->length, first = (size_t)q->first[block];
-    size_t rows = (size_t)q->first[block + 1] - first;
+    size_t block = begin / partials->length, first = (size_t)partials->first[block];
+    size_t rows = (size_t)partials->first[block + 1] - first;
     return memset((char *)row + bytes * first, 0, bytes * rows);
 }
 
-/* The particles of a block that are still to be fetched. */
+/* The particles of a block that are still to be prefetched. */
 typedef struct gn_block_particles {
     const int32_t *next, *end;
 } gn_block_particles;
 
-/* Of the block that begins with item `begin`; none without partial sums. */
-static inline gn_block_particles gn_block_particles_of(const gn_partials *q, size_t begin) {
-    if (!q) return (gn_block_particles){NULL, NULL};
-    const int32_t *first = q->first + begin / q->length;
-    return (gn_block_particles){q->particle + first[0], q->particle + first[1]};
+/* Returns the particles of the block that begins with item `begin`; none without partial sums. */
+static inline gn_block_particles gn_block_particles_of(const gn_partials *partials, size_t begin) {
+    if (!partials) return (gn_block_particles){NULL, NULL};
+    const int32_t *first = partials->first + begin / partials->length;
+    return (gn_block_particles){partials->particle + first[0], partials->particle + first[1]};
 }
 
-/* Has the next few of them brought into the caches, from `kinds` arrays of rows of four. Particles
- * lie scattered, and the waits for them are what a core cannot look past. They are asked for once
- * per block (not per contact), in the order of their first use and ahead of it: vectors mostly
- * name fewer new particles than are fetched for each. May run over the end by less than
+/* Prefetches the next few of them into the caches, from `kinds` arrays of rows of four. Particles
+ * are scattered in memory, and a core cannot hide the latency of reading them. They are requested
+ * once per block (not per contact), in the order of their first use and ahead of it: vectors mostly
+ * refer to fewer new particles than are prefetched for each. It may exceed the end by less than
  * GN_LANES_MAX. */
 GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *rows, int kinds,
                               int few) {
@@ -43,7 +43,8 @@ GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *r
     ahead->next += few;
 }
 
-/* How many of them a vector has to fetch, so that all are there before the last of so many. */
+/* Returns how many particles a vector has to prefetch, so that all are requested before the last
+ * vector. */
 GN_INLINE int gn_fetch_rate(const gn_block_particles *ahead, size_t vectors) {
     enum { LEAST = (GN_W + 1) / 2 };
     const size_t rate = (size_t)(ahead->end - ahead->next) / (vectors + 1) + 1;

@@ -1,5 +1,4 @@
-/* How a pair gets one value from two materials: its own, or what follows from both; and what is
- * drawn for a bond. */
+/* Combination of the values of two materials for a pair, and random properties of bonds. */
 #ifndef GN_KERNELS_COMBINE_H
 #define GN_KERNELS_COMBINE_H
 
@@ -8,7 +7,7 @@
 
 #include <math.h>
 
-/* Springs in series for two materials; the same material gives its own value back exactly. */
+/* Returns two springs in series; equal values return their value exactly. */
 static inline double gn_series(double a, double b) {
     return a == b ? a : a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
 }
@@ -17,23 +16,23 @@ static inline double gn_smaller(double a, double b) {
     return a < b ? a : b;
 }
 
-/* A key of `contacts`, if it is given. */
+/* Returns a key of `contacts` if it is given, otherwise the combined value. */
 #define GN_OWN(pair, key, combined)                                                                \
     ((pair)->own && (pair)->own->key != GN_COMBINED ? (pair)->own->key : (combined))
 
-/* mu_1 of a bond: of two materials the weaker one, as with all strengths. */
+/* Returns mu_1 of a bond: that of the weaker of two materials, as for all strengths. */
 static inline double gn_bond_friction(const gn_law_pair *pair) {
     return GN_OWN(pair, bond_friction, gn_smaller(pair->a->bond_friction, pair->b->bond_friction));
 }
 
-/* Uniform in (0, 1), the same for a lot and a seed whatever is asked when. */
+/* Returns a number uniformly distributed in (0, 1), a pure function of seed, lot and draw. */
 static inline double gn_drawn(uint64_t seed, uint64_t lot, uint64_t draw) {
     double u = 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0);
     return u > 0.0 ? u : 0x1p-54;
 }
 
-/* Standard normal numbers of Box & Muller 1958 until one lies within `most` on either side: the
- * mean stays 0. */
+/* Draws standard normal numbers (Box & Muller 1958) until one lies within +-`most`: the mean stays
+ * 0. */
 static inline double gn_drawn_normal(uint64_t seed, uint64_t lot, uint64_t draw, double most) {
     for (;; draw += 2) {
         double u = gn_drawn(seed, lot, draw), v = gn_drawn(seed, lot, draw + 1);
@@ -42,11 +41,11 @@ static inline double gn_drawn_normal(uint64_t seed, uint64_t lot, uint64_t draw,
     }
 }
 
-/* The number drawn for a property of a bond, 1 in the mean. Weibull: P(x < t) = 1 - exp(-(t/s)^m),
- * of mean s Gamma(1 + 1/m). */
+/* Returns the random factor of a property of a bond, with mean 1. Weibull: P(x < t) = 1 -
+ * exp(-(t/s)^m), of mean s Gamma(1 + 1/m). */
 static inline double gn_scatter_factor(const gn_scatter *scatter, uint64_t seed, uint64_t lot,
                                        uint64_t property) {
-    const uint64_t draw = property << 32; /* each has draws of its own */
+    const uint64_t draw = property << 32; /* each property has its own draws */
     if (!lot || scatter->kind == GN_SCATTER_NONE) return 1.0;
     if (scatter->kind == GN_SCATTER_NORMAL)
         return 1.0 +

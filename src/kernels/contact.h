@@ -1,4 +1,4 @@
-/* Contacts between particles: what a kernel gets and gives, and the table of variants. */
+/* Contacts between particles: arguments and results of a kernel, and the table of variants. */
 #ifndef GN_KERNELS_CONTACT_H
 #define GN_KERNELS_CONTACT_H
 
@@ -8,8 +8,8 @@
 
 _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole vectors");
 
-/* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones when they
- * do, and the kernel then reads the start of it again and again instead of streaming it. */
+/* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones if they
+ * do, and the kernel then reads the first item repeatedly instead of streaming the column. */
 #define GN_UNIFORM_COLUMNS(X)                                                                      \
     X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced)
 typedef struct gn_uniform {
@@ -18,37 +18,40 @@ typedef struct gn_uniform {
 #undef X
 } gn_uniform;
 
-/* An overlap within this part of the distance (of the radius, at a wall) is rounding of positions
- * and none: whether contacts that begin at 0 have begun is then the same in the next step, from the
- * stretch before that. */
+/* An overlap within this fraction of the distance (at a wall: of the radius) is rounding of
+ * positions and counts as none. Whether contacts that begin at 0 have begun then has the same
+ * answer in the next step, from the previous stretch. */
 #define GN_OVERLAP_ROUNDING 0x1p-48
 
 typedef struct gn_contact_args {
-    const double *pos, *vel, *spin;      /* particle rows [n][4]; spin NULL without rotation */
-    const float *pos_f, *vel_f, *spin_f; /* in mixed precision; pos_f: travel, see records.h */
-    const gn_contacts *contacts; /* fields are written, the record is not changed; the row of each
-                                    contact only if the list keeps forces */
+    const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
+    /* in mixed precision; pos_f: displacement, see records.h */
+    const float *pos_f, *vel_f, *spin_f;
+    /* fields are written, the record is not changed; rows of contacts only if the list stores
+     * forces */
+    const gn_contacts *contacts;
     gn_uniform uniform;
-    const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: nowhere */
+    const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: none */
     double dt;                   /* s, the interval that led to these positions; 0 at the start */
-    double speed_most;           /* m/s, at which the fastest particle moved in it; 0: not known */
+    double speed_most;           /* m/s, largest speed of a particle in that interval; 0: unknown */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
-    double flow[3]; /* 1/s: by how much branches grew with the box in the interval that led here,
-                       over what they are; see flows */
-    bool flows;     /* the sides of the periodic box moved: velocities are what particles do
-                       besides (drive/box.h) */
-    const int32_t *slot; /* [particles] of those with prescribed components, -1: none; NULL: no
-                            particle has any */
-    const uint8_t *held; /* [slots] which: see gn_prescription.mask */
+    /* 1/s: relative growth of branches with the box in the interval dt, see flows */
+    double flow[3];
+    /* the sides of the periodic box moved: velocities are relative to the mean flow (drive/box.h)
+     */
+    bool flows;
+    /* [particles] of those with prescribed components, -1: none; NULL: no particle has any */
+    const int32_t *slot;
+    const uint8_t *held; /* [slots] prescribed components, see gn_prescription.mask */
     double gravity[3];   /* m/s2 */
-    const double *own;   /* [particles] share of gravity with which they fall; NULL: all of it */
+    const double *own;   /* [particles] fraction of gravity that accelerates each; NULL: 1 */
     double time;         /* s, of this instant */
-    bool measure;        /* also sum what is read off: see gn_contact_sums */
+    bool measure;        /* also compute the sums for readings, see gn_contact_sums */
 } gn_contact_args;
 
-/* What a block of contacts loses in a step: X(name, text), J. Lanes sum it up under its name, and
- * the ledger has a term of that name, to which it is added. */
+/* Energy losses of a block of contacts in a step: X(name, text), J. Lanes sum each up under its
+ * name, and it is added to the ledger's term of that name. */
 #define GN_CONTACT_LOSSES(X)                                                                       \
     X(friction, "dissipated in this step")                                                         \
     X(contact_damping, "dissipated in this step")                                                  \
@@ -57,7 +60,7 @@ typedef struct gn_contact_args {
     X(plasticity, "dissipated in this step")                                                       \
     X(rolling, "dissipated in this step")
 
-/* What it sums up besides: X(type, name, unit, text), V(type, name, components, unit, text). */
+/* Other sums of a block: X(type, name, unit, text), V(type, name, components, unit, text). */
 #define GN_CONTACT_SUMS(X, V)                                                                      \
     X(double, elastic_normal, "J", "stored; with `measure` and energies")                          \
     X(double, elastic_shear, "J", "stored; with `measure` and energies")                           \
@@ -68,7 +71,7 @@ typedef struct gn_contact_args {
     X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
     X(int64_t, broken_shear, "1", "bonds broken in this step")                                     \
     X(int64_t, began, "1", "bonds that began to soften or to yield in this step; with events")     \
-    X(int64_t, pressed, "1", "contacts pressed further than the step was looked at for")
+    X(int64_t, pressed, "1", "contacts with an overlap beyond that for which the step was checked")
 
 typedef struct gn_contact_sums {
 #define X(type, name, unit, text)             type name;
@@ -93,16 +96,15 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 #undef X
 }
 
-/* Works on contacts [begin, end) of one block of the partial sums (without them: of any begin that
- * is a multiple of GN_LANES_MAX); vectors may run past `end` into padding. Sets the block's partial
- * sums and adds to *sums. */
+/* Processes contacts [begin, end) of one block of the partial sums (without partial sums: of any
+ * begin that is a multiple of GN_LANES_MAX); vectors may extend past `end` into padding. Sets the
+ * block's partial sums and adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
-/* The contact laws. X(name, the effects that call for it, lists that have it), those that need more
- * effects first. The linear one is
- * that of lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see
- * law.h. */
+/* The contact laws. X(name, effects that select it, lists that have it), those that need more
+ * effects first. The linear law serves lists for which no effect selects another one. A law is
+ * law_<name>.h and law_<name>.c, see law.h. */
 #define GN_LAWS(X)                                                                                 \
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
@@ -113,9 +115,9 @@ typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 
-/* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
- * besides that of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS), in the parts that are
- * compiled apart, side by side. */
+/* The kinds of lists that have kernels. X(number, name, law, effects that define the kind in
+ * addition to those of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS), in parts that are
+ * compiled separately in parallel. */
 #define GN_CONTACT_KINDS_0(X)                                                                      \
     X(0, smooth, linear, 0, 0, 0)                                                                  \
     X(1, frictional, linear, 1, 1, 0)                                                              \
@@ -139,7 +141,7 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
     GN_CONTACT_KINDS_1(X)                                                                          \
     GN_CONTACT_KINDS_2(X)
 
-/* What any kind may have besides, by the bits of a variant's number. */
+/* Options of any kind, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \
     X(0, SPACE)                                                                                    \
     X(1, ROTATION)                                                                                 \
@@ -151,20 +153,20 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 enum { GN_CONTACT_VARIANTS = 32 * (0 GN_CONTACT_KINDS(X)) }; /* 32 * kind + options */
 #undef X
 
-/* Variant number of an effects mask, GN_CONTACT_VARIANTS for a kind that there is none of; the mask
- * of a variant. */
+/* Return the variant number of an effects mask, GN_CONTACT_VARIANTS for a kind without kernels; and
+ * the mask of a variant. */
 unsigned gn_contact_variant(gn_effects effects);
 gn_effects gn_contact_variant_effects(unsigned variant);
 
-/* "contact_bond_frictional_space_rotation_energy", into `name`. */
+/* Writes "contact_bond_frictional_space_rotation_energy" into `name`. */
 void gn_contact_variant_name(unsigned variant, char *name, size_t size);
 
-/* Effects that a list of contacts really has under a scene's effects: bonds cleared for pairs, and
- * with them the tangential spring when nothing could load it (no friction). */
+/* Returns the effects of a list of contacts under a scene's effects: bonds are cleared for pairs,
+ * and with them the tangential spring if nothing could load it (no friction). */
 gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 
 /* One table per instruction set and precision. In mixed precision entries of periodic boxes are
- * NULL: the branch at the start knows the image. */
+ * NULL: the initial branch contains the image. */
 #define X(set, lanes, has)                                                                         \
     extern gn_contact_kernel *const gn_contact_table_##set[GN_CONTACT_VARIANTS];                   \
     extern gn_contact_kernel *const gn_contact_table_##set##_mixed[GN_CONTACT_VARIANTS];

@@ -1,7 +1,7 @@
 /* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the
- * build) and expanded per kind of list, space and spins with literal arguments, so that what a kind
- * does not have leaves no code. Damping, energies and periods are branches: all contacts of a list
- * take them alike, and kernels of their own would be eight times as much to compile.
+ * build) and expanded per kind of list, space and spins with literal arguments, so that absent
+ * features of a kind generate no code. Damping, energies and periods are branches: all contacts of
+ * a list take the same one, and separate kernels would be eight times as much to compile.
  *
  * Per contact: geometry and motion from the rows of the two particles, forces by the law
  * (law_<name>.h). Output: the block's partial sums of force and moment per particle, which
@@ -27,12 +27,13 @@ GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inver
 }
 #endif
 
-/* From i to j, its length, and the stretch. Sums over the two ends are written symmetrically, so
- * that exchanging i and j mirrors every bit. */
+/* Computes the branch from i to j, its length, and the stretch. Sums over the two ends are written
+ * symmetrically, so that exchanging i and j mirrors every bit. */
 #if GN_MIXED
-/* Single precision resolves neither positions nor the difference of two lengths. Both come from the
- * branch D and the stretch s of the instant when the lists were made (computed in double) and from
- * the travel u since then: |D + u|^2 - |D|^2 = (2 D + u).u has the relative precision of u. */
+/* Single precision resolves neither positions nor the difference of two lengths. Both are computed
+ * from the branch D and the stretch s of the instant when the lists were built (in double) and from
+ * the displacement u since then: |D + u|^2 - |D|^2 = (2 D + u).u has the relative precision of
+ * u. */
 GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
                        gn_v *distance, gn_v *stretch, variant w) {
     const gn_contacts *list = a->contacts;
@@ -47,200 +48,208 @@ GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], con
     return d;
 }
 #else
-GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
-                       gn_v *distance, gn_v *stretch, variant w) {
-    gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
-    if (w.periodic) d = nearest_image(d, a->period, a->inverse_period, w.space);
+GN_INLINE gn_v3 branch(const gn_contact_args *args, size_t c, const gn_v pi[4], const gn_v pj[4],
+                       gn_v *distance, gn_v *stretch, variant with) {
+    gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(with.space, pj[2] - pi[2], gn_set(0.0))};
+    if (with.periodic) d = nearest_image(d, args->period, args->inverse_period, with.space);
     gn_v free = pi[3] + pj[3];
-    if (w.bonds) free = gn_load(a->contacts->length0 + c);
-    *distance = gn_sqrt(gn_dot(d, d, w.space));
+    if (with.bonds) free = gn_load(args->contacts->length0 + c);
+    *distance = gn_sqrt(gn_dot(d, d, with.space));
     *stretch = *distance - free;
     return d;
 }
 #endif
 
-GN_INLINE void find_branch(const gn_contact_args *a, size_t c, stage *g, variant w) {
-    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
+GN_INLINE void find_branch(const gn_contact_args *args, size_t c, stage *vector, variant with) {
+    const int32_t *i = args->contacts->i + c, *j = args->contacts->j + c;
     gn_v pi[4], pj[4];
-    gn_rows4(COLUMN(a, pos), i, pi);
-    gn_rows4(COLUMN(a, pos), j, pj);
-    pair_geometry *s = &g->geometry;
-    s->n = branch(a, c, pi, pj, &s->distance, &s->stretch, w);
+    gn_rows4(COLUMN(args, pos), i, pi);
+    gn_rows4(COLUMN(args, pos), j, pj);
+    pair_geometry *s = &vector->geometry;
+    s->n = branch(args, c, pi, pj, &s->distance, &s->stretch, with);
     s->arm_i = pi[3];
     s->arm_j = pj[3];
 }
 
-GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
-    pair_geometry *s = &g->geometry;
+GN_INLINE void find_normal(const gn_contact_args *args, stage *vector, variant with) {
+    pair_geometry *s = &vector->geometry;
     gn_v distance = s->distance;
-    /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
+    /* Coincident centres have no direction: GN_TINY gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
-    s->n = gn_scale(inverse, s->n, w.space);
-    /* Of centres that (nearly) coincide there is no telling which way the normal goes. */
+    s->n = gn_scale(inverse, s->n, with.space);
+    /* The direction of the normal is undefined if centres (nearly) coincide. */
     gn_m apart = gn_less(gn_set(0.05) * (s->arm_i + s->arm_j), distance);
-    g->rate = gn_keep(apart, gn_set(0.5 * a->dt) * inverse);
-    if (w.shear && w.rotation) {
-        gn_v half = gn_set(a->arm_factor) * (distance - (s->arm_i + s->arm_j));
+    vector->rate = gn_keep(apart, gn_set(0.5 * args->dt) * inverse);
+    if (with.shear && with.rotation) {
+        gn_v half = gn_set(args->arm_factor) * (distance - (s->arm_i + s->arm_j));
         s->arm_i = s->arm_i + half;
         s->arm_j = s->arm_j + half;
     }
 }
 
-/* Velocities belong to the middle of the step that led here, so that what they do to the contact is
- * seen with the normal and the arms of the middle: a cluster that turns as a whole then strains no
- * contact, whatever the angle of a step. (The arms of the force stay at the end, so that force and
- * moment keep the angular momentum.) With arms to the middle of the gap a rigid rotation gives
- * exactly no relative velocity: those arms add up to the length of the middle branch. */
-GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *out, variant w) {
-    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    const pair_geometry *p = &g->geometry;
-    gn_v3 v = opening_velocity(a, c, p, w);
-    gn_v speed = gn_dot(v, p->n, w.space), rate = g->rate;
-    g->speed = speed;
-    if (growth_known(w)) g->growth = growth_of(v, speed, rate, w.space);
-    if (!w.shear) return;
-    gn_v3 middle = gn_middle(v, p->n, speed, rate, w.space);
-    if (w.rotation) {
+/* Velocities belong to the middle of the step that led here, so that they are evaluated with the
+ * normal and the arms of the middle: a cluster in rigid rotation then strains no contact, for any
+ * angle of a step. (The arms of the force are those of the end, so that force and moment preserve
+ * the angular momentum.) With arms to the middle of the gap a rigid rotation gives exactly no
+ * relative velocity: those arms add up to the length of the middle branch. */
+GN_INLINE void find_motion(const gn_contact_args *args, size_t c, stage *vector, brief *out,
+                           variant with) {
+    const int32_t *i = args->contacts->i + c, *j = args->contacts->j + c;
+    const pair_geometry *p = &vector->geometry;
+    gn_v3 v = opening_velocity(args, c, p, with);
+    gn_v speed = gn_dot(v, p->n, with.space), rate = vector->rate;
+    vector->speed = speed;
+    if (growth_known(with)) vector->growth = growth_of(v, speed, rate, with.space);
+    if (!with.shear) return;
+    gn_v3 middle = gn_middle(v, p->n, speed, rate, with.space);
+    if (with.rotation) {
         gn_v wi[4], wj[4];
-        gn_rows4(COLUMN(a, spin), i, wi);
-        gn_rows4(COLUMN(a, spin), j, wj);
-        gn_v back = gn_set(0.5 * a->dt * a->arm_factor) * speed;
+        gn_rows4(COLUMN(args, spin), i, wi);
+        gn_rows4(COLUMN(args, spin), j, wj);
+        gn_v back = gn_set(0.5 * args->dt * args->arm_factor) * speed;
         gn_v ai = p->arm_i - back, aj = p->arm_j - back;
         gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
-        if (w.space) {
+        if (with.space) {
             sum.x = ai * wi[0] + aj * wj[0];
             sum.y = ai * wi[1] + aj * wj[1];
             gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
-            g->angle = gn_set(a->dt) * (gn_set(0.5) * gn_dot(spins, middle, 1));
+            vector->angle = gn_set(args->dt) * (gn_set(0.5) * gn_dot(spins, middle, 1));
         }
-        v = gn_less_spin_cross(v, sum, middle, w.space);
+        v = gn_less_spin_cross(v, sum, middle, with.space);
     }
     out->motion.middle = middle;
-    out->motion.relative = gn_turn_with_normal(v, p->n, middle, w.space);
+    out->motion.relative = gn_turn_with_normal(v, p->n, middle, with.space);
 }
 
-GN_INLINE int row_width(variant w) {
-    return gn_row_width(w.space, w.rotation);
+GN_INLINE int row_width(variant with) {
+    return gn_row_width(with.space, with.rotation);
 }
 
-GN_INLINE void write_rows(brief *g, gn_v3 force, gn_v3 moment, variant w) {
+GN_INLINE void write_rows(brief *to, gn_v3 force, gn_v3 moment, variant with) {
     gn_v zero = gn_set(0.0);
-    if (w.space && w.rotation) {
+    if (with.space && with.rotation) {
         gn_v row[8] = {force.x, force.y, force.z, zero, moment.x, moment.y, moment.z, zero};
-        gn_store_rows8(g->row, row);
+        gn_store_rows8(to->row, row);
     } else {
-        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, moment.z), zero};
-        gn_store_rows4(g->row, row);
+        gn_v row[4] = {force.x, force.y, gn_pick(with.space, force.z, moment.z), zero};
+        gn_store_rows4(to->row, row);
     }
 }
 
-/* What a reading needs of each contact; only in steps that are measured. */
-GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, variant w) {
-    gn_v3 l = gn_scale(s->distance, s->n, w.space);
+/* Adds a contact's contributions to readings; only in measured steps. */
+GN_INLINE void measure_contact(lane_sums *sums, const pair_geometry *geometry, gn_v3 f,
+                               variant with) {
+    gn_v3 l = gn_scale(geometry->distance, geometry->n, with.space);
     const gn_v from[3] = {f.x, f.y, f.z}, to[3] = {l.x, l.y, l.z};
-    int dimension = w.space ? 3 : 2;
+    int dimension = with.space ? 3 : 2;
     for (int a = 0; a < dimension; a++)
         for (int b = 0; b < dimension; b++)
-            e->stress[3 * a + b] = e->stress[3 * a + b] + from[a] * to[b];
-    gn_v size = gn_sqrt(gn_dot(f, f, w.space));
-    e->force = e->force + size;
-    e->carrying = e->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
+            sums->stress[3 * a + b] = sums->stress[3 * a + b] + from[a] * to[b];
+    gn_v size = gn_sqrt(gn_dot(f, f, with.space));
+    sums->force = sums->force + size;
+    sums->carrying = sums->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
 }
 
-GN_INLINE void law_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
-                         variant w) {
+GN_INLINE void law_trial(const gn_contact_args *args, size_t c, const brief *from, stage *vector,
+                         variant with) {
 #define X(name, ...)                                                                               \
-    if (w.law == LAW_##name) name##_trial(a, c, from, g, w);
+    if (with.law == LAW_##name) name##_trial(args, c, from, vector, with);
     GN_LAWS(X)
 #undef X
 }
 
-GN_INLINE contact_force law_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                                  lane_sums *e, gn_contact_sums *sums, variant w) {
+GN_INLINE contact_force law_force(const gn_contact_args *args, size_t c, size_t end,
+                                  const stage *vector, lane_sums *lanes, gn_contact_sums *sums,
+                                  variant with) {
 #define X(name, ...)                                                                               \
-    if (w.law == LAW_##name) return name##_force(a, c, end, g, e, sums, w);
+    if (with.law == LAW_##name) return name##_force(args, c, end, vector, lanes, sums, with);
     GN_LAWS(X)
 #undef X
     __builtin_unreachable();
 }
 
-GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                           brief *out, lane_sums *e, gn_contact_sums *sums, variant w) {
+GN_INLINE void find_forces(const gn_contact_args *args, size_t c, size_t end, const stage *vector,
+                           brief *out, lane_sums *lanes, gn_contact_sums *sums, variant with) {
     const gn_v zero = gn_set(0.0);
-    const pair_geometry *p = &g->geometry;
-    contact_force f = law_force(a, c, end, g, e, sums, w);
-    gn_v3 force = gn_scale(f.normal, p->n, w.space), moment = {zero, zero, zero};
-    if (w.shear) {
-        force = gn_axpy(f.shear, f.normal, p->n, w.space);
-        if (w.rotation) moment = gn_cross(p->n, f.shear, w.space);
+    const pair_geometry *p = &vector->geometry;
+    contact_force f = law_force(args, c, end, vector, lanes, sums, with);
+    gn_v3 force = gn_scale(f.normal, p->n, with.space), moment = {zero, zero, zero};
+    if (with.shear) {
+        force = gn_axpy(f.shear, f.normal, p->n, with.space);
+        if (with.rotation) moment = gn_cross(p->n, f.shear, with.space);
     }
-    if (a->measure) measure_contact(e, p, force, w);
-    write_rows(out, force, moment, w);
+    if (args->measure) measure_contact(lanes, p, force, with);
+    write_rows(out, force, moment, with);
 }
 
 GN_INLINE int rolls(contact_law law) {
     return law == LAW_rolling || law == LAW_hertz_rolling;
 }
 
-/* Whether contacts exert a couple besides: the same on both particles but for the sign. */
-GN_INLINE int exerts_couple(variant w) {
-    return (w.law == LAW_beam || rolls(w.law)) && w.rotation;
+/* Tells whether contacts exert a couple in addition: equal and opposite on both particles. */
+GN_INLINE int exerts_couple(variant with) {
+    return (with.law == LAW_beam || rolls(with.law)) && with.rotation;
 }
 
-/* Rows of those couples, as the law has left them: x y z 0. */
+/* Rows of those couples, as the law has stored them: x y z 0. */
 typedef struct couple_rows {
     _Alignas(64) gn_real row[4 * GN_W];
 } couple_rows;
 
-GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *out, variant w) {
-    const gn_contacts *k = a->contacts;
-    gn_v3 m = load_moment(a, rolls(w.law) ? COLUMN(k, roll) : COLUMN(k, moment), c, w);
+GN_INLINE void write_couples(const gn_contact_args *args, size_t c, couple_rows *out,
+                             variant with) {
+    const gn_contacts *k = args->contacts;
+    gn_v3 m = load_moment(args, rolls(with.law) ? COLUMN(k, roll) : COLUMN(k, moment), c, with);
     gn_v row[4] = {m.x, m.y, m.z, gn_set(0.0)};
     gn_store_rows4(out->row, row);
 }
 
-/* Contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple comes
- * right after its force, so that what a particle gets is added in one order whatever the width of
- * vectors. Places 0 to 2 of a row are forces in space; in the plane the third is the moment. */
-GN_INLINE void add_row(const stage *g, const brief *from, const couple_rows *couples, size_t k,
-                       const uint16_t *place, gn_real *sums, variant w) {
-    const size_t moment = w.space ? 4 : 0;
+/* Adds contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple
+ * follows its force immediately, so that the contributions to a particle are added in one order for
+ * any width of vectors. Places 0 to 2 of a row are forces in space; in 2D the third is the
+ * moment. */
+GN_INLINE void add_row(const stage *vector, const brief *from, const couple_rows *couples, size_t k,
+                       const uint16_t *place, gn_real *sums, variant with) {
+    const size_t moment = with.space ? 4 : 0;
     const gn_real none = 0;
-    const gn_real *arm_i = (const gn_real *)&g->geometry.arm_i + k;
-    const gn_real *arm_j = (const gn_real *)&g->geometry.arm_j + k;
-    const gn_real *row = from->row + (size_t)row_width(w) * k;
-    if (w.space && w.rotation)
-        gn_add_row8(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear);
+    const gn_real *arm_i = (const gn_real *)&vector->geometry.arm_i + k;
+    const gn_real *arm_j = (const gn_real *)&vector->geometry.arm_j + k;
+    const gn_real *row = from->row + (size_t)row_width(with) * k;
+    if (with.space && with.rotation)
+        gn_add_row8(sums + place[0], sums + place[1], row, arm_i, arm_j, with.shear);
     else
-        gn_add_row4(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear && w.rotation);
-    if (exerts_couple(w))
+        gn_add_row4(sums + place[0], sums + place[1], row, arm_i, arm_j,
+                    with.shear && with.rotation);
+    if (exerts_couple(with))
         gn_add_row4(sums + place[0] + moment, sums + place[1] + moment, couples->row + 4 * k, &none,
                     &none, 0);
 }
 
-/* Adds the rows of a vector, of contacts from c on, and keeps them if `rows` says where. The force
- * has opposite signs for the two particles; the moment has the same sign, because arm and force
- * both turn round. */
-GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+/* Adds the rows of a vector of contacts from c on, and stores them if `rows` is given. The force
+ * has opposite signs for the two particles; the moment has the same sign, because arm and force are
+ * both reversed. */
+GN_INLINE void add_rows(const gn_contact_args *args, size_t c, size_t end, const stage *vector,
                         const brief *from, const couple_rows *couples, gn_real *sums, gn_real *rows,
-                        variant w) {
-    const size_t count = end - c < GN_W ? end - c : GN_W, width = (size_t)row_width(w);
+                        variant with) {
+    const size_t count = end - c < GN_W ? end - c : GN_W, width = (size_t)row_width(with);
     if (__builtin_expect(rows != NULL, 0))
         memcpy(rows + width * c, from->row, width * count * sizeof *rows);
     if (!sums) return;
-    const uint16_t *place = a->partials->place + 2 * c;
-    if (__builtin_expect(count == GN_W, 1)) /* nothing to ask between contacts */
-        for (size_t k = 0; k < GN_W; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
+    const uint16_t *place = args->partials->place + 2 * c;
+    if (__builtin_expect(count == GN_W, 1)) /* no test between contacts */
+        for (size_t k = 0; k < GN_W; k++)
+            add_row(vector, from, couples, k, place + 2 * k, sums, with);
     else
-        for (size_t k = 0; k < count; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
+        for (size_t k = 0; k < count; k++)
+            add_row(vector, from, couples, k, place + 2 * k, sums, with);
 }
 
-/* The vector that entered `lag` turns ago, and whether there is one. */
+/* The vector that entered `lag` iterations ago, and whether it exists. */
 #define AT(lag)        (&ring[(v - (lag)) % RING])
 #define UNDER_WAY(lag) (v - (lag) < vectors) /* below `lag` the difference wraps round */
 
-GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
-                            gn_contact_sums *sums, variant w) {
+GN_INLINE void contact_core(const gn_contact_args *args, size_t begin, size_t end,
+                            gn_contact_sums *sums, variant with) {
     const gn_v zero = gn_set(0.0);
     lane_sums e = {.elastic_normal = zero,
                    .elastic_shear = zero,
@@ -251,42 +260,44 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     GN_CONTACT_LOSSES(X)
 #undef X
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
-    const gn_partials *q = a->partials;
-    const size_t width = (size_t)row_width(w);
+    const gn_partials *q = args->partials;
+    const size_t width = (size_t)row_width(with);
     gn_real *partial = NULL, *rows = NULL;
-#if !GN_MIXED /* output looks at contacts in double */
-    rows = gn_contacts_row(a->contacts);
+#if !GN_MIXED /* output evaluates contacts in double */
+    rows = gn_contacts_row(args->contacts);
 #endif
     if (q) partial = gn_clear_block_rows(q, begin, width * sizeof *partial, COLUMN(q, row));
-    const gn_real *const read[3] = {COLUMN(a, pos), COLUMN(a, vel), COLUMN(a, spin)};
+    const gn_real *const read[3] = {COLUMN(args, pos), COLUMN(args, vel), COLUMN(args, spin)};
     gn_block_particles ahead = gn_block_particles_of(q, begin);
     stage ring[RING];
     brief motion[2], force[2];
     couple_rows couples[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
-    const int kinds = 2 + (w.shear && w.rotation), few = gn_fetch_rate(&ahead, vectors);
+    const int kinds = 2 + (with.shear && with.rotation), few = gn_fetch_rate(&ahead, vectors);
     for (int k = 0; k < 12; k++) gn_fetch_ahead(&ahead, read, kinds, few);
     for (size_t v = 0; v < vectors + STAGES - 1; v++) {
         const size_t c = begin + v * GN_W;
         gn_fetch_ahead(&ahead, read, kinds, few);
         brief *even = &force[v % 2], *odd = &force[(v + 1) % 2];
         if (UNDER_WAY(5))
-            add_rows(a, c - 5 * GN_W, end, AT(5), odd, &couples[(v + 1) % 2], partial, rows, w);
-        if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);
-        if (exerts_couple(w) && UNDER_WAY(4)) write_couples(a, c - 4 * GN_W, &couples[v % 2], w);
-        if (UNDER_WAY(1)) find_normal(a, AT(1), w);
+            add_rows(args, c - 5 * GN_W, end, AT(5), odd, &couples[(v + 1) % 2], partial, rows,
+                     with);
+        if (UNDER_WAY(4)) find_forces(args, c - 4 * GN_W, end, AT(4), even, &e, sums, with);
+        if (exerts_couple(with) && UNDER_WAY(4))
+            write_couples(args, c - 4 * GN_W, &couples[v % 2], with);
+        if (UNDER_WAY(1)) find_normal(args, AT(1), with);
         even = &motion[v % 2];
         odd = &motion[(v + 1) % 2];
-        if (UNDER_WAY(3)) law_trial(a, c - 3 * GN_W, odd, AT(3), w);
-        if (v < vectors) find_branch(a, c, AT(0), w);
-        if (UNDER_WAY(2)) find_motion(a, c - 2 * GN_W, AT(2), even, w);
+        if (UNDER_WAY(3)) law_trial(args, c - 3 * GN_W, odd, AT(3), with);
+        if (v < vectors) find_branch(args, c, AT(0), with);
+        if (UNDER_WAY(2)) find_motion(args, c - 2 * GN_W, AT(2), even, with);
     }
-    if (a->measure) {
+    if (args->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);
         sums->force += gn_fold(e.force);
         sums->carrying += gn_fold(e.carrying);
     }
-    if (!w.energy) return;
+    if (!with.energy) return;
     sums->elastic_normal += gn_fold(e.elastic_normal);
     sums->elastic_shear += gn_fold(e.elastic_shear);
     sums->elastic_bending += gn_fold(e.elastic_bending);
@@ -301,8 +312,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
-/* In mixed precision the branch at the start knows the period. Hertz's law is one of spheres; what
- * rolls turns. */
+/* In mixed precision the initial branch contains the period. Hertz's law is one of spheres; rolling
+ * requires rotation. */
 #define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
 #define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
 #define ABSENT(options, law, shear, friction, bonds)                                               \
@@ -311,7 +322,7 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
-#ifndef GN_KERNEL /* for what reads this file by itself */
+#ifndef GN_KERNEL /* for tools that read this file on its own */
 #define GN_KERNEL(variant) gn_contact_##variant
 #endif
 #define DECLARE(options, name, law, shear, friction, bonds)                                        \

@@ -4,18 +4,18 @@
 
 #include <math.h>
 
-/* c_n in N s/m with which two bodies that meet alone rebound as the oscillator of damping fraction
- * `alpha` does, in steps of `dt` (0: none yet, 2 alpha sqrt(m k)).
+/* Returns the c_n in N s/m with which an isolated pair of bodies rebounds as the oscillator of
+ * damping fraction `alpha` does, in steps of `dt` (0: none yet, 2 alpha sqrt(m k)).
  *
- * The force of a step sees the velocity of half a step before. A free oscillator so stepped obeys
+ * The force of a step uses the velocity of half a step before. A free oscillator so stepped obeys
  *     u(+) - (2 - q - y^2) u + (1 - q) u(-) = 0,   y = w dt, q = c_n dt/m, w^2 = k/m,
- * whose solutions shrink by exp(-zeta) and turn by theta in a step, with exp(-2 zeta) = 1 - q and
- * y = |1 - exp(-zeta + i theta)|. The rebound is right if zeta/theta is what it is for small steps,
+ * whose solutions decay by exp(-zeta) and rotate by theta in a step, with exp(-2 zeta) = 1 - q and
+ * y = |1 - exp(-zeta + i theta)|. The rebound is right if zeta/theta has its value for small steps,
  * alpha/sqrt(1 - alpha^2): with zeta = alpha psi and theta = sqrt(1 - alpha^2) psi the last
  * equation gives psi(y) as the series below (next term of order y^4), and q = 1 - exp(-2 alpha
- * psi), with a quotient for tanh(alpha psi), which is the same on every machine. Without it c_n
+ * psi), with a quotient for tanh(alpha psi), which is the same on every machine. Otherwise c_n
  * would be too large by the factor 1 + alpha y/2: 3 % at ten steps per contact and c_r = 0.5.
- * Stiffness and what rests is left alone. */
+ * The stiffness and bodies at rest are not affected. */
 static inline double gn_dashpot(double stiffness, double inverse_mass, double alpha, double dt) {
     if (!(alpha > 0.0) || !(inverse_mass > 0.0)) return 0.0;
     double c = 2.0 * alpha * sqrt(stiffness / inverse_mass);
@@ -28,17 +28,17 @@ static inline double gn_dashpot(double stiffness, double inverse_mass, double al
     return most < c ? most : c;
 }
 
-/* Steps per half period pi/w of a free collision, w^2 = k/m, that an automatic step takes at least.
- * Then its restitution is within 1 % (below one half: within 0.01) wherever in a step it begins:
- * that takes 3.5 steps at 1, 4.5 at 0.9, 5.5 at 0.8, 7.5 at 0.6, 9.5 at 0.5 and fewer again below
- * (worst phases, measured). Without dashpots, where every collision's error of the energy adds up,
- * ten keep that of a bed that bounces for ever within 1 % for thousands of collisions; five did
- * not. */
+/* The least number of steps per half period pi/w of a free collision, w^2 = k/m, for an automatic
+ * step. Its restitution is then within 1 % (below one half: within 0.01) wherever in a step it
+ * begins: that takes 3.5 steps at 1, 4.5 at 0.9, 5.5 at 0.8, 7.5 at 0.6, 9.5 at 0.5 and fewer again
+ * below (worst phases, measured). Without dashpots, where every collision's error of the energy
+ * adds up, ten keep that of a bed that bounces for ever within 1 % for thousands of collisions;
+ * five did not. */
 enum { GN_STEPS_PER_CONTACT = 10 };
 
-/* The same by Hertz's law, w^2 = S_n/m where the contact is pressed most. Restitution is within 1 %
- * from five steps on, but the elastic work of a damped collision is off by (w dt)^2/6 of what the
- * dashpot takes while the spring is stiff, up to 1.5 % of all its energy at ten (worst phases, at
+/* The least number by Hertz's law, w^2 = S_n/m at the largest overlap. Restitution is within 1 %
+ * from five steps on, but the elastic work of a damped collision is in error by (w dt)^2/6 of the
+ * dashpot's work while the spring is stiff, up to 1.5 % of all its energy at ten (worst phases, at
  * a restitution of one half): the ledger shows it. */
 enum { GN_STEPS_PER_HERTZ = 12 };
 

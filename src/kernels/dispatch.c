@@ -102,7 +102,7 @@ static void name_of(const char *stem, const effect_bit *bits, size_t count, unsi
                 (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
 }
 
-/* Effects that make kinds of lists. */
+/* Effects that distinguish kinds of lists. */
 #define X(name, effect, lists) | (effect)
 static const gn_effects makers = GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS GN_LAWS(X);
 #undef X
@@ -122,10 +122,11 @@ static const struct {
 #undef X
 };
 enum { OPTIONS = 32 };
-_Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS, "all kinds with all options");
-_Static_assert(1 << COUNT(option_bits) == OPTIONS, "as many options as bits");
+_Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS,
+               "variants are all kinds with all options");
+_Static_assert(1 << COUNT(option_bits) == OPTIONS, "options are bits of a variant's number");
 
-/* Bonds with moments have the friction of others in them, where there is a column for it. */
+/* Bonds with moments include the friction of others if there is a column for it. */
 unsigned gn_contact_variant(gn_effects effects) {
     if (effects & GN_FX_BOND_MOMENTS) effects &= ~(gn_effects)GN_FX_MOHR;
     for (unsigned k = 0; k < COUNT(kinds); k++)
@@ -171,7 +172,8 @@ gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error) {
     bool mixed = list_effects & GN_FX_MIXED;
-    if (mixed) list_effects &= ~(gn_effects)GN_FX_PERIODIC; /* the branch at the start knows */
+    /* the initial branch contains the image */
+    if (mixed) list_effects &= ~(gn_effects)GN_FX_PERIODIC;
     unsigned variant = gn_contact_variant(list_effects);
     *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;

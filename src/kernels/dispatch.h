@@ -1,4 +1,4 @@
-/* Which kernels run: by instruction set (chosen at run time) and by effects. */
+/* Selection of kernels by instruction set (at run time) and by effects. */
 #ifndef GN_KERNELS_DISPATCH_H
 #define GN_KERNELS_DISPATCH_H
 
@@ -13,9 +13,9 @@
 typedef struct gn_kernel_set {
     const char *name;
     int lanes;                           /* doubles in a register */
-    bool (*supported)(void);             /* whether this machine has it */
+    bool (*supported)(void);             /* whether this machine supports it */
     gn_contact_kernel *const *contact;   /* [GN_CONTACT_VARIANTS] */
-    gn_contact_kernel *const *mixed;     /* the same in mixed precision */
+    gn_contact_kernel *const *mixed;     /* kernels in mixed precision */
     gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
     gn_element_kernel *const *element;   /* [GN_ELEMENT_VARIANTS] */
     gn_element_kernel *const *single;    /* [2] triangles, tetrahedra, in mixed precision */
@@ -28,19 +28,20 @@ typedef struct gn_kernel_set {
 enum { GN_KERNEL_SETS = GN_INSTRUCTION_SETS(X) };
 #undef X
 
-/* Sets from narrow to wide; index in [0, GN_KERNEL_SETS). */
+/* Returns the sets from narrow to wide; index in [0, GN_KERNEL_SETS). */
 const gn_kernel_set *gn_kernel_set_at(int index);
 
-/* Whether this machine can run a set. */
+/* Tells whether this machine can run a set. */
 bool gn_kernel_set_supported(const gn_kernel_set *set);
 
-/* The set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest that the
- * machine runs. Fails with what the machine has when the name is unknown or not supported. */
+/* Finds the set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest
+ * that the machine supports. Fails with a list of the supported sets if the name is unknown or not
+ * supported. */
 gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
                                    gneiss_error *error);
 
-/* Kernel of a set for effects (GN_FX_MIXED: in mixed precision); fails with the variant's name when
- * there is none. */
+/* Finds the kernel of a set for effects (GN_FX_MIXED: in mixed precision); fails with the variant's
+ * name if there is none. */
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error);
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

@@ -1,4 +1,4 @@
-/* Linear finite elements: what a kernel gets and gives, and the table of variants. */
+/* Linear finite elements: arguments and results of a kernel, and the table of variants. */
 #ifndef GN_KERNELS_ELEMENT_H
 #define GN_KERNELS_ELEMENT_H
 
@@ -8,64 +8,65 @@
 
 #include <math.h>
 
-/* Per parameter 0, or all ones when all elements share the value (see gn_uniform). */
+/* Per parameter 0, or all ones if all elements share the value (see gn_uniform). */
 typedef struct gn_element_uniform {
     size_t lambda, mu;
 } gn_element_uniform;
 
 typedef struct gn_element_args {
-    const double *pos; /* node rows [n][4]; pressure form: x y z and the pressure there */
+    const double *pos; /* node rows [n][4]; pressure form: x y z and the pressure */
     const gn_elements *elements;
     gn_element_uniform uniform;
-    const gn_partials *partials; /* of `elements`: where forces are summed; rows are written. In
-                                    the pressure form the slope, the integral of tau N_a times the
-                                    pressure's gradient, has the numbers that forces leave free:
-                                    force xy, slope xy or force xyz, slope x */
+    /* of `elements`: where forces are summed; rows are written. In the pressure form the slope, the
+     * integral of tau N_a times the pressure's gradient, uses the numbers that forces leave free:
+     * force xy, slope xy or force xyz, slope x */
+    const gn_partials *partials;
     double
         *slope_row; /* pressure form in space: rows [2] as those of `partials`, written: slope yz */
     const float *travel; /* kernels in single precision: node rows [n][4], displacement */
 } gn_element_args;
 
-/* First pass of the pressure form. */
+/* Arguments of the first pass of the pressure form. */
 typedef struct gn_dilation_args {
     const double *place;  /* node rows [n][4]: x y z and the stabilising pressure q */
     const double *smooth; /* node rows [n][4]: projected gradient of q xyz */
     const gn_elements *elements;
     const gn_partials *partials; /* of `elements`: numbers of the rows */
-    double *row; /* rows [2] as those of `partials`, written: share of the growth in volume (m3), of
-                    the stabilising term (m3) */
+    /* rows [2] as those of `partials`, written: shares of the growth in volume (m3) and of the
+     * stabilising term (m3) */
+    double *row;
 } gn_dilation_args;
 
-/* What measuring variants sum up; start from GN_ELEMENT_SUMS_ZERO. */
+/* Sums of measuring variants; they start from GN_ELEMENT_SUMS_ZERO. */
 typedef struct gn_element_sums {
     double elastic;   /* J */
     double stress[9]; /* N m: sum of current volume x Cauchy stress */
     double volume;    /* m3, current */
     double least;     /* smallest det F */
-    int64_t element;  /* the element that has it, -1: none; of equals the first */
+    int64_t element;  /* the element with the least det F, -1: none; of equals the first */
 } gn_element_sums;
 
 #define GN_ELEMENT_SUMS_ZERO ((gn_element_sums){.least = INFINITY, .element = -1})
 
-/* Works on elements [begin, end) of one block of the partial sums; vectors may run past `end` into
- * padding. Sets the block's partial sums; measuring variants add to *sums. */
+/* Processes elements [begin, end) of one block of the partial sums; vectors may extend past `end`
+ * into padding. Sets the block's partial sums; measuring variants add to *sums. */
 typedef void gn_element_kernel(const gn_element_args *args, size_t begin, size_t end,
                                gn_element_sums *sums);
 
 enum { GN_ELEMENT_VARIANTS = 8 };
 
-/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures; bit 2: pressure
- * form, whose energy is that of the deviator. */
+/* Returns the variant's number. Bit 0: tetrahedra in space instead of triangles in plane strain;
+ * bit 1: measures; bit 2: pressure form, whose energy is that of the deviator. */
 static inline unsigned gn_element_variant(bool space, bool measure, bool pressure) {
     return (space ? 1u : 0u) | (measure ? 2u : 0u) | (pressure ? 4u : 0u);
 }
 
-/* As gn_element_kernel; triangles, tetrahedra. */
+/* Processes elements like gn_element_kernel; for triangles or tetrahedra. */
 typedef void gn_dilation_kernel(const gn_dilation_args *args, size_t begin, size_t end);
 
-/* The tables called _mixed: forces of the displacement form in single precision, summed in double,
- * of triangles and tetrahedra. They read `travel` instead of `pos`, columns ending in _f, and leave
- * *sums alone: energies are for the kernels in double. */
+/* In the tables called _mixed, forces of the displacement form are in single precision and summed
+ * in double, for triangles and tetrahedra. They read `travel` instead of `pos` and columns ending
+ * in _f, and do not change *sums: energies are computed by the kernels in double. */
 #define X(set, lanes, has)                                                                         \
     extern gn_element_kernel *const gn_element_table_##set[GN_ELEMENT_VARIANTS];                   \
     extern gn_element_kernel *const gn_element_table_##set##_mixed[2];                             \

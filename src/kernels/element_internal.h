@@ -1,4 +1,4 @@
-/* What the element kernels of both precisions share. */
+/* Declarations shared by the element kernels of both precisions. */
 #ifndef GN_KERNELS_ELEMENT_INTERNAL_H
 #define GN_KERNELS_ELEMENT_INTERNAL_H
 
@@ -11,11 +11,12 @@ typedef struct gn_element_rows {
     gn_real row[4][4 * GN_W];
 } gn_element_rows;
 
-GN_INLINE const int32_t *gn_node_column(const gn_elements *q, int n) {
-    return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
+GN_INLINE const int32_t *gn_node_column(const gn_elements *elements, int n) {
+    return n == 3 ? elements->node3 : elements->node + (size_t)n * elements->soa.capacity;
 }
 
-/* How many nodes to fetch per vector: tetrahedra share more of them than triangles. */
+/* Returns the number of nodes to prefetch per vector: tetrahedra share more of them than
+ * triangles. */
 GN_INLINE int gn_nodes_ahead(int space) {
     return space ? (GN_W + 1) / 2 : GN_W;
 }
@@ -24,7 +25,7 @@ GN_INLINE gn_v gn_component(gn_v3 a, int k) {
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
 }
 
-/* Column k of F s, from the columns of F and the stress in the order 00 11 22 01 12 20. */
+/* Returns column k of F s, from the columns of F and the stress in the order 00 11 22 01 12 20. */
 GN_INLINE gn_v3 gn_first_piola(const gn_v3 f[3], const gn_v s[6], int k, int space) {
     static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     gn_v3 p = gn_scale(s[at[k][0]], f[0], space);
@@ -32,10 +33,10 @@ GN_INLINE gn_v3 gn_first_piola(const gn_v3 f[3], const gn_v s[6], int k, int spa
     return space ? gn_axpy(p, s[at[k][2]], f[2], 1) : p;
 }
 
-GN_INLINE void gn_add_element_rows(const gn_element_args *a, size_t e, size_t end,
+GN_INLINE void gn_add_element_rows(const gn_element_args *args, size_t e, size_t end,
                                    const gn_element_rows *rows, double *sums, int space) {
     const size_t nodes = 3 + (size_t)space, count = end - e < GN_W ? end - e : GN_W;
-    const uint16_t *place = a->partials->place + nodes * e;
+    const uint16_t *place = args->partials->place + nodes * e;
     for (size_t k = 0; k < count; k++)
         for (size_t n = 0; n < nodes; n++)
             gn_add_plain4(sums + place[nodes * k + n], rows->row[n] + 4 * k);

@@ -10,7 +10,7 @@
 #define GN_EACH_128(X)                                                                             \
     GN_EACH_16(X, 0) GN_EACH_16(X, 1) GN_EACH_16(X, 2) GN_EACH_16(X, 3)                            \
     GN_EACH_16(X, 4) GN_EACH_16(X, 5) GN_EACH_16(X, 6) GN_EACH_16(X, 7)
-/* The same with further arguments. */
+/* Expansion with further arguments. */
 #define GN_EACH_32(X, ...)                                                                         \
     X(0x00, __VA_ARGS__) X(0x01, __VA_ARGS__) X(0x02, __VA_ARGS__) X(0x03, __VA_ARGS__) \
     X(0x04, __VA_ARGS__) X(0x05, __VA_ARGS__) X(0x06, __VA_ARGS__) X(0x07, __VA_ARGS__) \

@@ -1,5 +1,5 @@
-/* Bonds that carry moments (law_beam.h) for all but the kernels. All but the moments is as in the
- * linear law: stiffness, strength and dashpots of the pair, walls. The radius of the beam is
+/* Bonds that carry moments (law_beam.h) outside of the kernels. Everything but the moments is as in
+ * the linear law: stiffness, strength and dashpots of the pair, walls. The radius of the beam is
  * `bonds.radius_multiplier` times the smaller radius of the two particles (Potyondy and Cundall
  * 2004, eq. 9). */
 #include "base/vec3.h"
@@ -7,19 +7,20 @@
 
 #include <math.h>
 
-static void beam_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_linear_set(m, pair, list, c);
+static void beam_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                     size_t c) {
+    gn_linear_set(model, pair, list, c);
     if (list->mu1) list->mu1[c] = gn_bond_friction(pair);
     if (!list->beam) return;
-    list->beam[c] = m->scene->bond_radius_multiplier * fmin(pair->ri, pair->rj);
-    list->share[c] = m->scene->bond_moment_share;
+    list->beam[c] = model->scene->bond_radius_multiplier * fmin(pair->ri, pair->rj);
+    list->share[c] = model->scene->bond_moment_share;
 }
 
 static bool is_space(const gn_contacts *list) {
     return list->soa.effects & GN_FX_SPACE;
 }
 
-/* N m, against bending and twist; both 0 where there are no moments. */
+/* Computes stiffnesses against bending and twist, N m; both 0 if there are no moments. */
 static void stiffness_of(const gn_contacts *list, size_t c, double *bend, double *twist) {
     bool turns = list->beam && list->soa.effects & GN_FX_ROTATION;
     double r2 = turns ? list->beam[c] * list->beam[c] : 0.0;

@@ -1,4 +1,4 @@
-/* Hertz-Mindlin contacts (law_hertz.h) for all but the kernels. Of two materials E* and G* are
+/* Hertz-Mindlin contacts (law_hertz.h) outside of the kernels. For two materials E* and G* are
  * those of both in series, friction and restitution the smaller. */
 #include "kernels/combine.h"
 #include "kernels/law_scalar.h"
@@ -7,13 +7,13 @@
 
 /* --- parameters --- */
 
-/* Restitution below which none is told apart where the dashpot never pulls: the fit has no end
- * there. */
+/* Least restitution that is distinguished if the dashpot never causes tension: the fit is unbounded
+ * below. */
 static const double least_fitted = 0.05;
 
-/* c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e) of the
- * linear oscillator (Antypov and Elliott 2011), 1 at e = 0; where the sum of both forces is cut at
- * zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
+/* Returns c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e)
+ * of the linear oscillator (Antypov and Elliott 2011), 1 at e = 0; if the sum of both forces is cut
+ * at zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
 static double damping_of(double e, bool pulls) {
     static const double h[] = {-6.918798, -16.41105, 146.8049,  -796.4559, 2928.711,
                                -7206.864, 11494.29,  -11342.18, 6276.757,  -1489.915};
@@ -26,17 +26,17 @@ static double damping_of(double e, bool pulls) {
     return 2.0 * sqrt(fmax(1.0 / (1.0 - (1.0 + e) * (1.0 + e) * exp(p)) - 1.0, 0.0));
 }
 
-/* What a material, or the scene, says of it. */
-static double damping_by(const gn_scene *s, const gn_material *m) {
-    double e = m->restitution >= 0.0 ? m->restitution : s->restitution;
-    if (e >= 0.0) return damping_of(e, s->pull);
-    return 2.0 * sqrt(5.0 / 6.0) * s->damping_fraction;
+/* Returns the damping of a material, or of the scene. */
+static double damping_by(const gn_scene *scene, const gn_material *material) {
+    double e = material->restitution >= 0.0 ? material->restitution : scene->restitution;
+    if (e >= 0.0) return damping_of(e, scene->pull);
+    return 2.0 * sqrt(5.0 / 6.0) * scene->damping_fraction;
 }
 
-gn_hertz_pair gn_hertz_pair_of(const gn_scene *s, const gn_material *a, const gn_material *b,
+gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, const gn_material *b,
                                const gn_contact_def *own) {
     const gn_material *side[] = {a, b};
-    gn_hertz_pair p = {.friction = a->friction, .damping = damping_by(s, a)};
+    gn_hertz_pair p = {.friction = a->friction, .damping = damping_by(scene, a)};
     double give = 0.0, give_across = 0.0;
     for (int k = 0; k < 2 && side[k]; k++) {
         double young = side[k]->young, poisson = side[k]->poisson;
@@ -52,11 +52,12 @@ gn_hertz_pair gn_hertz_pair_of(const gn_scene *s, const gn_material *a, const gn
     if (b) p.friction = gn_smaller(a->friction, b->friction);
     if (b) p.rolling = gn_smaller(a->rolling_friction, b->rolling_friction);
     if (b) p.twisting = gn_smaller(a->twisting_friction, b->twisting_friction);
-    if (b) p.damping = fmax(p.damping, damping_by(s, b));
+    if (b) p.damping = fmax(p.damping, damping_by(scene, b));
     if (own && own->friction != GN_COMBINED) p.friction = own->friction;
     if (own && own->rolling_friction != GN_COMBINED) p.rolling = own->rolling_friction;
     if (own && own->twisting_friction != GN_COMBINED) p.twisting = own->twisting_friction;
-    if (own && own->restitution != GN_COMBINED) p.damping = damping_of(own->restitution, s->pull);
+    if (own && own->restitution != GN_COMBINED)
+        p.damping = damping_of(own->restitution, scene->pull);
     return p;
 }
 
@@ -64,15 +65,15 @@ typedef struct parameters {
     double kn, kt, mu, cn, lag;
 } parameters;
 
-static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
-    gn_hertz_pair pair = gn_hertz_pair_of(m->scene, q->a, q->b, q->own);
-    double root = sqrt(q->ri * q->rj / (q->ri + q->rj));
+static parameters parameters_of(const gn_law_model *model, const gn_law_pair *ends) {
+    gn_hertz_pair pair = gn_hertz_pair_of(model->scene, ends->a, ends->b, ends->own);
+    double root = sqrt(ends->ri * ends->rj / (ends->ri + ends->rj));
     parameters p = {.kn = 2.0 * pair.modulus * root,
                     .kt = 8.0 * pair.shear_modulus * root,
                     .mu = pair.friction};
-    if (!(q->inverse_mass > 0.0)) return p;
-    p.cn = pair.damping / sqrt(q->inverse_mass);
-    p.lag = 0.25 * p.cn * m->dt * q->inverse_mass;
+    if (!(ends->inverse_mass > 0.0)) return p;
+    p.cn = pair.damping / sqrt(ends->inverse_mass);
+    p.lag = 0.25 * p.cn * model->dt * ends->inverse_mass;
     return p;
 }
 
@@ -82,8 +83,8 @@ bool gn_hertz_derive(const gn_scene *scene, const gn_particles *particles, const
     return true;
 }
 
-void gn_hertz_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    parameters p = parameters_of(m, pair);
+void gn_hertz_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    parameters p = parameters_of(model, pair);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
     if (list->mu) list->mu[c] = p.mu;
@@ -91,10 +92,10 @@ void gn_hertz_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *l
     if (list->lag) list->lag[c] = p.lag;
 }
 
-void gn_hertz_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+void gn_hertz_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                           size_t c) {
     if (!list->cn) return;
-    parameters p = parameters_of(m, pair);
+    parameters p = parameters_of(model, pair);
     list->cn[c] = p.cn;
     list->lag[c] = p.lag;
     if (list->cn_f) list->cn_f[c] = (float)p.cn;
@@ -103,10 +104,10 @@ void gn_hertz_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_con
 
 /* --- springs --- */
 
-/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j goes with sqrt(x/(1 + x)) (A/x^3 + B),
- * which falls and then rises. */
-gn_law_spring gn_hertz_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
-    parameters p = parameters_of(m, pair);
+/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j is proportional to sqrt(x/(1 + x)) (A/x^3
+ * + B), which decreases and then increases. */
+gn_law_spring gn_hertz_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap) {
+    parameters p = parameters_of(model, pair);
     double root = sqrt(overlap);
     return (gn_law_spring){p.kn * root, p.mu > 0.0 ? p.kt * root : 0.0, p.cn * sqrt(p.kn * root)};
 }
@@ -120,7 +121,7 @@ gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap)
 
 /* --- what a contact holds --- */
 
-/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
 static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
@@ -134,7 +135,7 @@ gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, doub
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = gn_hertz_stored(p.normal, overlap);
-    /* What has opened since the last forces holds nothing. */
+    /* A contact that opened since the last forces has no energy. */
     const double kt = list->kt[c] * p.root;
     if (shear2 > 0.0 && kt > 0.0) h.stored += 0.5 * shear2 / kt;
     return h;
@@ -146,11 +147,11 @@ double gn_hertz_area(const gn_law_pair *pair, double overlap) {
 
 /* --- walls and surfaces --- */
 
-static double kn_of(const gn_touch_side *s) {
-    return 2.0 * s->part * s->hertz.modulus * sqrt(s->radius);
+static double kn_of(const gn_touch_side *side) {
+    return 2.0 * side->part * side->hertz.modulus * sqrt(side->radius);
 }
-static double kt_of(const gn_touch_side *s) {
-    return 8.0 * s->hertz.shear_modulus * sqrt(s->radius);
+static double kt_of(const gn_touch_side *side) {
+    return 8.0 * side->hertz.shear_modulus * sqrt(side->radius);
 }
 
 gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
@@ -167,45 +168,46 @@ double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double sh
     return 0.4 * fabs(normal) * overlap + (shear2 > 0.0 && kt > 0.0 ? 0.5 * shear2 / kt : 0.0);
 }
 
-static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *t,
-                            const gn_hertz_press *p) {
-    const double inverse = gn_touch_damped(t);
+static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side,
+                            const gn_touch *touch, const gn_hertz_press *press) {
+    const double inverse = gn_touch_damped(touch);
     if (!(inverse > 0.0)) return 0.0;
     double c = side->hertz.damping / sqrt(inverse);
-    double lag = 0.25 * c * step->dt * inverse, path = t->speed * step->dt;
-    double coefficient = gn_hertz_dashpot(c, lag, p->stiffness);
-    if (gn_touch_crosses(t, path)) {
+    double lag = 0.25 * c * step->dt * inverse, path = touch->speed * step->dt;
+    double coefficient = gn_hertz_dashpot(c, lag, press->stiffness);
+    if (gn_touch_crosses(touch, path)) {
         double most = gn_hertz_dashpot(c, lag, kn_of(side) * sqrt(fabs(path)));
-        double over = t->gap / fabs(path);
+        double over = touch->gap / fabs(path);
         if (path < 0.0)
             coefficient = most * gn_hertz_closing(fmin(fmax(-over, 0.0), 1.0));
         else
             coefficient =
                 step->pulls ? most * gn_hertz_opening(fmin(fmax(1.0 - over, 0.0), 1.0)) : 0.0;
     }
-    double viscous = coefficient * t->speed;
-    return step->pulls ? viscous : fmin(viscous, -p->normal);
+    double viscous = coefficient * touch->speed;
+    return step->pulls ? viscous : fmin(viscous, -press->normal);
 }
 
-/* The tangential force of the last step and that of this one, in *shear; what it stores is added to
+/* Replaces the tangential force of the last step by that of this one, in *shear; adds its energy to
  * *elastic. */
-static double touch_shear(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
-                          const gn_hertz_press *p, double limit, double *shear, size_t stride,
-                          double t[3], double *elastic) {
-    bool twists = step->spins || s->twist != 0.0;
-    double angle = 0.5 * step->dt * s->twist, kt = kt_of(side), past = *s->closeness;
-    gn_v3 n = gn_v3_of(s->n), none = {0.0, 0.0, 0.0};
+static double touch_shear(const gn_touch_step *step, const gn_touch_side *side,
+                          const gn_touch *touch, const gn_hertz_press *press, double limit,
+                          double *shear, size_t stride, double t[3], double *elastic) {
+    bool twists = step->spins || touch->twist != 0.0;
+    double angle = 0.5 * step->dt * touch->twist, kt = kt_of(side), past = *touch->closeness;
+    gn_v3 n = gn_v3_of(touch->n), none = {0.0, 0.0, 0.0};
     gn_v3 before = {shear[0], shear[stride], shear[2 * stride]};
     if (twists) before = gn_turn_about_normal(before, n, angle);
-    gn_v3 way = gn_linear_shear(none, gn_v3_of(s->relative), 1.0, step->dt, n, angle, twists, 1);
-    gn_v3 now = gn_axpy(gn_hertz_rescaled(before, past, p->root, 1), kt * p->root, way, 1);
+    gn_v3 way =
+        gn_linear_shear(none, gn_v3_of(touch->relative), 1.0, step->dt, n, angle, twists, 1);
+    gn_v3 now = gn_axpy(gn_hertz_rescaled(before, past, press->root, 1), kt * press->root, way, 1);
     double size2 = gn_dot(now, now, 1);
     if (limit * limit < size2) now = gn_linear_slip(now, size2, limit, true, 1);
-    double closeness = p->root > 0.0 ? 1.0 / p->root : 0.0;
+    double closeness = press->root > 0.0 ? 1.0 / press->root : 0.0;
     t[0] = shear[0] = now.x;
     t[1] = shear[stride] = now.y;
     t[2] = shear[2 * stride] = now.z;
-    *s->closeness = closeness;
+    *touch->closeness = closeness;
     *elastic += 0.5 * gn_dot(now, now, 1) * closeness / kt;
     return gn_hertz_lost(before, now, way, past, closeness, kt, 1);
 }
@@ -230,7 +232,7 @@ double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, cons
             touch_shear(step, side, touch, &p, side->hertz.friction * fmax(-total, 0.0), shear,
                         stride, t, &elastic);
     sums->elastic_normal += elastic;
-    sums->pressed += overlap > touch->most;
+    sums->pressed += overlap > touch->checked_overlap;
     return total;
 }
 

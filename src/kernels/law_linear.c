@@ -1,9 +1,9 @@
-/* The linear brittle law (law_linear.h) for all but the kernels. Parameters from materials and
+/* The linear brittle law (law_linear.h) outside of the kernels. Parameters from materials and
  * radii: Rojek et al. 2012, sec. 2, models 1, 2, 3, 3a, 3b, 3c.
  *
- * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
- * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
- * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
+ * A contact is modelled as a bar between the centres. In 3D its section is (2r)^2 and its length
+ * 2r, so that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m,
+ * so that k_n = E_c x 1 m for any r, and R = 2 sigma_c r x 1 m. */
 #include "kernels/combine.h"
 #include "kernels/dashpot.h"
 #include "kernels/law_scalar.h"
@@ -23,9 +23,9 @@ typedef struct effective_radius {
     double strength1; /* R = 2 sigma_c times this (2D) */
 } effective_radius;
 
-static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
+static effective_radius radius_of(const gn_law_model *model, double ri, double rj) {
     double mean = 0.5 * (ri + rj), harmonic = 2.0 * ri * rj / (ri + rj), least = gn_smaller(ri, rj);
-    switch (m->scene->stiffness) {
+    switch (model->scene->stiffness) {
     case GN_STIFFNESS_ARITHMETIC:
         return (effective_radius){mean, mean * mean, mean};
     case GN_STIFFNESS_HARMONIC:
@@ -33,7 +33,8 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
     case GN_STIFFNESS_MEAN_RADIUS:
     case GN_STIFFNESS_MEAN_ARITHMETIC:
     case GN_STIFFNESS_MEAN_HARMONIC:
-        return (effective_radius){m->derived.radius, m->derived.radius2, sqrt(m->derived.radius2)};
+        return (effective_radius){model->derived.radius, model->derived.radius2,
+                                  sqrt(model->derived.radius2)};
     case GN_STIFFNESS_UNIFORM:
     case GN_STIFFNESS_DEMPACK:
     case GN_STIFFNESS_POLYHEDRON:
@@ -43,98 +44,108 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
     return (effective_radius){0, 0, 0};
 }
 
-static double section_of(const gn_law_model *m, effective_radius r) {
-    return m->scene->dimension == 3 ? 4.0 * r.strength2 : 2.0 * r.strength1;
+static double section_of(const gn_law_model *model, effective_radius r) {
+    return model->scene->dimension == 3 ? 4.0 * r.strength2 : 2.0 * r.strength1;
 }
 
-double gn_linear_section(const gn_law_model *m, const gn_law_pair *pair) {
+double gn_linear_section(const gn_law_model *model, const gn_law_pair *pair) {
     const double width = pair->ri + pair->rj;
     if (pair->area > 0.0) return pair->area;
-    if (gn_scene_by_area(m->scene))
-        return m->derived.gamma * gn_dempack_area((int)m->scene->dimension, pair->ri, pair->rj);
-    if (m->scene->stiffness != GN_STIFFNESS_UNIFORM)
-        return section_of(m, radius_of(m, pair->ri, pair->rj));
-    return m->scene->dimension == 3 ? width * width : width;
+    if (gn_scene_by_area(model->scene))
+        return model->derived.gamma *
+               gn_dempack_area((int)model->scene->dimension, pair->ri, pair->rj);
+    if (model->scene->stiffness != GN_STIFFNESS_UNIFORM)
+        return section_of(model, radius_of(model, pair->ri, pair->rj));
+    return model->scene->dimension == 3 ? width * width : width;
 }
 
-static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
-    const gn_material *a = q->a, *b = q->b;
-    if (m->scene->stiffness == GN_STIFFNESS_UNIFORM) {
-        p->kn = GN_OWN(q, normal_stiffness, gn_series(a->normal_stiffness, b->normal_stiffness));
-        p->rn =
-            GN_OWN(q, bond_tension_limit, gn_smaller(a->bond_tension_limit, b->bond_tension_limit));
-        p->rt = GN_OWN(q, bond_shear_limit, gn_smaller(a->bond_shear_limit, b->bond_shear_limit));
+static void set_kn_and_strength(const gn_law_model *model, const gn_law_pair *pair,
+                                parameters *values) {
+    const gn_material *a = pair->a, *b = pair->b;
+    if (model->scene->stiffness == GN_STIFFNESS_UNIFORM) {
+        values->kn =
+            GN_OWN(pair, normal_stiffness, gn_series(a->normal_stiffness, b->normal_stiffness));
+        values->rn = GN_OWN(pair, bond_tension_limit,
+                            gn_smaller(a->bond_tension_limit, b->bond_tension_limit));
+        values->rt =
+            GN_OWN(pair, bond_shear_limit, gn_smaller(a->bond_shear_limit, b->bond_shear_limit));
         return;
     }
-    effective_radius r = radius_of(m, q->ri, q->rj);
-    double modulus = GN_OWN(q, contact_modulus, gn_series(a->contact_modulus, b->contact_modulus));
-    bool space = m->scene->dimension == 3;
-    double section = section_of(m, r);
-    p->kn = space ? 2.0 * modulus * r.stiffness : modulus;
-    p->rn =
-        GN_OWN(q, tensile_strength, gn_smaller(a->tensile_strength, b->tensile_strength)) * section;
-    p->rt = GN_OWN(q, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * section;
+    effective_radius r = radius_of(model, pair->ri, pair->rj);
+    double modulus =
+        GN_OWN(pair, contact_modulus, gn_series(a->contact_modulus, b->contact_modulus));
+    bool space = model->scene->dimension == 3;
+    double section = section_of(model, r);
+    values->kn = space ? 2.0 * modulus * r.stiffness : modulus;
+    values->rn =
+        GN_OWN(pair, tensile_strength, gn_smaller(a->tensile_strength, b->tensile_strength)) *
+        section;
+    values->rt =
+        GN_OWN(pair, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * section;
 }
 
-/* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
-static double shear_of(const gn_law_pair *q, double kn) {
-    double ka = GN_OWN(q, kratio, q->a->kratio), kb = GN_OWN(q, kratio, q->b->kratio);
+/* Each material has its k_t/k_n; two different ones act in series as the normal springs do. */
+static double shear_of(const gn_law_pair *pair, double kn) {
+    double ka = GN_OWN(pair, kratio, pair->a->kratio), kb = GN_OWN(pair, kratio, pair->b->kratio);
     double ta = ka > 0.0 ? 1.0 / ka : 0.0, tb = kb > 0.0 ? 1.0 / kb : 0.0;
     return ta + tb > 0.0 ? kn * gn_series(ta, tb) : 0.0;
 }
 
-/* Of two materials with scatter of their own the smaller number counts: each from the same draw. */
-static void scatter(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
+/* If both materials have their own scatter, the smaller of the two numbers from the same draw is
+ * used. */
+static void scatter(const gn_law_model *model, const gn_law_pair *pair, parameters *values) {
     enum { STRENGTH = 1, STIFFNESS = 2 };
-    const uint64_t seed = m->scene->seed;
+    const uint64_t seed = model->scene->seed;
     double stiffness =
-        gn_smaller(gn_scatter_factor(&q->a->stiffness_scatter, seed, q->lot, STIFFNESS),
-                   gn_scatter_factor(&q->b->stiffness_scatter, seed, q->lot, STIFFNESS));
+        gn_smaller(gn_scatter_factor(&pair->a->stiffness_scatter, seed, pair->draw_id, STIFFNESS),
+                   gn_scatter_factor(&pair->b->stiffness_scatter, seed, pair->draw_id, STIFFNESS));
     double strength =
-        gn_smaller(gn_scatter_factor(&q->a->strength_scatter, seed, q->lot, STRENGTH),
-                   gn_scatter_factor(&q->b->strength_scatter, seed, q->lot, STRENGTH));
-    p->kn *= stiffness;
-    p->kt *= stiffness;
-    p->rn *= strength;
-    p->rt *= strength;
+        gn_smaller(gn_scatter_factor(&pair->a->strength_scatter, seed, pair->draw_id, STRENGTH),
+                   gn_scatter_factor(&pair->b->strength_scatter, seed, pair->draw_id, STRENGTH));
+    values->kn *= stiffness;
+    values->kt *= stiffness;
+    values->rn *= strength;
+    values->rt *= strength;
 }
 
-static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q, bool meeting) {
-    const gn_material *a = q->a, *b = q->b;
+static parameters parameters_of(const gn_law_model *model, const gn_law_pair *pair, bool meeting) {
+    const gn_material *a = pair->a, *b = pair->b;
     parameters p = {0};
-    if (gn_scene_by_area(m->scene)) {
-        gn_area_parameters by = meeting ? gn_area_meeting(m, q) : gn_area_parameters_of(m, q);
+    if (gn_scene_by_area(model->scene)) {
+        gn_area_parameters by =
+            meeting ? gn_area_meeting(model, pair) : gn_area_parameters_of(model, pair);
         p = (parameters){.kn = by.kn, .kt = by.kt, .rn = by.rn, .rt = by.rt};
     } else {
-        set_kn_and_strength(m, q, &p);
-        p.kt = shear_of(q, p.kn);
+        set_kn_and_strength(model, pair, &p);
+        p.kt = shear_of(pair, p.kn);
     }
-    p.mu = GN_OWN(q, friction, gn_smaller(a->friction, b->friction));
-    if (q->lot) scatter(m, q, &p);
-    if (m->damping_fraction > 0.0)
-        p.cn = gn_dashpot(p.kn, q->inverse_mass, m->damping_fraction, m->dt);
+    p.mu = GN_OWN(pair, friction, gn_smaller(a->friction, b->friction));
+    if (pair->draw_id) scatter(model, pair, &p);
+    if (model->damping_fraction > 0.0)
+        p.cn = gn_dashpot(p.kn, pair->inverse_mass, model->damping_fraction, model->dt);
     return p;
 }
 
-void gn_linear_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    parameters p = parameters_of(m, pair, false);
+void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                   size_t c) {
+    parameters p = parameters_of(model, pair, false);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
     if (list->mu) list->mu[c] = p.mu;
     if (list->cn) list->cn[c] = p.cn;
     if (list->rn) list->rn[c] = p.rn;
     if (list->rt) list->rt[c] = p.rt;
-    if (list->section) list->section[c] = gn_linear_section(m, pair);
+    if (list->section) list->section[c] = gn_linear_section(model, pair);
 }
 
-void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                            size_t c) {
     if (!list->cn) return;
-    list->cn[c] = parameters_of(m, pair, false).cn;
+    list->cn[c] = parameters_of(model, pair, false).cn;
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
-/* Every force is linear in these, and every limit of one. */
+/* Every force is linear in these parameters, and so is every limit of a force. */
 void gn_linear_weigh(gn_contacts *list, size_t c, double part) {
     double *columns[] = {list->kn, list->kt, list->cn, list->rn, list->rt};
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
@@ -172,10 +183,11 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
 /* --- springs --- */
 
 /* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
- * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
-gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
+ * (harmonic) or A/x^d + B, each of which decreases and then increases, or only decreases. */
+gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pair,
+                                double overlap) {
     (void)overlap;
-    parameters p = parameters_of(m, pair, true);
+    parameters p = parameters_of(model, pair, true);
     return (gn_law_spring){p.kn, p.mu > 0.0 ? p.kt : 0.0, p.cn};
 }
 
@@ -188,7 +200,7 @@ gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap
 
 /* --- what a contact holds --- */
 
-/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+/* Returns a value of a column that is single in mixed precision; 0 if it does not exist. */
 static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
@@ -206,7 +218,7 @@ gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, dou
     return h;
 }
 
-/* To kernels it is as if broken, and has no stiffness. */
+/* For kernels a released contact is broken and has no stiffness. */
 void gn_linear_release(gn_contacts *list, size_t c) {
     if (list->rn) list->rn[c] = -fabs(list->rn[c]);
     list->kn[c] = 0.0;
@@ -226,7 +238,7 @@ double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, dou
     return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 
-/* A contact that slides is at its limit, up to rounding (of single precision, in mixed). */
+/* A sliding contact is at its limit, up to rounding (of single precision, in mixed). */
 bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear) {
     return list->mu && shear > 0.0 && shear >= list->mu[c] * fmax(-normal, 0.0) * (1.0 - 1e-6);
 }
@@ -245,7 +257,7 @@ gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_m
                            2.0 * damping_fraction * sqrt(kn / inverse_mass)};
 }
 
-/* Across, contacts that share have all of the stiffness each. */
+/* Contacts that share their stiffness have the full tangential stiffness each. */
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2) {
     double kn = side->part * side->stiffness, kt = touch_kt(side);
     double stored = kn > 0.0 ? 0.5 * normal * normal / kn : 0.0;
@@ -253,13 +265,14 @@ double gn_linear_touch_stored(const gn_touch_side *side, double normal, double s
 }
 
 /* Coulomb friction with radial return; returns the dissipated energy. */
-static double touch_friction(const gn_touch_step *step, const gn_touch *s, double kt, double limit,
-                             double *shear, size_t stride, double t[3], double *elastic) {
-    bool space = step->space, twists = space && (step->spins || s->twist != 0.0);
-    double angle = 0.5 * step->dt * s->twist, lost = 0.0;
-    gn_v3 old = {shear[0], shear[stride], shear[2 * stride]}, n = gn_v3_of(s->n);
+static double touch_friction(const gn_touch_step *step, const gn_touch *touch, double kt,
+                             double limit, double *shear, size_t stride, double t[3],
+                             double *elastic) {
+    bool space = step->space, twists = space && (step->spins || touch->twist != 0.0);
+    double angle = 0.5 * step->dt * touch->twist, lost = 0.0;
+    gn_v3 old = {shear[0], shear[stride], shear[2 * stride]}, n = gn_v3_of(touch->n);
     gn_v3 trial =
-        gn_linear_shear(old, gn_v3_of(s->relative), kt, step->dt, n, angle, twists, space);
+        gn_linear_shear(old, gn_v3_of(touch->relative), kt, step->dt, n, angle, twists, space);
     gn_v3 now = trial;
     double size2 = gn_dot(trial, trial, 1);
     if (limit * limit < size2) {
@@ -273,51 +286,55 @@ static double touch_friction(const gn_touch_step *step, const gn_touch *s, doubl
     return lost;
 }
 
-/* The smaller root in size of b x^2 - a x + c = 0, b >= 0, within +-most; where there is none, what
- * leaves the least over. */
+/* Returns the root of b x^2 - a x + c = 0, b >= 0, with the smaller absolute value, within +-most;
+ * if there is none, the minimum of the residual. */
 static double smaller_root(double a, double b, double c, double most) {
     double square = a * a - 4.0 * b * c;
     double root = square > 0.0 ? 2.0 * c / (a + copysign(sqrt(square), a)) : 0.5 * a / b;
     return fmax(-most, fmin(most, root));
 }
 
-/* Closed by the path p > 0 to the overlap u: the force f with which the trapezoidal works of this
- * step and of the next, of path q, are the energy of the spring after both, u + q pressed: f (p +
- * q) = k u (u + q), where q = p - other dt^2 - f dt^2/m. (gn_linear_cross is that to first order,
- * with nothing else acting.) Where the contact opens again in the next step the same holds, with a
- * force that may pull a little, for the sum with what is taken back then. */
-static double closing_force(double kn, const gn_touch *t, double p, double dt) {
-    double u = -t->gap, free = p - t->other * dt * dt, give = dt * dt * t->inverse_mass;
+/* Returns the force of a contact that closed by the path p > 0 to the overlap u: the force f with
+ * which the trapezoidal works of this step and of the next, of path q, are the energy of the spring
+ * after both, at the overlap u + q: f (p + q) = k u (u + q), where q = p - other dt^2 - f dt^2/m.
+ * (gn_linear_cross is its first order without other forces.) If the contact opens again in the next
+ * step, the same holds for the sum with the correction then, with a force that may be slightly
+ * tensile. */
+static double closing_force(double kn, const gn_touch *touch, double p, double dt) {
+    double u = -touch->gap, free = p - touch->other_acceleration * dt * dt,
+           give = dt * dt * touch->inverse_mass;
     double full = kn * u;
     return smaller_root(p + free + full * give, give, full * (u + free), full);
 }
 
-/* Opened by the path p > 0 to the gap s p, with u = (1 - s) p pressed before: f (p + q) = k u (p -
- * u) takes back what the full force of the last instant did beyond the opening. */
-static double opening_force(double kn, const gn_touch *t, double p, double dt) {
-    double u = p - t->gap, free = p + t->other * dt * dt, give = dt * dt * t->inverse_mass;
-    return smaller_root(p + free, give, kn * u * t->gap, kn * u);
+/* Returns the correction of a contact that opened by the path p > 0 to the gap s p, with the
+ * overlap u = (1 - s) p before: f (p + q) = k u (p - u) subtracts the work of the full force of the
+ * last instant beyond the opening. */
+static double opening_force(double kn, const gn_touch *touch, double p, double dt) {
+    double u = p - touch->gap, free = p + touch->other_acceleration * dt * dt,
+           give = dt * dt * touch->inverse_mass;
+    return smaller_root(p + free, give, kn * u * touch->gap, kn * u);
 }
 
-/* Up to this (w dt)^2 the works of a crossing close exactly: three steps to a contact, which
- * automatic steps give (src/timestep/collisions.c). A longer step that is given has the full force
- * wherever there is an overlap: shares of steps that do not resolve the contact made platens
+/* Largest (w dt)^2 at which the works of a crossing are closed exactly: three steps per contact,
+ * which automatic steps provide (src/timestep/collisions.c). With a longer prescribed step the full
+ * force acts at any overlap: fractions of steps that do not resolve the contact made platens
  * chatter. */
 static const double crossing_resolved = 1.0;
 
-/* What acts along the normal but for the dashpot, whose share of the step is given back too. A
- * plane's or facet's normal does not turn within a step: the path is all along it. To the next one
- * the dashpot is as good as anything else that acts. */
-static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *t, double path,
+/* Computes the normal force without the dashpot, whose factor is also returned. The normal of a
+ * plane or facet does not rotate within a step: the path is entirely along it. For the next step
+ * the dashpot counts among the other forces. */
+static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *touch, double path,
                                        double dt) {
-    bool touching = t->gap < -t->rounding;
-    bool resolved = dt * dt * kn * t->inverse_mass <= crossing_resolved;
-    if (!resolved || !gn_touch_crosses(t, path))
-        return touching ? (gn_linear_crossing){kn * t->gap, 1.0, t->gap}
+    bool touching = touch->gap < -touch->rounding;
+    bool resolved = dt * dt * kn * touch->inverse_mass <= crossing_resolved;
+    if (!resolved || !gn_touch_crosses(touch, path))
+        return touching ? (gn_linear_crossing){kn * touch->gap, 1.0, touch->gap}
                         : (gn_linear_crossing){0.0, 0.0, 0.0};
-    double s = t->gap / path, share = touching ? 0.5 + s : 0.5 - s;
-    gn_touch now = *t;
-    now.other -= share * cn * t->speed * t->inverse_mass;
+    double s = touch->gap / path, share = touching ? 0.5 + s : 0.5 - s;
+    gn_touch now = *touch;
+    now.other_acceleration -= share * cn * touch->speed * touch->inverse_mass;
     if (touching) return (gn_linear_crossing){-closing_force(kn, &now, -path, dt), share, path};
     return (gn_linear_crossing){opening_force(kn, &now, path, dt), share, -path};
 }

@@ -10,29 +10,32 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Elastic tangential force before any limit; *turned: the old one, across the new normal. */
-GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
-                            gn_v3 *turned, gn_v angle, gn_v kt, variant w) {
-    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->middle, w.space);
+/* Returns the elastic tangential force before any limit; *turned: the old one, rotated across the
+ * new normal. */
+GN_INLINE gn_v3 shear_trial(const gn_contact_args *args, const pair_geometry *geometry,
+                            const pair_motion *motion_of, gn_v3 *turned, gn_v angle, gn_v kt,
+                            variant with) {
+    gn_v3 t = gn_turn_with_normal(*turned, geometry->n, motion_of->middle, with.space);
     *turned = t;
-    return gn_linear_shear(t, s->relative, kt, a->dt, p->n, angle, w.space && w.rotation, w.space);
+    return gn_linear_shear(t, motion_of->relative, kt, args->dt, geometry->n, angle,
+                           with.space && with.rotation, with.space);
 }
 
-/* Pressure that the friction of a bond sees: its own normal force, or that of the mean stress
- * around it. Tension counts only where it takes from the strength. */
-GN_INLINE gn_v pressed_of(const gn_contact_args *a, size_t c, gn_v normal) {
-    const gn_contacts *k = a->contacts;
+/* Returns the compression that friction of a bond uses: its own normal force, or that of the mean
+ * stress around it. Tension counts only if it reduces the strength. */
+GN_INLINE gn_v pressed_of(const gn_contact_args *args, size_t c, gn_v normal) {
+    const gn_contacts *k = args->contacts;
     gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
     gn_v pressed = gn_set(0.0) - normal;
     if (k->soa.effects & GN_FX_CONFINED) pressed = gn_load(COLUMN(k, confined) + c);
     return gn_max(pressed, least);
 }
 
-/* Rare: writes down which bonds broke and why. */
-static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
-                                                    unsigned tension, unsigned shear,
+/* Rare: records which bonds broke and why. */
+static __attribute__((noinline)) void record_breaks(const gn_contact_args *args, size_t c,
+                                                    size_t end, unsigned tension, unsigned shear,
                                                     gn_contact_sums *sums) {
-    const gn_contacts *k = a->contacts;
+    const gn_contacts *k = args->contacts;
     for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
         unsigned bit = 1u << lane;
         if (!((tension | shear) & bit)) continue;
@@ -40,7 +43,7 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
 #if GN_MIXED
         k->rn_f[c + lane] = -k->rn_f[c + lane];
 #endif
-        k->broken_time[c + lane] = a->time;
+        k->broken_time[c + lane] = args->time;
         k->cause[c + lane] = tension & bit ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
         if (k->happened) k->happened[c + lane] |= GN_HAPPENED_BREAK;
         if (k->released) k->released[c + lane] = 0.0;
@@ -49,10 +52,11 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
     }
 }
 
-/* Rare: what each of the lanes that break releases, for the list of events; parts add up. */
-static __attribute__((noinline)) void note_released(const gn_contact_args *a, size_t c,
+/* Rare: records the energy released by each breaking lane, for the list of events; contributions
+ * are added. */
+static __attribute__((noinline)) void note_released(const gn_contact_args *args, size_t c,
                                                     unsigned lanes, gn_v energy) {
-    double *released = a->contacts->released;
+    double *released = args->contacts->released;
     gn_real part[GN_W];
     if (!released) return;
     gn_store(part, energy);
@@ -62,90 +66,98 @@ static __attribute__((noinline)) void note_released(const gn_contact_args *a, si
 
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
-    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: its acting part */
     gn_v beyond;                           /* the stretch and the rounding of positions */
     gn_v way;                              /* normal times this is twice the energy of the spring */
-    gn_v share;                            /* of the dashpot's force */
-    gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
+    gn_v share;                            /* factor of the dashpot's force */
+    gn_v3 before, trial, t; /* tangential: of the last step, rotated; unlimited; acting */
     gn_m touching, intact, breaking, slipping;
 } contact_state;
 
-/* Coulomb limit for whatever is not an intact bond; open contacts lose their force. Sizes are
- * compared by their squares, so that only a vector with a slipping contact pays for the root and
- * the division. */
-GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, contact_state *q,
-                           variant w) {
-    const gn_contacts *k = a->contacts;
+/* Applies the Coulomb limit to all but intact bonds; open contacts lose their force. Magnitudes are
+ * compared by their squares, so that only a vector with a slipping contact needs the root and the
+ * division. */
+GN_INLINE void limit_shear(const gn_contact_args *args, size_t c, gn_v total, contact_state *state,
+                           variant with) {
+    const gn_contacts *k = args->contacts;
     gn_v limit = gn_set(0.0);
-    if (w.friction)
-        limit = gn_keep(q->touching, gn_load(COLUMN(k, mu) + gn_column_at(c, a->uniform.mu)) *
+    if (with.friction)
+        limit =
+            gn_keep(state->touching, gn_load(COLUMN(k, mu) + gn_column_at(c, args->uniform.mu)) *
                                          gn_max(gn_set(0.0) - total, gn_set(0.0)));
-    gn_v size2 = gn_dot(q->trial, q->trial, w.space);
-    q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
-    q->t = q->trial;
-    if (gn_bits(q->slipping)) q->t = gn_linear_slip(q->trial, size2, limit, q->slipping, w.space);
+    gn_v size2 = gn_dot(state->trial, state->trial, with.space);
+    state->slipping = gn_and(gn_not(state->intact), gn_less(limit * limit, size2));
+    state->t = state->trial;
+    if (gn_bits(state->slipping))
+        state->t = gn_linear_slip(state->trial, size2, limit, state->slipping, with.space);
 }
 
-/* Whether all of a vector are bonds that hold, which is the rule. */
-GN_INLINE bool all_hold(const gn_contact_args *a, size_t c, const contact_state *q, variant w) {
-    const gn_contacts *k = a->contacts;
+/* Tells whether all of a vector are intact bonds, which is the common case. */
+GN_INLINE bool all_hold(const gn_contact_args *args, size_t c, const contact_state *state,
+                        variant with) {
+    const gn_contacts *k = args->contacts;
     gn_v rn = gn_load(COLUMN(k, rn) + c);
-    gn_m hold = gn_and(gn_less(gn_set(0.0), rn), gn_less(q->elastic, rn));
-    if (w.shear) {
+    gn_m hold = gn_and(gn_less(gn_set(0.0), rn), gn_less(state->elastic, rn));
+    if (with.shear) {
         gn_v rt = gn_load(COLUMN(k, rt) + c);
-        hold = gn_and(hold, gn_less(gn_dot(q->trial, q->trial, w.space), rt * rt));
+        hold = gn_and(hold, gn_less(gn_dot(state->trial, state->trial, with.space), rt * rt));
     }
     return gn_bits(gn_not(hold)) == 0;
 }
 
-/* Which intact bonds reach their strength in this step; tension counts first. */
-GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
-                           gn_contact_sums *sums, variant w) {
-    const gn_contacts *k = a->contacts;
+/* Finds the intact bonds that reach their strength in this step; tension takes precedence. */
+GN_INLINE void break_bonds(const gn_contact_args *args, size_t c, size_t end, contact_state *state,
+                           gn_contact_sums *sums, variant with) {
+    const gn_contacts *k = args->contacts;
     gn_v rn = gn_load(COLUMN(k, rn) + c);
-    q->intact = gn_less(gn_set(0.0), rn);
-    gn_m in_tension = gn_and(q->intact, gn_at_least(q->elastic, rn)), in_shear = gn_m_none();
-    if (w.shear) {
+    state->intact = gn_less(gn_set(0.0), rn);
+    gn_m in_tension = gn_and(state->intact, gn_at_least(state->elastic, rn)),
+         in_shear = gn_m_none();
+    if (with.shear) {
         gn_v rt = gn_load(COLUMN(k, rt) + c);
-        gn_m strong = gn_at_least(gn_dot(q->trial, q->trial, w.space), rt * rt);
-        in_shear = gn_and(gn_and(q->intact, gn_not(in_tension)), strong);
+        gn_m strong = gn_at_least(gn_dot(state->trial, state->trial, with.space), rt * rt);
+        in_shear = gn_and(gn_and(state->intact, gn_not(in_tension)), strong);
     }
-    q->breaking = gn_or(in_tension, in_shear);
-    q->intact = gn_and(q->intact, gn_not(q->breaking));
-    if (__builtin_expect(gn_bits(q->breaking) != 0, 0))
-        record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
+    state->breaking = gn_or(in_tension, in_shear);
+    state->intact = gn_and(state->intact, gn_not(state->breaking));
+    if (__builtin_expect(gn_bits(state->breaking) != 0, 0))
+        record_breaks(args, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
 }
 
-/* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
-                            const contact_state *q, lane_sums *e, variant w) {
+/* Rare: books the energy that slipping and breaking contacts release. */
+GN_INLINE void book_release(const gn_contact_args *args, size_t c, const stage *vector, gn_v path,
+                            const contact_state *state, lane_sums *sums, variant with) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
-    if (w.shear) {
-        gn_v3 before = q->before;
-        if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
-        shear_part = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    if (with.shear) {
+        gn_v3 before = state->before;
+        if (with.space && with.rotation)
+            before = gn_turn_about_normal(before, vector->geometry.n, vector->angle);
+        shear_part = gn_released3(before, state->t, state->trial,
+                                  gn_max(state->kt, gn_set(GN_TINY)), with.space);
     }
-    if (w.bonds) {
-        gn_v old = q->kn * (q->stretch - path);
-        normal_part = gn_released(old, q->normal, q->elastic, q->kn);
+    if (with.bonds) {
+        gn_v old = state->kn * (state->stretch - path);
+        normal_part = gn_released(old, state->normal, state->elastic, state->kn);
     }
     gn_v both = shear_part + normal_part;
-    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
-    if (w.bonds && gn_bits(q->breaking)) note_released(a, c, gn_bits(q->breaking), both);
-    e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
+    sums->bond_breaking = sums->bond_breaking + gn_keep(state->breaking, both);
+    if (with.bonds && gn_bits(state->breaking))
+        note_released(args, c, gn_bits(state->breaking), both);
+    sums->friction =
+        sums->friction + gn_keep(gn_and(state->slipping, gn_not(state->breaking)), shear_part);
 }
 
-/* In measured steps: energy stored in the springs. */
-GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
+/* In measured steps: books the energy stored in the springs. */
+GN_INLINE void book_elastic(const contact_state *state, lane_sums *sums, variant with) {
     gn_v half = gn_set(0.5);
-    e->elastic_normal = e->elastic_normal + half * q->normal * q->way;
-    if (w.shear)
-        e->elastic_shear =
-            e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
+    sums->elastic_normal = sums->elastic_normal + half * state->normal * state->way;
+    if (with.shear)
+        sums->elastic_shear = sums->elastic_shear + half * gn_dot(state->t, state->t, with.space) /
+                                                        gn_max(state->kt, gn_set(GN_TINY));
 }
 
-/* What the rare branch reads and gives, apart from the state of the vector: an address of that
- * would keep all of it out of registers. */
+/* Input and output of the rare branch, apart from the state of the vector: taking its address would
+ * keep all of it out of registers. */
 typedef struct crossing_state {
     gn_v kn, cn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
@@ -155,24 +167,25 @@ typedef struct crossing {
     gn_v elastic;
 } crossing;
 
-/* How two ends give way to each other along the normal where some components of some particles are
- * prescribed, and by what else their gap opens. */
+/* The mobility of two ends along the normal if some components of some particles are prescribed,
+ * and the other accelerations of their gap. */
 typedef struct end_sums {
     gn_v inverse_mass, acceleration;
 } end_sums;
 
-/* Whether any end of a vector is; only if all slots are negative so are all their common bits. */
-GN_INLINE bool any_held(const gn_contact_args *a, size_t c) {
-    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
+/* Tells whether any end of a vector has prescribed components; the AND of all slots is negative
+ * only if all are. */
+GN_INLINE bool any_held(const gn_contact_args *args, size_t c) {
+    const int32_t *i = args->contacts->i + c, *j = args->contacts->j + c;
     int32_t common = -1;
-    for (int lane = 0; a->slot && lane < GN_W; lane++)
-        common &= a->slot[i[lane]] & a->slot[j[lane]];
+    for (int lane = 0; args->slot && lane < GN_W; lane++)
+        common &= args->slot[i[lane]] & args->slot[j[lane]];
     return common >= 0;
 }
 
-static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v mi, gn_v mj) {
+static end_sums ends_of(const gn_contact_args *args, size_t c, gn_v3 normal, gn_v mi, gn_v mj) {
     gn_real n[3][GN_W], mass[2][GN_W], inverse[GN_W], acceleration[GN_W];
-    if (!a->own && !any_held(a, c)) return (end_sums){mi + mj, gn_set(0.0)};
+    if (!args->own && !any_held(args, c)) return (end_sums){mi + mj, gn_set(0.0)};
     gn_store(n[0], normal.x);
     gn_store(n[1], normal.y);
     gn_store(n[2], normal.z);
@@ -181,15 +194,15 @@ static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v m
     for (size_t lane = 0; lane < GN_W; lane++) {
         inverse[lane] = acceleration[lane] = 0;
         for (int end = 0; end < 2; end++) {
-            const int32_t p = (end ? a->contacts->j : a->contacts->i)[c + lane];
-            const int32_t slot = a->slot ? a->slot[p] : -1;
-            const unsigned held = slot < 0 ? 0u : a->held[slot];
-            const gn_real falls = a->own ? (gn_real)a->own[p] : 1;
+            const int32_t p = (end ? args->contacts->j : args->contacts->i)[c + lane];
+            const int32_t slot = args->slot ? args->slot[p] : -1;
+            const unsigned held = slot < 0 ? 0u : args->held[slot];
+            const gn_real falls = args->own ? (gn_real)args->own[p] : 1;
             gn_real share = 0, weight = 0;
             for (int k = 0; k < 3; k++) {
                 if (held >> k & 1) continue;
                 share += n[k][lane] * n[k][lane];
-                weight += falls * (gn_real)a->gravity[k] * n[k][lane];
+                weight += falls * (gn_real)args->gravity[k] * n[k][lane];
             }
             inverse[lane] += (held & 7) ? share * mass[end][lane] : mass[end][lane];
             acceleration[lane] += end ? weight : -weight;
@@ -198,201 +211,212 @@ static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v m
     return (end_sums){gn_load(inverse), gn_load(acceleration)};
 }
 
-/* In single precision the travel of the two particles and their velocities are rounded one by one,
- * whatever they have in common, and the path of a step is off by that: a contact that began at 0
- * would count as begun, or as open again, by chance. `speeds`: sum of both. In double it is within
- * GN_OVERLAP_ROUNDING. */
-GN_INLINE gn_v with_path_rounding(const gn_contact_args *a, gn_v of, gn_v speeds) {
-    return gn_pick(GN_MIXED, gn_fma(gn_set(0x1p-20 * a->dt), speeds, of), of);
+/* Adds the rounding of the path. In single precision the displacements of the two particles and
+ * their velocities are rounded separately, however much they have in common, and the path of a step
+ * has that error: otherwise a contact that began at 0 would count as begun, or as open again, by
+ * chance. `speeds`: sum of both. In double it is within GN_OVERLAP_ROUNDING. */
+GN_INLINE gn_v with_path_rounding(const gn_contact_args *args, gn_v of, gn_v speeds) {
+    return gn_pick(GN_MIXED, gn_fma(gn_set(0x1p-20 * args->dt), speeds, of), of);
 }
 
-/* More than that of any contact. */
-GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *a, gn_v of) {
-    double speeds = a->speed_most > 0.0 ? 4.0 * a->speed_most : (double)INFINITY;
-    double most = a->dt > 0.0 ? 0x1p-20 * a->dt * speeds : 0.0; /* nothing moved before the start */
+/* Adds an upper bound of the rounding of any contact's path. */
+GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *args, gn_v of) {
+    double speeds = args->speed_most > 0.0 ? 4.0 * args->speed_most : (double)INFINITY;
+    double most =
+        args->dt > 0.0 ? 0x1p-20 * args->dt * speeds : 0.0; /* nothing moved before the start */
     return gn_pick(GN_MIXED, gn_set(most) + of, of);
 }
 
-/* A contact that closed or opened within the step, or did not after all. */
-static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
-                                                const crossing_state *q) {
+/* Handles a contact that closed or opened within the step, or possibly did not. */
+static __attribute__((noinline)) crossing cross(const gn_contact_args *args, size_t c,
+                                                const stage *vector, const crossing_state *state) {
     gn_v vi[4], vj[4];
-    gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
-    gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
+    gn_rows4(COLUMN(args, vel), args->contacts->i + c, vi);
+    gn_rows4(COLUMN(args, vel), args->contacts->j + c, vj);
     gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], vj[2] - vi[2]};
-    gn_v side2 = gn_set(a->dt * a->dt) * across2_of(v, g->speed, 1);
-    end_sums ends = ends_of(a, c, g->geometry.n, vi[3], vj[3]);
-    gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * ends.inverse_mass;
-    /* Up to rounding the stretch that was found a step ago. */
-    gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
+    gn_v side2 = gn_set(args->dt * args->dt) * across2_of(v, vector->speed, 1);
+    end_sums ends = ends_of(args, c, vector->geometry.n, vi[3], vj[3]);
+    gn_v quarter_y2 = gn_set(0.25 * args->dt * args->dt) * state->kn * ends.inverse_mass;
+    /* Up to rounding, this is the stretch of the previous step. */
+    gn_v along = gn_set(args->dt) * vector->speed, left = vector->geometry.distance - along;
     gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
-    gn_v path = along - side2 / past, before = q->stretch - path;
+    gn_v path = along - side2 / past, before = state->stretch - path;
     gn_v3 of_i = {vi[0], vi[1], vi[2]}, of_j = {vj[0], vj[1], vj[2]};
     gn_v speeds = gn_sqrt(gn_dot(of_i, of_i, 1)) + gn_sqrt(gn_dot(of_j, of_j, 1));
-    gn_m touched = gn_less(with_path_rounding(a, q->beyond, speeds), path);
-    gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
-    gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
-    /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
-     * rounding: then it may as well never have been there. */
-    gn_m never = gn_less(before, q->beyond - q->stretch);
-    closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
-    gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
+    gn_m touched = gn_less(with_path_rounding(args, state->beyond, speeds), path);
+    gn_m opening = gn_and(gn_and(state->loose, touched), gn_not(state->touching));
+    gn_m closing = gn_and(gn_and(state->loose, state->touching), gn_not(touched));
+    /* A bond that breaks in this step was a two-sided spring until now, unless it was stretched
+     * only within that rounding, and then it may be ignored. */
+    gn_m never = gn_less(before, state->beyond - state->stretch);
+    closing = gn_and(closing, gn_or(gn_not(state->breaking), never));
+    gn_m acting = gn_not(gn_and(state->loose, gn_not(state->touching)));
     crossing r;
     gn_m moves = gn_not(gn_and(gn_at_least(path, gn_set(0.0)), gn_at_least(gn_set(0.0), path)));
-    gn_v bias = gn_keep(moves, gn_set(a->dt * a->dt) * ends.acceleration / path);
-    gn_v drag = gn_set(a->dt) * q->cn * ends.inverse_mass;
-    r.of =
-        gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, drag, closing, opening, acting);
-    /* Nothing is left to release. */
-    r.elastic = gn_where(opening, r.of.normal, q->elastic);
+    gn_v bias = gn_keep(moves, gn_set(args->dt * args->dt) * ends.acceleration / path);
+    gn_v drag = gn_set(args->dt) * state->cn * ends.inverse_mass;
+    r.of = gn_linear_cross(state->kn, state->stretch, path, quarter_y2, bias, drag, closing,
+                           opening, acting);
+    /* No energy remains to be released. */
+    r.elastic = gn_where(opening, r.of.normal, state->elastic);
     return r;
 }
 
-/* Rare: the path of those that are not bonded (any more); of an intact bond the first term is all
- * that anything asks for. In the plane the third component is 0. */
-static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
-                                                 gn_m intact) {
-    const variant space = {.space = 1, .periodic = 1}; /* without a box that moves the same */
-    gn_v3 v = opening_velocity(a, c, &g->geometry, space);
-    return gn_set(a->dt) * gn_where(intact, g->speed, growth_of(v, g->speed, g->rate, 1));
+/* Rare: returns the path of unbonded contacts (or broken bonds); an intact bond only needs the
+ * first term. In 2D the third component is 0. */
+static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *args, size_t c,
+                                                 const stage *vector, gn_m intact) {
+    const variant space = {.space = 1, .periodic = 1}; /* correct also without a moving box */
+    gn_v3 v = opening_velocity(args, c, &vector->geometry, space);
+    return gn_set(args->dt) *
+           gn_where(intact, vector->speed, growth_of(v, vector->speed, vector->rate, 1));
 }
 
-/* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
- * and the most that any particle moves across a normal. Most contacts are far from either. */
-GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact_state *q) {
-    gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
+/* Finds contacts that may have closed or opened within the step, possibly too many: by the normal
+ * speed alone and an upper bound of motion across a normal. Most contacts are far from either. */
+GN_INLINE gn_m may_cross(const gn_contact_args *args, const stage *vector,
+                         const contact_state *state) {
+    gn_v along = gn_set(args->dt) * vector->speed, before = state->beyond - along;
     gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
-                           gn_set(0x1p-47) * g->geometry.distance);
-    rounding = with_most_path_rounding(a, rounding);
-    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
-    gn_v across = gn_fma(gn_set(2.02 * a->dt * fastest * fastest), g->rate, rounding);
+                           gn_set(0x1p-47) * vector->geometry.distance);
+    rounding = with_most_path_rounding(args, rounding);
+    double fastest = args->speed_most > 0.0 ? 2.0 * args->speed_most : (double)INFINITY;
+    gn_v across = gn_fma(gn_set(2.02 * args->dt * fastest * fastest), vector->rate, rounding);
     gn_m surely = gn_less(before, gn_set(0.0) - across), apart = gn_at_least(before, rounding);
-    return gn_not(gn_or(gn_and(q->touching, surely), gn_and(gn_not(q->touching), apart)));
+    return gn_not(gn_or(gn_and(state->touching, surely), gn_and(gn_not(state->touching), apart)));
 }
 
-/* What acts along the normal but for the dashpot, of a contact whose path is known to much less
- * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
- * Every lane by itself: what shares a vector with it must not count. */
-GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
-                             gn_m loose, contact_state *q, variant w) {
-    gn_v before = q->beyond - path;
-    gn_v slack = with_most_path_rounding(a, gn_set(a->dt) * g->speed - path);
+/* Computes the normal force without the dashpot if the error of the path is far below `slack`, the
+ * effect of the motion across the normal: contacts closer to a transition are examined exactly.
+ * Lanes are independent: the others of a vector must not have an effect. */
+GN_INLINE void cross_if_near(const gn_contact_args *args, size_t c, const stage *vector, gn_v path,
+                             gn_m loose, contact_state *contact, variant with) {
+    gn_v before = contact->beyond - path;
+    gn_v slack = with_most_path_rounding(args, gn_set(args->dt) * vector->speed - path);
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
-    gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
+    gn_m crosses = gn_or(gn_and(contact->touching, gn_not(surely)),
+                         gn_and(perhaps, gn_not(contact->touching)));
     crosses = gn_and(loose, crosses);
     if (__builtin_expect(gn_bits(crosses) == 0, 1)) return;
     gn_v cn = gn_set(0.0);
-    if (w.damping) cn = gn_load(COLUMN(a->contacts, cn) + gn_column_at(c, a->uniform.cn));
-    crossing_state state = {.kn = q->kn,
+    if (with.damping) cn = gn_load(COLUMN(args->contacts, cn) + gn_column_at(c, args->uniform.cn));
+    crossing_state state = {.kn = contact->kn,
                             .cn = cn,
-                            .stretch = q->stretch,
-                            .beyond = q->beyond,
-                            .elastic = q->elastic,
-                            .touching = q->touching,
+                            .stretch = contact->stretch,
+                            .beyond = contact->beyond,
+                            .elastic = contact->elastic,
+                            .touching = contact->touching,
                             .loose = loose,
-                            .breaking = q->breaking};
-    crossing r = cross(a, c, g, &state);
-    q->normal = gn_where(crosses, r.of.normal, q->normal);
-    q->share = gn_where(crosses, r.of.share, q->share);
-    q->way = gn_where(crosses, r.of.way, q->way);
-    q->elastic = gn_where(crosses, r.elastic, q->elastic);
+                            .breaking = contact->breaking};
+    crossing r = cross(args, c, vector, &state);
+    contact->normal = gn_where(crosses, r.of.normal, contact->normal);
+    contact->share = gn_where(crosses, r.of.share, contact->share);
+    contact->way = gn_where(crosses, r.of.way, contact->way);
+    contact->elastic = gn_where(crosses, r.elastic, contact->elastic);
 }
 
-/* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
- * step, as far as anything asks for it. */
-GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
-                                 contact_state *q, variant w) {
-    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact), asked = loose;
-    q->normal = gn_keep(acting, q->elastic);
-    q->share = gn_keep(acting, gn_set(1.0));
-    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed);
-    if (!growth_known(w)) {
-        asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
+/* Computes the normal force without the dashpot if not all are intact bonds; and the path of the
+ * step as far as it is needed. */
+GN_INLINE gn_v find_normal_force(const gn_contact_args *args, size_t c, const stage *vector,
+                                 contact_state *state, variant with) {
+    gn_m loose = gn_not(state->intact), acting = gn_or(state->touching, state->intact),
+         asked = loose;
+    state->normal = gn_keep(acting, state->elastic);
+    state->share = gn_keep(acting, gn_set(1.0));
+    gn_v path = gn_set(args->dt) * gn_pick(growth_known(with), vector->growth, vector->speed);
+    if (!growth_known(with)) {
+        asked = gn_or(gn_and(loose, may_cross(args, vector, state)), state->breaking);
         if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
-        path = gn_where(asked, loose_path(a, c, g, q->intact), path);
+        path = gn_where(asked, loose_path(args, c, vector, state->intact), path);
     }
-    cross_if_near(a, c, g, path, asked, q, w);
+    cross_if_near(args, c, vector, path, asked, state, with);
     return path;
 }
 
-/* `speed`: of a bond the mean of the step, so that a damped cluster that turns as a whole
- * dissipates nothing. In a collision the speed along the last normal: with part of the centrifugal
- * acceleration it is nearer to the end of the step, at which the force acts, and keeps restitution
- * beside fast sideways motion. */
-GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
-                      const contact_state *q, lane_sums *e, variant w) {
-    const gn_contacts *k = a->contacts;
-    gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed;
-    if (w.energy) {
+/* Adds the dashpot. `speed` is, for a bond, the mean of the step, so that a damped cluster in rigid
+ * rotation dissipates nothing. In a collision it is the speed along the last normal: with part of
+ * the centrifugal acceleration it is closer to the end of the step, at which the force acts, and
+ * preserves restitution in fast tangential motion. */
+GN_INLINE gn_v damped(const gn_contact_args *args, size_t c, gn_v speed, gn_v path,
+                      const contact_state *state, lane_sums *sums, variant with) {
+    const gn_contacts *k = args->contacts;
+    gn_v viscous =
+        state->share * gn_load(COLUMN(k, cn) + gn_column_at(c, args->uniform.cn)) * speed;
+    if (with.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->contact_damping = e->contact_damping + half * path;
+        sums->contact_damping = sums->contact_damping + half * path;
         gn_store(COLUMN(k, fd) + c, viscous);
     }
-    return q->normal + viscous;
+    return state->normal + viscous;
 }
 
-GN_INLINE void linear_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
-                            variant w) {
-    const gn_contacts *list = a->contacts;
-    if (!w.shear) return;
-    gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
-    g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
-    g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
+GN_INLINE void linear_trial(const gn_contact_args *args, size_t c, const brief *from, stage *vector,
+                            variant with) {
+    const gn_contacts *list = args->contacts;
+    if (!with.shear) return;
+    gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, args->uniform.kt));
+    vector->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, with.space);
+    vector->trial = shear_trial(args, &vector->geometry, &from->motion, &vector->before,
+                                vector->angle, kt, with);
 }
 
-/* A contact as its spring alone would have it; what a law does to bonds goes between this and
+/* Computes the state of a contact with its spring alone; a law modifies bonds between this and
  * act_of. */
-GN_INLINE contact_state state_of(const gn_contact_args *a, size_t c, const stage *g, variant w) {
-    const gn_contacts *list = a->contacts;
-    const gn_v stretch = g->geometry.stretch;
+GN_INLINE contact_state state_of(const gn_contact_args *args, size_t c, const stage *vector,
+                                 variant with) {
+    const gn_contacts *list = args->contacts;
+    const gn_v stretch = vector->geometry.stretch;
     contact_state q = {.stretch = stretch, .way = stretch, .share = gn_set(1.0)};
-    q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
+    q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, args->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
     q.normal = q.elastic = q.kn * stretch;
-    if (w.shear) {
-        q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
-        q.before = g->before;
-        q.t = q.trial = g->trial;
+    if (with.shear) {
+        q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, args->uniform.kt));
+        q.before = vector->before;
+        q.t = q.trial = vector->trial;
     }
     return q;
 }
 
-/* What acts, once it is known which bonds hold: dashpot, contacts that open or close, friction, and
- * what is lost and stored. */
-GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
-                               lane_sums *e, variant w) {
-    const gn_contacts *list = a->contacts;
-    const pair_geometry *p = &g->geometry;
-    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q->normal;
-    if (w.bonds && __builtin_expect(gn_bits(gn_not(q->intact)) == 0, 1)) {
-        /* Bonds that hold have nothing to limit. */
-        if (w.damping) total = damped(a, c, g->growth, path, q, e, w);
+/* Completes the force once it is known which bonds hold: dashpot, contacts that open or close,
+ * friction, and lost and stored energies. */
+GN_INLINE contact_force act_of(const gn_contact_args *args, size_t c, const stage *vector,
+                               contact_state *state, lane_sums *sums, variant with) {
+    const gn_contacts *list = args->contacts;
+    const pair_geometry *p = &vector->geometry;
+    gn_v path = gn_set(args->dt) * gn_pick(growth_known(with), vector->growth, vector->speed),
+         total = state->normal;
+    if (with.bonds && __builtin_expect(gn_bits(gn_not(state->intact)) == 0, 1)) {
+        /* Intact bonds have no such limits. */
+        if (with.damping) total = damped(args, c, vector->growth, path, state, sums, with);
     } else {
-        q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, q->stretch);
-        q->touching = gn_less(q->beyond, gn_set(0.0));
-        path = find_normal_force(a, c, g, q, w);
-        total = q->normal;
-        if (w.damping) {
-            gn_v speed = gn_pick(w.bonds, gn_where(q->intact, g->growth, g->speed), g->speed);
-            total = damped(a, c, speed, path, q, e, w);
+        state->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, state->stretch);
+        state->touching = gn_less(state->beyond, gn_set(0.0));
+        path = find_normal_force(args, c, vector, state, with);
+        total = state->normal;
+        if (with.damping) {
+            gn_v speed = gn_pick(with.bonds, gn_where(state->intact, vector->growth, vector->speed),
+                                 vector->speed);
+            total = damped(args, c, speed, path, state, sums, with);
         }
-        if (w.shear) limit_shear(a, c, total, q, w);
-        if (gn_bits(gn_or(q->slipping, q->breaking)) && w.energy)
-            book_release(a, c, g, path, q, e, w);
+        if (with.shear) limit_shear(args, c, total, state, with);
+        if (gn_bits(gn_or(state->slipping, state->breaking)) && with.energy)
+            book_release(args, c, vector, path, state, sums, with);
     }
-    if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q->t, w.space);
-    if (a->measure && w.energy) book_elastic(q, e, w);
-    return (contact_force){total, q->t};
+    if (with.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, state->t, with.space);
+    if (args->measure && with.energy) book_elastic(state, sums, with);
+    return (contact_force){total, state->t};
 }
 
-GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                                     lane_sums *e, gn_contact_sums *sums, variant w) {
-    contact_state q = state_of(a, c, g, w);
-    if (w.bonds && __builtin_expect(all_hold(a, c, &q, w), 1))
+GN_INLINE contact_force linear_force(const gn_contact_args *args, size_t c, size_t end,
+                                     const stage *vector, lane_sums *lanes, gn_contact_sums *sums,
+                                     variant with) {
+    contact_state q = state_of(args, c, vector, with);
+    if (with.bonds && __builtin_expect(all_hold(args, c, &q, with), 1))
         q.intact = gn_not(gn_m_none());
-    else if (w.bonds)
-        break_bonds(a, c, end, &q, sums, w);
-    return act_of(a, c, g, &q, e, w);
+    else if (with.bonds)
+        break_bonds(args, c, end, &q, sums, with);
+    return act_of(args, c, vector, &q, lanes, with);
 }
 
 #endif

@@ -1,11 +1,11 @@
-/* Bonds with Mohr-Coulomb strength (law_mohr.h) for all but the kernels. All else is the linear
- * law's. */
+/* Bonds with Mohr-Coulomb strength (law_mohr.h) outside of the kernels. Everything else is the
+ * linear law. */
 #include "kernels/combine.h"
 
 #include <math.h>
 
-static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_linear_set(m, pair, list, c);
+static void set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    gn_linear_set(model, pair, list, c);
     list->mu1[c] = gn_bond_friction(pair);
 }
 
@@ -17,8 +17,8 @@ double gn_mohr_strength(const gn_contacts *list, size_t c, double normal) {
     return fmax(0.0, list->rt[c] + list->mu1[c] * pressed);
 }
 
-/* With tension and shear coupled by squares the root of their sum; of a bond without strength in
- * shear left infinite. */
+/* With quadratic coupling of tension and shear, returns the root of their sum; for a bond without
+ * shear strength it stays infinite. */
 double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double bent,
                          double shear) {
     const gn_effects fx = list->soa.effects;

@@ -1,5 +1,5 @@
-/* Rolling and twisting resistance (law_rolling.h) beside the linear law and that of Hertz, for all
- * but the kernels. Of two materials the smaller coefficient, as with friction. */
+/* Rolling and twisting resistance (law_rolling.h) with the linear law and that of Hertz, outside of
+ * the kernels. For two materials the smaller coefficient is used, as for friction. */
 #include "base/vec3.h"
 #include "kernels/combine.h"
 #include "kernels/law_scalar.h"
@@ -8,31 +8,33 @@
 
 /* --- parameters --- */
 
-static void add_roll(const gn_law_pair *q, gn_contacts *list, size_t c) {
-    double radius = q->ri * q->rj / (q->ri + q->rj);
-    double rolling =
-        GN_OWN(q, rolling_friction, gn_smaller(q->a->rolling_friction, q->b->rolling_friction));
-    double twisting =
-        GN_OWN(q, twisting_friction, gn_smaller(q->a->twisting_friction, q->b->twisting_friction));
+static void add_roll(const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    double radius = pair->ri * pair->rj / (pair->ri + pair->rj);
+    double rolling = GN_OWN(pair, rolling_friction,
+                            gn_smaller(pair->a->rolling_friction, pair->b->rolling_friction));
+    double twisting = GN_OWN(pair, twisting_friction,
+                             gn_smaller(pair->a->twisting_friction, pair->b->twisting_friction));
     list->reduced[c] = radius;
     list->rolling[c] = rolling * radius;
     list->twisting[c] = twisting * radius;
 }
 
-static void set_linear(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+static void set_linear(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                        size_t c) {
-    gn_linear_set(m, pair, list, c);
+    gn_linear_set(model, pair, list, c);
     add_roll(pair, list, c);
 }
 
-static void set_hertz(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_hertz_set(m, pair, list, c);
+static void set_hertz(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                      size_t c) {
+    gn_hertz_set(model, pair, list, c);
     add_roll(pair, list, c);
 }
 
 /* --- what a contact holds --- */
 
-/* Of moments with the stiffness kr, that of a contact pressed most for the limit of the step. */
+/* Returns moments with the stiffness kr, that of a contact at its largest overlap for the limit of
+ * the step. */
 static gn_law_moments moments_of(const gn_contacts *list, size_t c, double kr, double most) {
     gn_law_moments m = {.bend = most, .twist = most};
     double size2 = 0.0;
@@ -67,43 +69,44 @@ typedef struct grip {
     double kt, root, past, now;
 } grip;
 
-/* What is left of a moment of which `way` more was turned, at most `limit`. */
-static gn_v3 turn_on(gn_v3 before, gn_v3 way, double kr, double limit, const grip *g,
+/* Returns a moment after a further rotation `way`, with the magnitude limited to `limit`. */
+static gn_v3 turn_on(gn_v3 before, gn_v3 way, double kr, double limit, const grip *hold,
                      gn_contact_sums *sums) {
-    gn_v3 m = gn_axpy(gn_hertz_rescaled(before, g->past, g->root, 1), kr * g->root, way, 1);
+    gn_v3 m =
+        gn_axpy(gn_hertz_rescaled(before, hold->past, hold->root, 1), kr * hold->root, way, 1);
     double size2 = gn_dot(m, m, 1);
     if (limit * limit < size2) m = gn_linear_slip(m, size2, limit, true, 1);
-    sums->rolling += gn_hertz_lost(before, m, way, g->past, g->now, kr, 1);
-    if (kr > 0.0) sums->elastic_normal += 0.5 * gn_dot(m, m, 1) * g->now / kr;
+    sums->rolling += gn_hertz_lost(before, m, way, hold->past, hold->now, kr, 1);
+    if (kr > 0.0) sums->elastic_normal += 0.5 * gn_dot(m, m, 1) * hold->now / kr;
     return m;
 }
 
-static void touch_roll(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
-                       double pressed, const grip *g, gn_contact_sums *sums) {
-    double kr = g->kt * side->radius * side->radius, *roll = s->roll;
-    size_t stride = s->roll_stride;
-    gn_v3 n = gn_v3_of(s->n), old = {roll[0], roll[stride], roll[2 * stride]};
-    gn_v3 spin = gn_v3_of(s->spin), bend = spin, twist = {0.0, 0.0, 0.0};
+static void touch_roll(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                       double pressed, const grip *hold, gn_contact_sums *sums) {
+    double kr = hold->kt * side->radius * side->radius, *roll = touch->roll;
+    size_t stride = touch->roll_stride;
+    gn_v3 n = gn_v3_of(touch->n), old = {roll[0], roll[stride], roll[2 * stride]};
+    gn_v3 spin = gn_v3_of(touch->spin), bend = spin, twist = {0.0, 0.0, 0.0};
     gn_v3 bent = old, twisted = twist;
     if (step->space) {
         twist = gn_scale(gn_dot(spin, n, 1), n, 1);
         bend = gn_sub(spin, twist, 1);
         twisted = gn_scale(gn_dot(old, n, 1), n, 1);
-        bent = gn_turn_about_normal(gn_sub(old, twisted, 1), n, 0.5 * step->dt * s->twist);
+        bent = gn_turn_about_normal(gn_sub(old, twisted, 1), n, 0.5 * step->dt * touch->twist);
     }
-    bent = turn_on(bent, gn_scale(step->dt, bend, 1), kr, side->rolling * side->radius * pressed, g,
-                   sums);
+    bent = turn_on(bent, gn_scale(step->dt, bend, 1), kr, side->rolling * side->radius * pressed,
+                   hold, sums);
     if (step->space)
         twisted = turn_on(twisted, gn_scale(step->dt, twist, 1), kr,
-                          side->twisting * side->radius * pressed, g, sums);
+                          side->twisting * side->radius * pressed, hold, sums);
     gn_v3 m = gn_add(bent, twisted, 1);
-    s->couple[0] = roll[0] = m.x;
-    s->couple[1] = roll[stride] = m.y;
-    s->couple[2] = roll[2 * stride] = m.z;
+    touch->couple[0] = roll[0] = m.x;
+    touch->couple[1] = roll[stride] = m.y;
+    touch->couple[2] = roll[2 * stride] = m.z;
 }
 
-static double pressing(const gn_touch *s, double total) {
-    return s->gap < -s->rounding ? fmax(-total, 0.0) : 0.0;
+static double pressing(const gn_touch *touch, double total) {
+    return touch->gap < -touch->rounding ? fmax(-total, 0.0) : 0.0;
 }
 
 static double touch_linear(const gn_touch_step *step, const gn_touch_side *side,

@@ -1,4 +1,5 @@
-/* The contact law's functions for one contact at a time, in double: what walls and surfaces run. */
+/* The functions of contact laws for one contact at a time, in double, used by walls and
+ * surfaces. */
 #ifndef GN_KERNELS_LAW_SCALAR_H
 #define GN_KERNELS_LAW_SCALAR_H
 

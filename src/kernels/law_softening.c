@@ -1,20 +1,21 @@
-/* Bonds that soften and yield (law_softening.h) for all but the kernels. Areas are those that
- * strengths follow from (gn_linear_section). Of two materials the weaker strength, the smaller
- * energy, strain and ratio, and the lower line of pressure count. */
+/* Bonds that soften and yield (law_softening.h) outside of the kernels. Areas are those from which
+ * strengths follow (gn_linear_section). For two materials the weaker strength, the smaller energy,
+ * strain and ratio, and the lower compression curve are used. */
 #include "kernels/combine.h"
 #include "kernels/softening.h"
 #include "soa/bond_causes.h"
 
 #include <math.h>
 
-/* m, where nothing is left of a strength R over the stiffness k. */
-static double end_of(const gn_law_model *m, double area, double strength, double limit,
+/* Returns the stretch at which a strength R over the stiffness k has softened to zero, m. */
+static double end_of(const gn_law_model *model, double area, double strength, double limit,
                      double energy, double strained, double ratio) {
-    switch (m->scene->softening) {
+    switch (model->scene->softening) {
     case GN_SOFTENING_NONE:
         return 0.0;
     case GN_SOFTENING_ENERGY:
-        return 2.0 * energy / (m->derived.cut > 0.0 ? m->derived.cut : 1.0) * area / strength;
+        return 2.0 * energy / (model->derived.cut > 0.0 ? model->derived.cut : 1.0) * area /
+               strength;
     case GN_SOFTENING_STRAIN:
         return strained;
     case GN_SOFTENING_RATIO:
@@ -23,39 +24,41 @@ static double end_of(const gn_law_model *m, double area, double strength, double
     return 0.0;
 }
 
-/* Where shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
- * crack open and slip at once, and with this much those of a notched beam dissipate their fracture
- * energy (docs/physics.md). */
+/* If shear_fracture_energy is auto it is this many times fracture_energy: the bonds of a rough
+ * crack open and slip at once, and with this factor those of a notched beam dissipate their
+ * fracture energy (docs/physics.md). */
 #define SHEAR_SHARE 2.0
-/* But it is not less than the elastic energy at the strength and this part of what is dissipated
- * beyond that in tension, so that a bond which softens in tension softens in shear. */
+/* The automatic shear energy is at least the elastic energy at the strength and this fraction of
+ * the dissipation beyond that in tension, so that a bond which softens in tension softens in
+ * shear. */
 #define LEAST_SHARE 0.5
 
 typedef struct ends {
-    double first;         /* share of the energies under the first line */
-    double end, pulled;   /* m, of opening: where a single line ends, the elastic limit */
+    double first;         /* fraction of the energies under the first line */
+    double end, pulled;   /* m, of opening: the end of a single line, the elastic limit */
     double pull, shear;   /* N, strengths */
     double sheared, area; /* m, the elastic limit in shear; m2 */
 } ends;
 
-/* m, of slip, where a single line ends. */
-static double slip_of(const gn_law_model *m, const gn_material *a, const ends *e) {
-    const bool by_energy = m->scene->softening == GN_SOFTENING_ENERGY;
+/* Returns the slip at which a single line ends, m. */
+static double slip_of(const gn_law_model *model, const gn_material *a, const ends *limits) {
+    const bool by_energy = model->scene->softening == GN_SOFTENING_ENERGY;
     if (by_energy && a->shear_fracture_energy == GN_SHEAR_ENERGY_AUTO) {
-        const double beyond = e->first * e->end - e->pulled, weight = e->pull / e->shear;
+        const double beyond = limits->first * limits->end - limits->pulled,
+                     weight = limits->pull / limits->shear;
         if (!(beyond > 0.0)) return 0.0;
-        return fmax(SHEAR_SHARE * weight * e->end,
-                    (e->sheared + LEAST_SHARE * weight * beyond) / e->first);
+        return fmax(SHEAR_SHARE * weight * limits->end,
+                    (limits->sheared + LEAST_SHARE * weight * beyond) / limits->first);
     }
-    return end_of(m, e->area, e->shear, e->sheared, a->shear_fracture_energy,
-                  a->shear_fracture_strain * sqrt(e->area), a->fracture_ratio);
+    return end_of(model, limits->area, limits->shear, limits->sheared, a->shear_fracture_energy,
+                  a->shear_fracture_strain * sqrt(limits->area), a->fracture_ratio);
 }
 
-/* The second line, from the share `kink` of the strengths. The first one, down to an opening that
- * holds a part of the fracture energy, is there already; `all` and `all_slip`, m, are where a
- * single line would end that holds all of it. From the kink at the opening w_k (of which the
- * stretch is more by what is elastic) the second one goes to w_c = (all - w_k)/kink, which makes
- * the area under both that under the single one. */
+/* Sets the second line, from the fraction `kink` of the strengths. The first one, down to an
+ * opening that dissipates a fraction of the fracture energy, is already set; `all` and `all_slip`,
+ * m, are the ends of a single line that dissipates all of it. From the kink at the opening w_k (the
+ * stretch is larger by the elastic part) the second one continues to w_c = (all - w_k)/kink, so
+ * that the area under both is that under the single one. */
 static void bend(double kink, double all, double all_slip, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double *fade = list->fade + c;
@@ -71,24 +74,24 @@ static void bend(double kink, double all, double all_slip, gn_contacts *list, si
     if (slip > 0.0) fade[GN_FADE_SLIP_SECOND * stride] = ((all_slip - slip) / kink - slip) / kink;
 }
 
-static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, gn_contacts *list,
-                     size_t c) {
-    const gn_material *a = q->a, *b = q->b;
+static void set_fade(const gn_law_model *model, const gn_law_pair *pair, double area,
+                     gn_contacts *list, size_t c) {
+    const gn_material *a = pair->a, *b = pair->b;
     const size_t stride = list->soa.capacity;
     double rn = list->rn[c], rt = list->rt[c], pulled = rn / list->kn[c],
            sheared = rt / list->kt[c];
     double ratio = fmin(a->fracture_ratio, b->fracture_ratio);
-    double end = end_of(m, area, rn, pulled,
-                        GN_OWN(q, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
+    double end = end_of(model, area, rn, pulled,
+                        GN_OWN(pair, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
                         fmin(a->fracture_strain, b->fracture_strain) * list->length0[c], ratio);
-    const bool bilinear = m->scene->softening_curve == GN_SOFTENING_BILINEAR;
+    const bool bilinear = model->scene->softening_curve == GN_SOFTENING_BILINEAR;
     const ends known = {
-        bilinear ? m->scene->initial_energy : 1.0, end, pulled, rn, rt, sheared, area};
-    double slip = fmin(slip_of(m, a, &known), slip_of(m, b, &known));
-    const double own = GN_OWN(q, shear_fracture_energy, GN_COMBINED);
-    if (own != GN_COMBINED) slip = end_of(m, area, rt, sheared, own, 0.0, ratio);
+        bilinear ? model->scene->initial_energy : 1.0, end, pulled, rn, rt, sheared, area};
+    double slip = fmin(slip_of(model, a, &known), slip_of(model, b, &known));
+    const double own = GN_OWN(pair, shear_fracture_energy, GN_COMBINED);
+    if (own != GN_COMBINED) slip = end_of(model, area, rt, sheared, own, 0.0, ratio);
     const double all = end, all_slip = slip;
-    if (bilinear) end *= m->scene->initial_energy, slip *= m->scene->initial_energy;
+    if (bilinear) end *= model->scene->initial_energy, slip *= model->scene->initial_energy;
     bool softens = end > pulled;
     list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
     list->fade[c + GN_FADE_END * stride] = softens ? end : 0.0;
@@ -96,48 +99,48 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
     list->fade[c + GN_FADE_SLIP * stride] = slip > sheared ? slip : 0.0;
     list->fade[c + GN_FADE_FRICTION * stride] = list->mu1[c];
     for (size_t k = GN_FADE_KINK; k < GN_FADES; k++) list->fade[c + k * stride] = 0.0;
-    if (bilinear) bend(m->scene->kink_stress, all, all_slip, list, c);
+    if (bilinear) bend(model->scene->kink_stress, all, all_slip, list, c);
 }
 
 static const double never = 1e30; /* N, also in single precision */
 
-/* The line of pressure as what it lacks of an elastic one: beyond the elastic force at each kink,
- * the part 1/Y_before - 1/Y of it. */
-static void set_crush(const gn_material *m, double area, gn_contacts *list, size_t c) {
+/* Expresses the compression curve as a deviation from the elastic one: beyond the elastic force at
+ * each kink, the fraction 1/Y_before - 1/Y of it. */
+static void set_crush(const gn_material *material, double area, gn_contacts *list, size_t c) {
     const size_t stride = list->soa.capacity;
     double elastic = 0.0, stress = 0.0, ratio = 1.0;
     for (size_t n = 0; n < GN_KINKS; n++) {
-        bool bends = m->yield_stress[n] > 0.0;
-        elastic = bends ? elastic + (m->yield_stress[n] - stress) * ratio : 0.0;
+        bool bends = material->yield_stress[n] > 0.0;
+        elastic = bends ? elastic + (material->yield_stress[n] - stress) * ratio : 0.0;
         list->crush[c + n * stride] = bends ? elastic * area : never;
         list->crush[c + (n + GN_KINKS) * stride] =
-            bends ? 1.0 / ratio - 1.0 / m->yield_ratio[n] : 0.0;
+            bends ? 1.0 / ratio - 1.0 / material->yield_ratio[n] : 0.0;
         if (!bends) continue;
-        stress = m->yield_stress[n];
-        ratio = m->yield_ratio[n];
+        stress = material->yield_stress[n];
+        ratio = material->yield_ratio[n];
     }
     double first = list->crush[c];
     if (list->yields) list->yields[c] = first;
     if (list->yields_f) list->yields_f[c] = (float)first;
 }
 
-/* The material that yields first; one that does not is the stronger one. */
+/* Returns the material that yields first; one that does not yield is the stronger one. */
 static const gn_material *weaker(const gn_material *a, const gn_material *b) {
     if (!(a->yield_stress[0] > 0.0)) return b;
     return b->yield_stress[0] > 0.0 && b->yield_stress[0] < a->yield_stress[0] ? b : a;
 }
 
-static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
-    gn_linear_set(m, q, list, c);
-    list->mu1[c] = gn_bond_friction(q);
+static void set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    gn_linear_set(model, pair, list, c);
+    list->mu1[c] = gn_bond_friction(pair);
     list->soft[c] = 1.0;
     list->kappa[c] = 0.0;
-    double area = gn_linear_section(m, q);
-    set_fade(m, q, area, list, c);
-    if (list->crush) set_crush(weaker(q->a, q->b), area, list, c);
+    double area = gn_linear_section(model, pair);
+    set_fade(model, pair, area, list, c);
+    if (list->crush) set_crush(weaker(pair->a, pair->b), area, list, c);
 }
 
-/* Stretches stay what they are, forces of kinks and limits are parts. */
+/* Stretches stay unchanged, forces of kinks and limits are scaled. */
 static void weigh(gn_contacts *list, size_t c, double part) {
     const size_t stride = list->soa.capacity;
     gn_linear_weigh(list, c, part);
@@ -163,7 +166,8 @@ static gn_law_held held(const gn_contacts *list, size_t c, double length, double
     return h;
 }
 
-/* Of the stretch over that at which softening ends, and of force over strength as it is. */
+/* Returns the ratio of the stretch to that at which softening ends, and of the force to the present
+ * strength. */
 static double criterion(const gn_contacts *list, size_t c, double normal, double bent,
                         double shear) {
     (void)bent; /* these bonds have no moments */

@@ -1,77 +1,77 @@
 /* Bonds that soften in tension and shear and yield under pressure (Santasusana 2013, sec. 4.7, eq.
- * 4.36-4.45), beside the Mohr-Coulomb strength of law_mohr.h.
+ * 4.36-4.45), with the Mohr-Coulomb strength of law_mohr.h.
  *
  * Normal force, u the stretch beyond the permanent one u_p, k = k_n:
- *     pulled   (1 - d) k u, at most the line R_n (u_f - u)/(u_f - u_l), u_l = R_n/k. Where it is
- *              met, d = 1 - f/(k u) = u_f (u - u_l)/(u (u_f - u_l)): linear softening, eq. 4.43.
+ *     tension  (1 - d) k u, at most the line R_n (u_f - u)/(u_f - u_l), u_l = R_n/k. On the line
+ *              d = 1 - f/(k u) = u_f (u - u_l)/(u (u_f - u_l)): linear softening, eq. 4.43.
  *              (Eq. 4.39, d = (u - u_l)/(u_f - u_l), is a parabola that rises above R_n.) Unloading
- *              goes down the secant; d never falls; u_f ends the bond.
- *     pressed  k u, at most a line of up to four pieces over the whole pressed path, of the
- *              stiffnesses k, k/Y_1, k/Y_2, k/Y_3 with kinks at the forces F_i. What is beyond goes
- *              into u_p; unloading and loading again are with k.
+ *              follows the secant; d never decreases; the bond breaks at u_f.
+ *     compression  k u, at most a line of up to four pieces over the whole path, with the
+ *              stiffnesses k, k/Y_1, k/Y_2, k/Y_3 and kinks at the forces F_i. Stretch beyond it
+ *              is added to u_p; unloading and reloading have the stiffness k.
  * Shear: trial |F_t| beyond the surface
  *     S = (1 - D) C + ((1 - kappa) mu_1 + kappa mu_2) N, D = max(d, kappa), N = <-f_n>
  * slips by ds and returns along its direction onto S - H ds with kappa += ds/u_s, so that it
- * softens linearly to the friction of the broken bond without a jump; kappa = 1 ends the bond.
- * Where the slope H of S is not below k_t it breaks at once.
+ * softens linearly to the friction of the broken bond without a jump; the bond breaks at
+ * kappa = 1. If the slope H of S is not below k_t, it breaks at once.
  *
- * Coupled by squares one damage kappa takes both strengths: R_n and C by 1 - kappa, and the pulled
- * stiffness by 1 - d = (1 - kappa)/(1 + (n - 1) kappa), n = u_f/u_l, which pulled alone is the line
- * above. Where (f_n/R_n)^2 + (|F_t|/C)^2 >= 1 under tension, kappa grows by what takes the forces
- * back onto that ellipse, with openings u_f and slips u_s per kappa along its normal: shares
- * a = f_n/R_n and b = |F_t|/C of the strength that is left, du_i = a u_f dkappa, ds = b u_s dkappa.
- * With a fixed ratio of the two that dissipates a^2 G_n + b^2 G_t.
+ * With quadratic coupling one damage kappa reduces both strengths, R_n and C by 1 - kappa, and the
+ * tensile stiffness by 1 - d = (1 - kappa)/(1 + (n - 1) kappa), n = u_f/u_l, which in pure tension
+ * is the line above. If (f_n/R_n)^2 + (|F_t|/C)^2 >= 1 in tension, kappa grows so that the forces
+ * return to that ellipse, with openings u_f and slips u_s per kappa along its normal: with the
+ * ratios a = f_n/R_n and b = |F_t|/C to the remaining strengths, du_i = a u_f dkappa, ds = b u_s
+ * dkappa. At a fixed ratio of the two that dissipates a^2 G_n + b^2 G_t.
  *
- * All in closed form from the state at the start of the step, kinks within a step included. Losses
- * are the trapezoidal work of the step less what is stored in the end, as everywhere, so that the
- * ledger closes; where a kink lies within a step that differs from the path's own energy by the
- * square of the step.
+ * Everything has a closed form from the state at the start of the step, kinks within a step
+ * included. Losses are the trapezoidal work of the step minus the change of stored energy, so that
+ * the ledger closes; if a kink lies within a step, they differ from the energy of the path by
+ * the square of the step.
  *
- * Columns besides those of the Mohr-Coulomb law: soft = 1 - d, kappa, plastic = u_p, yields (the
- * pressure at which u_p grows), parameters fade and crush (below). rn, rt and mu1 are those of the
- * bond as it is: R_n on the line, (1 - D) C, and the friction in S. Whatever changes them is rare
- * and done in double precision, lane by lane; in mixed precision both forms are written. kappa
- * grows by small increments and is double in either; d follows from the stretch anew each time. */
+ * Columns in addition to those of the Mohr-Coulomb law: soft = 1 - d, kappa, plastic = u_p, yields
+ * (the compressive force at which u_p grows), parameters fade and crush (below). rn, rt and mu1 are
+ * those of the damaged bond: R_n on the line, (1 - D) C, and the friction in S. Their changes are
+ * rare and computed in double precision, lane by lane; in mixed precision both forms are written.
+ * kappa grows by small increments and is double in either; d is recomputed from the stretch. */
 #ifndef GN_KERNELS_LAW_SOFTENING_H
 #define GN_KERNELS_LAW_SOFTENING_H
 
 #include "kernels/law_linear.h"
 #include "kernels/softening.h"
 
-/* What the rare branch reads and gives, lane by lane. */
+/* Input and output of the rare branch, lane by lane. */
 typedef struct soft_lanes {
     gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
-    gn_real was[GN_W],
-        before[3][GN_W];       /* at the start of the step, where both are damaged as one */
-    unsigned tension, sheared; /* lanes that break */
+    gn_real was[GN_W], before[3][GN_W]; /* at the start of the step, if both share one damage */
+    unsigned tension, sheared;          /* lanes that break */
 } soft_lanes;
 
-static inline void write_softened(const gn_contacts *k, size_t c, const gn_softening_bond *b) {
-    k->soft[c] = b->soft;
-    k->rn[c] = b->rn;
-    k->rt[c] = b->rt;
-    k->mu1[c] = b->mu1;
-    k->kappa[c] = b->kappa;
+static inline void write_softened(const gn_contacts *list, size_t c,
+                                  const gn_softening_bond *bond) {
+    list->soft[c] = bond->soft;
+    list->rn[c] = bond->rn;
+    list->rt[c] = bond->rt;
+    list->mu1[c] = bond->mu1;
+    list->kappa[c] = bond->kappa;
 #if GN_MIXED
-    k->soft_f[c] = (float)b->soft;
-    k->rn_f[c] = (float)b->rn;
-    k->rt_f[c] = (float)b->rt;
-    k->mu1_f[c] = (float)b->mu1;
+    list->soft_f[c] = (float)bond->soft;
+    list->rn_f[c] = (float)bond->rn;
+    list->rt_f[c] = (float)bond->rt;
+    list->mu1_f[c] = (float)bond->mu1;
 #endif
 }
 
-/* For the list of events. */
-static inline void note_beginning(const gn_contacts *k, size_t c, gn_happening what,
+/* Records an event. */
+static inline void note_beginning(const gn_contacts *list, size_t c, gn_happening what,
                                   gn_contact_sums *sums) {
-    if (!k->happened || k->cause[c] != GN_INTACT) return;
-    k->happened[c] |= (uint8_t)what;
+    if (!list->happened || list->cause[c] != GN_INTACT) return;
+    list->happened[c] |= (uint8_t)what;
     sums->began++;
 }
 
 /* Rare: bonds at their strength or beyond it. */
-static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c, size_t end,
+static __attribute__((noinline)) void soften(const gn_contact_args *args, size_t c, size_t end,
                                              unsigned lanes, soft_lanes *q, gn_contact_sums *sums) {
-    const gn_contacts *k = a->contacts;
+    const gn_contacts *k = args->contacts;
     q->tension = q->sheared = 0;
     for (size_t lane = 0; lane < GN_W; lane++) {
         q->broken[lane] = 0;
@@ -98,11 +98,12 @@ static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c,
     }
 }
 
-/* Rare: permanent stretch of those that yield, from the whole stretch, so that nothing adds up. */
-static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_t c, gn_v kn,
+/* Rare: computes the permanent stretch of yielding bonds from the total stretch, so that errors do
+ * not accumulate. */
+static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *args, size_t c, gn_v kn,
                                                  gn_v stretch, gn_v now, gn_m yielding,
                                                  gn_contact_sums *sums) {
-    const gn_contacts *k = a->contacts;
+    const gn_contacts *k = args->contacts;
     const size_t stride = k->soa.capacity;
     gn_v path = gn_set(0.0) - kn * stretch, force = path;
     for (size_t n = 0; n < 3; n++) {
@@ -119,218 +120,229 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_
     return plastic;
 }
 
-/* What becomes of a vector besides its contact_state. */
+/* The state of a vector in addition to its contact_state. */
 typedef struct soft_state {
     gn_v soft, shift; /* at the start of the step */
-    gn_v line;        /* pressure at which it would yield then, where it may */
+    gn_v line;        /* force at which it would then yield in compression, if it can */
     gn_v3 slipped;    /* tangential force of bonds that softened */
     gn_v stored;      /* twice the normal energy, where `crossing` */
     gn_m bonds;       /* intact at the start of the step */
     gn_m yielding, softening, crossing;
 } soft_state;
 
-/* Permanent stretch and what yields of it in this step. */
-GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
-                     soft_state *s, gn_contact_sums *sums) {
-    const gn_contacts *k = a->contacts;
-    s->shift = s->line = gn_set(0.0);
-    s->yielding = gn_m_none();
+/* Computes the permanent stretch and its change in this step. */
+GN_INLINE void press(const gn_contact_args *args, size_t c, const stage *vector,
+                     contact_state *state, soft_state *soft, gn_contact_sums *sums) {
+    const gn_contacts *k = args->contacts;
+    soft->shift = soft->line = gn_set(0.0);
+    soft->yielding = gn_m_none();
     if (!(k->soa.effects & GN_FX_YIELD)) return;
-    gn_v now = s->shift = gn_load(COLUMN(k, plastic) + c);
-    q->elastic = q->kn * (g->geometry.stretch - now);
-    s->line = gn_load(COLUMN(k, yields) + c);
-    s->yielding = gn_less(q->elastic + s->line, gn_set(0.0));
-    if (__builtin_expect(gn_bits(s->yielding) != 0, 0))
-        now = yield_more(a, c, q->kn, g->geometry.stretch, now, s->yielding, sums);
-    q->way = q->stretch = g->geometry.stretch - now;
-    q->normal = q->elastic = q->kn * q->stretch;
+    gn_v now = soft->shift = gn_load(COLUMN(k, plastic) + c);
+    state->elastic = state->kn * (vector->geometry.stretch - now);
+    soft->line = gn_load(COLUMN(k, yields) + c);
+    soft->yielding = gn_less(state->elastic + soft->line, gn_set(0.0));
+    if (__builtin_expect(gn_bits(soft->yielding) != 0, 0))
+        now = yield_more(args, c, state->kn, vector->geometry.stretch, now, soft->yielding, sums);
+    state->way = state->stretch = vector->geometry.stretch - now;
+    state->normal = state->elastic = state->kn * state->stretch;
 }
 
-/* Rare: by how much the distance grew in the step. */
-static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *a, size_t c, const stage *g,
-                                                 variant w) {
-    if (growth_known(w)) return gn_set(a->dt) * g->growth;
-    return loose_path(a, c, g, gn_m_none());
+/* Rare: returns the growth of the distance in the step. */
+static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *args, size_t c,
+                                                 const stage *vector, variant with) {
+    if (growth_known(with)) return gn_set(args->dt) * vector->growth;
+    return loose_path(args, c, vector, gn_m_none());
 }
 
-/* The tangential force at the start of the step, as it lies after the turn of both ends. */
-GN_INLINE gn_v3 sheared_before(const stage *g, const contact_state *q, variant w) {
-    bool turns = w.space && w.rotation;
-    return turns ? gn_turn_about_normal(q->before, g->geometry.n, g->angle) : q->before;
+/* Returns the tangential force at the start of the step, after the rotation of both ends. */
+GN_INLINE gn_v3 sheared_before(const stage *vector, const contact_state *state, variant with) {
+    bool turns = with.space && with.rotation;
+    return turns ? gn_turn_about_normal(state->before, vector->geometry.n, vector->angle)
+                 : state->before;
 }
 
-/* Damage, and which bonds break. */
-GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                      contact_state *q, soft_state *s, gn_contact_sums *sums, variant w) {
-    const gn_contacts *k = a->contacts;
+/* Computes damage, and which bonds break. */
+GN_INLINE void damage(const gn_contact_args *args, size_t c, size_t end, const stage *vector,
+                      contact_state *state, soft_state *bond, gn_contact_sums *sums, variant with) {
+    const gn_contacts *k = args->contacts;
     const gn_v zero = gn_set(0.0);
     gn_v rn = gn_load(COLUMN(k, rn) + c), rt = gn_load(COLUMN(k, rt) + c);
-    s->soft = gn_load(COLUMN(k, soft) + c);
-    s->bonds = q->intact = gn_less(zero, rn);
-    q->normal =
-        gn_where(gn_and(q->intact, gn_less(zero, q->elastic)), s->soft * q->elastic, q->elastic);
-    gn_v strength = gn_fma(gn_load(COLUMN(k, mu1) + c), pressed_of(a, c, q->normal), rt);
+    bond->soft = gn_load(COLUMN(k, soft) + c);
+    bond->bonds = state->intact = gn_less(zero, rn);
+    state->normal = gn_where(gn_and(state->intact, gn_less(zero, state->elastic)),
+                             bond->soft * state->elastic, state->elastic);
+    gn_v strength = gn_fma(gn_load(COLUMN(k, mu1) + c), pressed_of(args, c, state->normal), rt);
     strength = gn_max(strength, zero);
     gn_v strength2 = strength * strength;
     if (k->soa.effects & GN_FX_COUPLED_QUADRATIC) {
-        gn_v share = gn_max(q->normal, zero) / rn;
+        gn_v share = gn_max(state->normal, zero) / rn;
         strength2 = gn_fnma(strength2, share * share, strength2);
     }
-    gn_m beyond = gn_at_least(gn_dot(q->trial, q->trial, 1), strength2);
-    s->softening = gn_and(q->intact, gn_or(beyond, gn_at_least(q->normal, rn)));
-    s->slipped = q->trial;
-    if (__builtin_expect(gn_bits(s->softening) == 0, 1)) return;
+    gn_m beyond = gn_at_least(gn_dot(state->trial, state->trial, 1), strength2);
+    bond->softening = gn_and(state->intact, gn_or(beyond, gn_at_least(state->normal, rn)));
+    bond->slipped = state->trial;
+    if (__builtin_expect(gn_bits(bond->softening) == 0, 1)) return;
     soft_lanes l = {0};
     if (k->soa.effects & GN_FX_COUPLED_QUADRATIC) {
-        gn_v3 before = sheared_before(g, q, w);
-        gn_store(l.was, g->geometry.stretch - whole_path(a, c, g, w) - s->shift);
+        gn_v3 before = sheared_before(vector, state, with);
+        gn_store(l.was, vector->geometry.stretch - whole_path(args, c, vector, with) - bond->shift);
         gn_store(l.before[0], before.x);
         gn_store(l.before[1], before.y);
         gn_store(l.before[2], before.z);
     }
-    gn_store(l.stretch, q->stretch);
-    gn_store(l.normal, q->normal);
-    gn_store(l.shear[0], q->trial.x);
-    gn_store(l.shear[1], q->trial.y);
-    gn_store(l.shear[2], q->trial.z);
-    soften(a, c, end, gn_bits(s->softening), &l, sums);
-    q->breaking = gn_and(s->softening, gn_less(zero, gn_load(l.broken)));
-    q->intact = gn_and(q->intact, gn_not(q->breaking));
-    s->softening = gn_and(s->softening, gn_not(q->breaking));
-    q->normal = gn_where(q->intact, gn_load(l.normal), q->elastic);
-    s->slipped = (gn_v3){gn_load(l.shear[0]), gn_load(l.shear[1]), gn_load(l.shear[2])};
-    if (l.tension | l.sheared) record_breaks(a, c, end, l.tension, l.sheared, sums);
+    gn_store(l.stretch, state->stretch);
+    gn_store(l.normal, state->normal);
+    gn_store(l.shear[0], state->trial.x);
+    gn_store(l.shear[1], state->trial.y);
+    gn_store(l.shear[2], state->trial.z);
+    soften(args, c, end, gn_bits(bond->softening), &l, sums);
+    state->breaking = gn_and(bond->softening, gn_less(zero, gn_load(l.broken)));
+    state->intact = gn_and(state->intact, gn_not(state->breaking));
+    bond->softening = gn_and(bond->softening, gn_not(state->breaking));
+    state->normal = gn_where(state->intact, gn_load(l.normal), state->elastic);
+    bond->slipped = (gn_v3){gn_load(l.shear[0]), gn_load(l.shear[1]), gn_load(l.shear[2])};
+    if (l.tension | l.sheared) record_breaks(args, c, end, l.tension, l.sheared, sums);
 }
 
-/* More than may_cross by what any particle moves at most, and without a division: where every bond
- * is damaged all of them are asked, and next to none is near. */
-GN_INLINE gn_m near_no_force(const gn_contact_args *a, const stage *g, const contact_state *q) {
-    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
-    double most = a->dt > 0.0 ? a->dt * fastest : 0.0;
-    gn_v rounding = gn_set(2.0 * GN_OVERLAP_ROUNDING + 0x1p-40), distance = g->geometry.distance;
-    gn_v size = gn_max(q->stretch, gn_set(0.0) - q->stretch) - gn_set(1.01 * most);
+/* Exceeds may_cross by an upper bound of the particles' motion, and needs no division: if every
+ * bond is damaged all of them are tested, and almost none is near. */
+GN_INLINE gn_m near_no_force(const gn_contact_args *args, const stage *vector,
+                             const contact_state *state) {
+    double fastest = args->speed_most > 0.0 ? 2.0 * args->speed_most : (double)INFINITY;
+    double most = args->dt > 0.0 ? args->dt * fastest : 0.0;
+    gn_v rounding = gn_set(2.0 * GN_OVERLAP_ROUNDING + 0x1p-40),
+         distance = vector->geometry.distance;
+    gn_v size = gn_max(state->stretch, gn_set(0.0) - state->stretch) - gn_set(1.01 * most);
     gn_v beyond = gn_fnma(rounding, distance, size) * distance;
     return gn_not(gn_less(gn_set(1.03 * most * most), beyond));
 }
 
-/* Rare: a damaged bond is a spring (1 - d) k both ways and beside it one of d k that pushes only.
- * That one closes or opens within a step as any contact does. */
-GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
-                              soft_state *s) {
-    gn_m weak = gn_and(q->intact, gn_less(s->soft, gn_set(1.0)));
-    weak = gn_and(weak, gn_not(gn_or(s->softening, s->yielding)));
-    s->crossing = gn_m_none();
-    s->stored = gn_set(0.0);
+/* Rare: a damaged bond is a two-sided spring (1 - d) k in parallel with one of d k in compression
+ * only. The latter closes or opens within a step as any contact does. */
+GN_INLINE void cross_softened(const gn_contact_args *args, size_t c, const stage *vector,
+                              contact_state *contact, soft_state *soft) {
+    gn_m weak = gn_and(contact->intact, gn_less(soft->soft, gn_set(1.0)));
+    weak = gn_and(weak, gn_not(gn_or(soft->softening, soft->yielding)));
+    soft->crossing = gn_m_none();
+    soft->stored = gn_set(0.0);
     if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
-    weak = gn_and(weak, near_no_force(a, g, q));
+    weak = gn_and(weak, near_no_force(args, vector, contact));
     if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
-    q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q->stretch);
-    q->touching = gn_less(q->beyond, gn_set(0.0));
-    stage seen = *g; /* rate and growth share a place */
-    seen.rate = gn_set(0.5 * a->dt) / gn_max(g->geometry.distance, gn_set(GN_TINY));
-    s->crossing = gn_and(weak, may_cross(a, &seen, q));
-    if (__builtin_expect(gn_bits(s->crossing) == 0, 1)) return;
-    gn_v gone = (gn_set(1.0) - s->soft) * q->kn;
-    /* The dashpot is the bond's, on both sides. */
+    contact->beyond =
+        gn_fma(gn_set(GN_OVERLAP_ROUNDING), vector->geometry.distance, contact->stretch);
+    contact->touching = gn_less(contact->beyond, gn_set(0.0));
+    stage seen = *vector; /* rate and growth share storage */
+    seen.rate = gn_set(0.5 * args->dt) / gn_max(vector->geometry.distance, gn_set(GN_TINY));
+    soft->crossing = gn_and(weak, may_cross(args, &seen, contact));
+    if (__builtin_expect(gn_bits(soft->crossing) == 0, 1)) return;
+    gn_v gone = (gn_set(1.0) - soft->soft) * contact->kn;
+    /* The dashpot belongs to the bond, on both sides. */
     crossing_state state = {.kn = gone,
                             .cn = gn_set(0.0),
-                            .stretch = q->stretch,
-                            .beyond = q->beyond,
-                            .elastic = gone * q->stretch,
-                            .touching = q->touching,
-                            .loose = s->crossing,
+                            .stretch = contact->stretch,
+                            .beyond = contact->beyond,
+                            .elastic = gone * contact->stretch,
+                            .touching = contact->touching,
+                            .loose = soft->crossing,
                             .breaking = gn_m_none()};
-    crossing r = cross(a, c, &seen, &state);
-    /* Those that were only near it act as any other, whoever asked. */
-    gn_m as_ever = gn_and(gn_at_least(r.of.way, q->stretch), gn_at_least(q->stretch, r.of.way));
-    s->crossing = gn_and(s->crossing, gn_not(as_ever));
-    gn_v whole = s->soft * q->elastic;
-    q->normal = gn_where(s->crossing, whole + r.of.normal, q->normal);
-    s->stored = gn_fma(whole, q->stretch, r.of.normal * r.of.way);
+    crossing r = cross(args, c, &seen, &state);
+    /* Contacts that were only near the transition act as any other, whatever else was examined. */
+    gn_m as_ever =
+        gn_and(gn_at_least(r.of.way, contact->stretch), gn_at_least(contact->stretch, r.of.way));
+    soft->crossing = gn_and(soft->crossing, gn_not(as_ever));
+    gn_v whole = soft->soft * contact->elastic;
+    contact->normal = gn_where(soft->crossing, whole + r.of.normal, contact->normal);
+    soft->stored = gn_fma(whole, contact->stretch, r.of.normal * r.of.way);
 }
 
-/* Rare: what bonds that soften, yield or break lose, and contacts that slip. */
-GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g,
-                              const contact_state *q, const soft_state *s, lane_sums *e,
-                              variant w) {
+/* Rare: books the losses of bonds that soften, yield or break, and of slipping contacts. */
+GN_INLINE void book_softening(const gn_contact_args *args, size_t c, const stage *vector,
+                              const contact_state *state, const soft_state *soft, lane_sums *sums,
+                              variant with) {
     const gn_v half = gn_set(0.5), zero = gn_set(0.0);
-    gn_v path = whole_path(a, c, g, w), was = g->geometry.stretch - path - s->shift;
-    gn_v old = q->kn * was, twice = gn_where(s->crossing, s->stored, q->normal * q->way);
-    old = gn_where(gn_less(zero, was), gn_keep(s->bonds, s->soft * old), old);
-    gn_v normal = half * (gn_fma(old + q->normal, path, old * was) - twice);
-    gn_m crushed = gn_and(s->yielding, gn_not(q->breaking));
-    e->plasticity = e->plasticity + gn_keep(crushed, normal);
-    if (!gn_bits(gn_or(gn_or(q->slipping, q->breaking), s->softening))) return;
-    gn_v3 before = sheared_before(g, q, w);
-    gn_v shear = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    gn_v path = whole_path(args, c, vector, with),
+         was = vector->geometry.stretch - path - soft->shift;
+    gn_v old = state->kn * was,
+         twice = gn_where(soft->crossing, soft->stored, state->normal * state->way);
+    old = gn_where(gn_less(zero, was), gn_keep(soft->bonds, soft->soft * old), old);
+    gn_v normal = half * (gn_fma(old + state->normal, path, old * was) - twice);
+    gn_m crushed = gn_and(soft->yielding, gn_not(state->breaking));
+    sums->plasticity = sums->plasticity + gn_keep(crushed, normal);
+    if (!gn_bits(gn_or(gn_or(state->slipping, state->breaking), soft->softening))) return;
+    gn_v3 before = sheared_before(vector, state, with);
+    gn_v shear = gn_released3(before, state->t, state->trial, gn_max(state->kt, gn_set(GN_TINY)),
+                              with.space);
     gn_v both = normal + shear;
-    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
-    if (gn_bits(q->breaking)) note_released(a, c, gn_bits(q->breaking), both);
-    e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear);
-    e->damage = e->damage + gn_keep(s->softening, gn_where(crushed, shear, both));
+    sums->bond_breaking = sums->bond_breaking + gn_keep(state->breaking, both);
+    if (gn_bits(state->breaking)) note_released(args, c, gn_bits(state->breaking), both);
+    sums->friction =
+        sums->friction + gn_keep(gn_and(state->slipping, gn_not(state->breaking)), shear);
+    sums->damage = sums->damage + gn_keep(soft->softening, gn_where(crushed, shear, both));
 }
 
-/* Rare: contacts, no bonds any more, that yield in the step. One that pressed before it acts as any
- * does, also where it had moved less than it yields by. One that closed in it at the share s = u/p
- * of its path acted from there: what gn_linear_cross gives of the elastic part is less than that
- * by what it yields, a loss of (F_0 + F) du/2 between the pressures F_0 and F, over the path. */
-GN_INLINE void close_yielding(const stage *g, gn_v path, gn_m yielding, const soft_state *s,
-                              contact_state *q) {
+/* Rare: contacts (bonds no more) that yield in the step. One that was in compression before acts as
+ * any does, also if it moved by less than it yields. One that closed in it at the fraction s = u/p
+ * of its path acted from there: the force of gn_linear_cross of the elastic part is smaller by the
+ * yield, a loss of (F_0 + F) du/2 between the forces F_0 and F, over the path. */
+GN_INLINE void close_yielding(const stage *vector, gn_v path, gn_m yielding, const soft_state *soft,
+                              contact_state *state) {
     const gn_v zero = gn_set(0.0), half = gn_set(0.5);
-    gn_v u = g->geometry.stretch - s->shift, before = u - path;
+    gn_v u = vector->geometry.stretch - soft->shift, before = u - path;
     gn_m closed = gn_and(yielding, gn_at_least(before, zero));
     gn_m pressed = gn_and(yielding, gn_less(before, zero));
-    q->normal = gn_where(pressed, q->elastic, q->normal);
-    q->share = gn_where(pressed, gn_set(1.0), q->share);
-    q->way = gn_where(pressed, q->stretch, q->way);
-    gn_v lost = half * (q->elastic - s->line) * (u - q->stretch);
-    gn_v normal = q->normal + lost / path;
-    q->normal = gn_where(closed, normal, q->normal);
-    q->share = gn_where(closed, half + u / path, q->share);
-    q->way = gn_where(closed, q->way - gn_set(2.0) * lost / normal, q->way);
+    state->normal = gn_where(pressed, state->elastic, state->normal);
+    state->share = gn_where(pressed, gn_set(1.0), state->share);
+    state->way = gn_where(pressed, state->stretch, state->way);
+    gn_v lost = half * (state->elastic - soft->line) * (u - state->stretch);
+    gn_v normal = state->normal + lost / path;
+    state->normal = gn_where(closed, normal, state->normal);
+    state->share = gn_where(closed, half + u / path, state->share);
+    state->way = gn_where(closed, state->way - gn_set(2.0) * lost / normal, state->way);
 }
 
-GN_INLINE void softening_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
-                               variant w) {
-    linear_trial(a, c, from, g, w);
+GN_INLINE void softening_trial(const gn_contact_args *args, size_t c, const brief *from,
+                               stage *vector, variant with) {
+    linear_trial(args, c, from, vector, with);
 }
 
-GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size_t end,
-                                        const stage *g, lane_sums *e, gn_contact_sums *sums,
-                                        variant w) {
-    contact_state q = state_of(a, c, g, w);
+GN_INLINE contact_force softening_force(const gn_contact_args *args, size_t c, size_t end,
+                                        const stage *vector, lane_sums *lanes,
+                                        gn_contact_sums *sums, variant with) {
+    contact_state q = state_of(args, c, vector, with);
     soft_state s;
-    press(a, c, g, &q, &s, sums);
-    damage(a, c, end, g, &q, &s, sums, w);
-    cross_softened(a, c, g, &q, &s);
-    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;
+    press(args, c, vector, &q, &s, sums);
+    damage(args, c, end, vector, &q, &s, sums, with);
+    cross_softened(args, c, vector, &q, &s);
+    gn_v path = gn_set(args->dt) * gn_pick(growth_known(with), vector->growth, vector->speed),
+         total = q.normal;
     if (__builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
-        if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
+        if (with.damping) total = damped(args, c, vector->growth, path, &q, lanes, with);
         q.t = s.slipped;
     } else {
         gn_v held = q.normal;
-        q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q.stretch);
+        q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), vector->geometry.distance, q.stretch);
         q.touching = gn_less(q.beyond, gn_set(0.0));
-        path = find_normal_force(a, c, g, &q, w);
+        path = find_normal_force(args, c, vector, &q, with);
         gn_m loose = gn_and(s.yielding, gn_not(gn_or(q.intact, q.breaking)));
-        if (__builtin_expect(gn_bits(loose) != 0, 0)) close_yielding(g, path, loose, &s, &q);
+        if (__builtin_expect(gn_bits(loose) != 0, 0)) close_yielding(vector, path, loose, &s, &q);
         total = q.normal = gn_where(q.intact, held, q.normal);
-        if (w.damping) {
-            gn_v speed = gn_where(q.intact, g->growth, g->speed);
-            total = damped(a, c, speed, path, &q, e, w);
+        if (with.damping) {
+            gn_v speed = gn_where(q.intact, vector->growth, vector->speed);
+            total = damped(args, c, speed, path, &q, lanes, with);
         }
-        limit_shear(a, c, total, &q, w);
+        limit_shear(args, c, total, &q, with);
         q.t.x = gn_where(q.intact, s.slipped.x, q.t.x);
         q.t.y = gn_where(q.intact, s.slipped.y, q.t.y);
-        if (w.space) q.t.z = gn_where(q.intact, s.slipped.z, q.t.z);
+        if (with.space) q.t.z = gn_where(q.intact, s.slipped.z, q.t.z);
     }
     gn_m lost = gn_or(gn_or(q.slipping, q.breaking), gn_or(s.softening, s.yielding));
-    if (__builtin_expect(gn_bits(lost) != 0, 0) && w.energy) book_softening(a, c, g, &q, &s, e, w);
-    gn_store3(COLUMN(a->contacts, shear) + c, a->contacts->soa.capacity, q.t, w.space);
-    if (a->measure && w.energy) {
-        book_elastic(&q, e, w);
-        e->elastic_normal =
-            e->elastic_normal + gn_keep(s.crossing, gn_set(0.5) * (s.stored - q.normal * q.way));
+    if (__builtin_expect(gn_bits(lost) != 0, 0) && with.energy)
+        book_softening(args, c, vector, &q, &s, lanes, with);
+    gn_store3(COLUMN(args->contacts, shear) + c, args->contacts->soa.capacity, q.t, with.space);
+    if (args->measure && with.energy) {
+        book_elastic(&q, lanes, with);
+        lanes->elastic_normal = lanes->elastic_normal +
+                                gn_keep(s.crossing, gn_set(0.5) * (s.stored - q.normal * q.way));
     }
     return (contact_force){total, q.t};
 }

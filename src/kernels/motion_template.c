@@ -1,6 +1,6 @@
-/* Gather and integrate: central differences (leap-frog) with variable step. The partial sums of a
- * block of particles are added up in the L1 cache, then the block is integrated lane by lane. One
- * body, expanded per variant and compiled per instruction set, as contact_template.c. */
+/* Gathering and integration: central differences (leap-frog) with variable step. The partial sums
+ * of a block of particles are added up in the L1 cache, then the block is integrated lane by lane.
+ * One body, expanded per variant and compiled per instruction set, as contact_template.c. */
 #include "kernels/expand.h"
 #include "kernels/motion.h"
 #include "kernels/simd.h"
@@ -19,8 +19,8 @@ typedef struct block_load {
     _Alignas(64) double row[GN_BLOCK_LOAD];
 } block_load;
 
-GN_INLINE int row_width(variant w) {
-    return gn_row_width(w.space, w.rotation);
+GN_INLINE int row_width(variant with) {
+    return gn_row_width(with.space, with.rotation);
 }
 
 /* A row in a register. */
@@ -29,9 +29,9 @@ typedef double row8 __attribute__((vector_size(64), aligned(8)));
 typedef float row4_f __attribute__((vector_size(16), aligned(4)));
 typedef float row8_f __attribute__((vector_size(32), aligned(4)));
 
-/* Sums are in double also when rows are not. */
-GN_INLINE void add_row(const gn_partials *from, int64_t row, int single, double *to, variant w) {
-    const bool wide = w.space && w.rotation;
+/* Sums are in double even if rows are not. */
+GN_INLINE void add_row(const gn_partials *from, int64_t row, int single, double *to, variant with) {
+    const bool wide = with.space && with.rotation;
     if (wide && single)
         *(row8 *)to += __builtin_convertvector(*(const row8_f *)(from->row_f + 8 * row), row8);
     else if (wide)
@@ -43,62 +43,62 @@ GN_INLINE void add_row(const gn_partials *from, int64_t row, int single, double 
 }
 
 GN_INLINE void add_rows(const gn_partials *from, int single, size_t begin, double *load,
-                        variant w) {
+                        variant with) {
     const int32_t *start = from->start + begin / GN_PARTICLE_BLOCK;
     for (int32_t k = start[0]; k < start[1]; k++) {
         gn_share s = from->share[k];
-        add_row(from, s.row, single, load + row_width(w) * (s.particle - (int64_t)begin), w);
+        add_row(from, s.row, single, load + row_width(with) * (s.particle - (int64_t)begin), with);
     }
 }
 
-GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant w) {
+GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant with) {
     if (!from->blocks) return;
     if (GN_BUILT(MIXED) && from->row_f)
-        add_rows(from, 1, begin, load, w);
+        add_rows(from, 1, begin, load, with);
     else
-        add_rows(from, 0, begin, load, w);
+        add_rows(from, 0, begin, load, with);
 }
 
-GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, double *load,
-                         variant w) {
-    const gn_wall_contacts *walls = a->wall_contacts;
-    for (int32_t c = a->wall_first[begin]; c < a->wall_first[end]; c++) {
-        double *to = load + (size_t)row_width(w) * ((size_t)walls->i[c] - begin);
+GN_INLINE void add_walls(const gn_motion_args *args, size_t begin, size_t end, double *load,
+                         variant with) {
+    const gn_wall_contacts *walls = args->wall_contacts;
+    for (int32_t c = args->wall_first[begin]; c < args->wall_first[end]; c++) {
+        double *to = load + (size_t)row_width(with) * ((size_t)walls->i[c] - begin);
         const double *row = walls->row + 8 * (int64_t)c;
-        if (w.space && w.rotation) { /* what is fourth of four is nothing in both */
+        if (with.space && with.rotation) { /* the fourth number of a row of four is zero in both */
             *(row8 *)to += *(const row8 *)row;
-        } else if (w.space) {
+        } else if (with.space) {
             *(row4 *)to += *(const row4 *)row;
         } else {
             for (int k = 0; k < 2; k++) to[k] += row[k];
-            if (w.rotation) to[2] += row[6];
+            if (with.rotation) to[2] += row[6];
         }
     }
 }
 
-GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, double *row,
-                            variant w) {
-    memset(row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(w) * sizeof *row);
-    add_shares(a->bonds, begin, row, w);
-    add_shares(a->pairs, begin, row, w);
-    if (GN_BUILT(WALLS) && a->wall_contacts) add_walls(a, begin, end, row, w);
+GN_INLINE void gather_block(const gn_motion_args *args, size_t begin, size_t end, double *row,
+                            variant with) {
+    memset(row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(with) * sizeof *row);
+    add_shares(args->bonds, begin, row, with);
+    add_shares(args->pairs, begin, row, with);
+    if (GN_BUILT(WALLS) && args->wall_contacts) add_walls(args, begin, end, row, with);
 }
 
-/* Consecutive rows of four as four columns. */
+/* Loads consecutive rows of four as four columns. */
 GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
     gn_rows4_every(rows + 4 * p, 1, out);
 }
 
-/* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
-GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant w) {
+/* Returns forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
+GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant with) {
     gn_v r[4], zero = gn_set(0.0);
-    if (w.space && w.rotation) {
+    if (with.space && with.rotation) {
         gn_rows4_every(sum + 8 * k + 4 * part, 2, r);
         return (gn_v3){r[0], r[1], r[2]};
     }
     load_rows(sum, k, r);
     if (part) return (gn_v3){zero, zero, r[2]};
-    return (gn_v3){r[0], r[1], gn_pick(w.space, r[2], zero)};
+    return (gn_v3){r[0], r[1], gn_pick(with.space, r[2], zero)};
 }
 
 /* --- integration --- */
@@ -110,9 +110,9 @@ typedef struct motion {
     gn_v inverse;   /* 1/m (inertia); 0 for removed particles */
 } motion;
 
-/* m, 0 for removed particles; only where it is called for, as it takes a division. */
-GN_INLINE gn_v mass_of(const motion *q) {
-    return gn_keep(gn_less(gn_set(0.0), q->inverse), gn_set(1.0) / q->inverse);
+/* Returns the mass, kg, 0 for removed particles; only if it is needed, as it takes a division. */
+GN_INLINE gn_v mass_of(const motion *state) {
+    return gn_keep(gn_less(gn_set(0.0), state->inverse), gn_set(1.0) / state->inverse);
 }
 
 GN_INLINE gn_v absolute(gn_v a) {
@@ -124,43 +124,47 @@ GN_INLINE gn_v opposing(double damping, gn_v f, gn_v v) {
     return gn_where(gn_less(zero, v), zero - size, gn_keep(gn_less(v, zero), size));
 }
 
-/* Background damping and new velocity. Viscous damping is taken at the middle of the kick,
- * -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds have
- * nothing to oppose. */
-GN_INLINE void kick(const gn_motion_args *a, double damping, motion *q, double interval, int space,
-                    variant w) {
-    gn_v zero = gn_set(0.0), rate = gn_set(interval) * q->inverse;
-    q->d = (gn_v3){zero, zero, zero};
-    if (w.viscous) {
+/* Computes background damping and the new velocity. Viscous damping is evaluated at the middle of
+ * the kick, -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds
+ * vanish. */
+GN_INLINE void kick(const gn_motion_args *args, double damping, motion *state, double interval,
+                    int space, variant with) {
+    gn_v zero = gn_set(0.0), rate = gn_set(interval) * state->inverse;
+    state->d = (gn_v3){zero, zero, zero};
+    if (with.viscous) {
         double half = 0.5 * damping * interval;
-        gn_v3 kept = gn_scale(gn_set(1.0 - half), q->v, space);
-        q->v_new = gn_scale(gn_set(1.0 / (1.0 + half)), gn_axpy(kept, rate, q->f, space), space);
-        q->d = gn_scale(gn_set(-0.5 * damping) * mass_of(q), gn_add(q->v, q->v_new, space), space);
+        gn_v3 kept = gn_scale(gn_set(1.0 - half), state->v, space);
+        state->v_new =
+            gn_scale(gn_set(1.0 / (1.0 + half)), gn_axpy(kept, rate, state->f, space), space);
+        state->d = gn_scale(gn_set(-0.5 * damping) * mass_of(state),
+                            gn_add(state->v, state->v_new, space), space);
         return;
     }
-    if (w.vector) {
-        gn_v speed = gn_sqrt(gn_dot(q->v, q->v, space)), size = gn_sqrt(gn_dot(q->f, q->f, space));
+    if (with.vector) {
+        gn_v speed = gn_sqrt(gn_dot(state->v, state->v, space)),
+             size = gn_sqrt(gn_dot(state->f, state->f, space));
         gn_v factor = gn_keep(gn_less(zero, speed), gn_set(-damping) * size / speed);
-        q->d = gn_scale(factor, q->v, space);
-    } else if (w.component) {
-        gn_v3 v = gn_axpy(q->v, gn_set(a->damping_lead) * rate, q->f, space);
-        q->d.x = opposing(damping, q->f.x, v.x);
-        q->d.y = opposing(damping, q->f.y, v.y);
-        if (space) q->d.z = opposing(damping, q->f.z, v.z);
+        state->d = gn_scale(factor, state->v, space);
+    } else if (with.component) {
+        gn_v3 v = gn_axpy(state->v, gn_set(args->damping_lead) * rate, state->f, space);
+        state->d.x = opposing(damping, state->f.x, v.x);
+        state->d.y = opposing(damping, state->f.y, v.y);
+        if (space) state->d.z = opposing(damping, state->f.z, v.z);
     }
-    q->v_new = gn_axpy(q->v, rate, gn_add(q->f, q->d, space), space);
+    state->v_new = gn_axpy(state->v, rate, gn_add(state->f, state->d, space), space);
 }
 
 GN_INLINE gn_v half_work(gn_v3 f, gn_v3 v, double dt, int space) {
     return gn_set(0.5 * dt) * gn_dot(f, v, space);
 }
 
-/* Kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of a linear
- * system; at the start v(-) is what a full kick would have come from. */
-GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
-    gn_v3 before = q->v;
-    if (!(a->dt_past > 0.0)) before = gn_sub(gn_scale(gn_set(2.0), q->v, space), q->v_new, space);
-    return gn_set(0.5) * mass_of(q) * gn_dot(before, q->v_new, space);
+/* Returns the kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of
+ * a linear system; at the start v(-) is the velocity before a full kick. */
+GN_INLINE gn_v kinetic(const gn_motion_args *args, const motion *state, int space) {
+    gn_v3 before = state->v;
+    if (!(args->dt_past > 0.0))
+        before = gn_sub(gn_scale(gn_set(2.0), state->v, space), state->v_new, space);
+    return gn_set(0.5) * mass_of(state) * gn_dot(before, state->v_new, space);
 }
 
 /* Lane sums over a block. */
@@ -168,26 +172,26 @@ typedef struct lane_sums {
     gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2, change2;
 } lane_sums;
 
-/* Work of a force, and what background damping takes, in the halves before and after the instant.
- */
-GN_INLINE void book_work(gn_v halves[2], const gn_motion_args *a, gn_v3 f, const motion *q) {
-    halves[0] = halves[0] + half_work(f, q->v, a->dt_past, 1);
-    halves[1] = halves[1] + half_work(f, q->v_new, a->dt, 1);
+/* Books the work of a force, and that of background damping, in the halves before and after the
+ * instant. */
+GN_INLINE void book_work(gn_v halves[2], const gn_motion_args *args, gn_v3 f, const motion *state) {
+    halves[0] = halves[0] + half_work(f, state->v, args->dt_past, 1);
+    halves[1] = halves[1] + half_work(f, state->v_new, args->dt, 1);
 }
-GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *a, const motion *q) {
-    halves[0] = halves[0] - half_work(q->d, q->v, a->dt_past, 1);
-    halves[1] = halves[1] - half_work(q->d, q->v_new, a->dt, 1);
+GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *args, const motion *state) {
+    halves[0] = halves[0] - half_work(state->d, state->v, args->dt_past, 1);
+    halves[1] = halves[1] - half_work(state->d, state->v_new, args->dt, 1);
 }
 
 /* --- prescribed particles, lane by lane --- */
 
-/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and notes the
- * load it took. Nothing that is driven has background damping. */
-GN_INLINE void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, double interval,
+/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and records
+ * the load they took. Prescribed components have no background damping. */
+GN_INLINE void prescribe_lane(const gn_motion_args *args, int32_t slot, int first, double interval,
                               int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
                               double f[3][GN_W], double d[3][GN_W], double work[2]) {
-    gn_prescription *q = a->prescribed;
-    const bool accelerates = inverse > 0.0 && a->dt_past > 0.0;
+    gn_prescription *q = args->prescribed;
+    const bool accelerates = inverse > 0.0 && args->dt_past > 0.0;
     for (int k = 0; k < 3; k++) {
         if (!(q->mask[slot] >> (first + k) & 1)) continue;
         const double before = v[k][lane], now = q->velocity[6 * slot + first + k];
@@ -198,13 +202,13 @@ GN_INLINE void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, 
         d[k][lane] = 0.0;
         v_new[k][lane] = now;
         q->load[6 * slot + first + k] = supplied;
-        work[0] += 0.5 * a->dt_past * supplied * before;
-        work[1] += 0.5 * a->dt * supplied * now;
+        work[0] += 0.5 * args->dt_past * supplied * before;
+        work[1] += 0.5 * args->dt * supplied * now;
     }
 }
 
-/* Damping against the velocity sees what is free to move alone: the reaction of a component that is
- * driven is no force out of balance. */
+/* Damping against the velocity considers free components only: the reaction of a prescribed one is
+ * no unbalanced force. */
 static void damp_free(double damping, unsigned held, double rate, int lane, const double v[3][GN_W],
                       double v_new[3][GN_W], const double f[3][GN_W], double d[3][GN_W]) {
     double force2 = 0.0, speed2 = 0.0;
@@ -231,38 +235,38 @@ static gn_v3 pack(double in[3][GN_W]) {
     return (gn_v3){gn_load(in[0]), gn_load(in[1]), gn_load(in[2])};
 }
 
-/* Some of the lanes are prescribed. `vector`: coefficient of damping against the velocity, 0: none.
- * By value: a motion whose address is known has to live in memory. */
-static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_t p, int first,
-                                                  double vector, double interval, motion m,
-                                                  gn_motion_sums *s) {
-    motion *q = &m;
+/* Handles a vector with prescribed lanes. `vector`: coefficient of damping against the velocity, 0:
+ * none. The motion is passed by value, since taking its address would force it into memory. */
+static __attribute__((noinline)) motion prescribe(const gn_motion_args *args, size_t p, int first,
+                                                  double vector, double interval, motion state,
+                                                  gn_motion_sums *sums) {
+    motion *q = &state;
     double v[3][GN_W], v_new[3][GN_W], f[3][GN_W], d[3][GN_W], inverse[GN_W];
     unpack(q->v, v);
     unpack(q->v_new, v_new);
     unpack(q->f, f);
     unpack(q->d, d);
     gn_store(inverse, q->inverse);
-    double work[2] = {s->prescribed[0], s->prescribed[1]};
-    for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++) {
-        int32_t slot = a->particles->slot[p + (size_t)lane];
+    double work[2] = {sums->prescribed[0], sums->prescribed[1]};
+    for (int lane = 0; lane < GN_W && p + (size_t)lane < args->particles->soa.count; lane++) {
+        int32_t slot = args->particles->slot[p + (size_t)lane];
         if (slot < 0) continue;
-        const unsigned held = (unsigned)a->prescribed->mask[slot] >> first & 7;
+        const unsigned held = (unsigned)args->prescribed->mask[slot] >> first & 7;
         if (vector != 0.0 && held != 0 && held != 7)
             damp_free(vector, held, interval * inverse[lane], lane, v, v_new, f, d);
-        prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, work);
+        prescribe_lane(args, slot, first, interval, lane, inverse[lane], v, v_new, f, d, work);
     }
-    s->prescribed[0] = work[0];
-    s->prescribed[1] = work[1];
+    sums->prescribed[0] = work[0];
+    sums->prescribed[1] = work[1];
     q->v_new = pack(v_new);
     q->d = pack(d);
-    return m;
+    return state;
 }
 
-/* Only if all are negative so are all their common bits. */
-GN_INLINE bool any_prescribed(const gn_motion_args *a, size_t p) {
-    const int32_t *slot = a->particles->slot + p;
-    const size_t left = a->particles->soa.count - p;
+/* The AND of all slots is negative only if all are. */
+GN_INLINE bool any_prescribed(const gn_motion_args *args, size_t p) {
+    const int32_t *slot = args->particles->slot + p;
+    const size_t left = args->particles->soa.count - p;
     int32_t common = -1;
     if (__builtin_expect(left >= GN_W, 1))
         for (int lane = 0; lane < GN_W; lane++) common &= slot[lane];
@@ -271,12 +275,12 @@ GN_INLINE bool any_prescribed(const gn_motion_args *a, size_t p) {
     return common >= 0;
 }
 
-/* 1 for lanes whose resultant counts (free particles), else 0. */
-static gn_v free_lanes(const gn_motion_args *a, size_t p, bool prescribed) {
+/* Returns 1 for lanes whose resultant counts (free particles), else 0. */
+static gn_v free_lanes(const gn_motion_args *args, size_t p, bool prescribed) {
     double lanes[GN_W];
     for (int lane = 0; lane < GN_W; lane++) {
-        bool inside = p + (size_t)lane < a->particles->soa.count;
-        bool driven = prescribed && inside && a->particles->slot[p + (size_t)lane] >= 0;
+        bool inside = p + (size_t)lane < args->particles->soa.count;
+        bool driven = prescribed && inside && args->particles->slot[p + (size_t)lane] >= 0;
         lanes[lane] = driven ? 0.0 : 1.0;
     }
     return gn_load(lanes);
@@ -284,13 +288,13 @@ static gn_v free_lanes(const gn_motion_args *a, size_t p, bool prescribed) {
 
 /* --- one group of lanes --- */
 
-static void note_bad(const gn_motion_args *a, size_t p, unsigned bad, gn_motion_sums *s) {
-    for (int lane = 0; lane < GN_W && s->bad < 0; lane++)
-        if (bad >> lane & 1 && p + (size_t)lane < a->particles->soa.count)
-            s->bad = (int64_t)p + lane;
+static void note_bad(const gn_motion_args *args, size_t p, unsigned bad, gn_motion_sums *sums) {
+    for (int lane = 0; lane < GN_W && sums->bad < 0; lane++)
+        if (bad >> lane & 1 && p + (size_t)lane < args->particles->soa.count)
+            sums->bad = (int64_t)p + lane;
 }
 
-/* Turns a quaternion by the spin over dt (first order in the angle, renormalised). */
+/* Rotates a quaternion by the spin over dt (first order in the angle, renormalised). */
 static void turn_orientation(double q[4], const double spin[3], double dt) {
     double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
     double r[4] = {q[0] - x * q[1] - y * q[2] - z * q[3], q[1] + x * q[0] + y * q[3] - z * q[2],
@@ -299,17 +303,17 @@ static void turn_orientation(double q[4], const double spin[3], double dt) {
     for (int k = 0; k < 4; k++) q[k] = scale * r[k];
 }
 
-GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, size_t k,
-                         bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
-    gn_particles *q = a->particles;
-    double interval = 0.5 * (a->dt_past + a->dt);
+GN_INLINE void translate(const gn_motion_args *args, size_t p, const double *sum, size_t k,
+                         bool prescribed, lane_sums *sums, gn_motion_sums *total, variant with) {
+    gn_particles *q = args->particles;
+    double interval = 0.5 * (args->dt_past + args->dt);
     gn_v x[4], v[4];
     load_rows(q->pos, p, x);
     load_rows(q->vel, p, v);
-    motion m = {.inverse = v[3], .v = {v[0], v[1], v[2]}, .f = load_of(sum, k, 0, w)};
+    motion m = {.inverse = v[3], .v = {v[0], v[1], v[2]}, .f = load_of(sum, k, 0, with)};
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
-    if (w.gravity) {
-        gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
+    if (with.gravity) {
+        gn_v3 g = {gn_set(args->gravity[0]), gn_set(args->gravity[1]), gn_set(args->gravity[2])};
         gn_v own = mass_of(&m);
         if (GN_BUILT(MASS_SCALING) && q->own_share) own = gn_load(q->own_share + p) * own;
         weight = gn_scale(own, g, 1);
@@ -323,54 +327,57 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
         m.f = gn_add(m.f, applied, 1);
     }
     m.v_new = m.v;
-    kick(a, a->damping, &m, interval, 1, w);
-    if (prescribed) m = prescribe(a, p, 0, w.vector ? a->damping : 0.0, interval, m, s);
+    kick(args, args->damping, &m, interval, 1, with);
+    if (prescribed)
+        m = prescribe(args, p, 0, with.vector ? args->damping : 0.0, interval, m, total);
 
-    if (w.energy) {
-        book_loss(e->damping, a, &m);
-        if (w.gravity) book_work(e->gravity, a, weight, &m);
-        if (pushed) book_work(e->applied, a, applied, &m);
+    if (with.energy) {
+        book_loss(sums->damping, args, &m);
+        if (with.gravity) book_work(sums->gravity, args, weight, &m);
+        if (pushed) book_work(sums->applied, args, applied, &m);
     }
-    if (a->measure) {
-        e->kinetic = e->kinetic + kinetic(a, &m, 1);
-        e->resultant = e->resultant + free_lanes(a, p, prescribed) * gn_sqrt(gn_dot(m.f, m.f, 1));
+    if (args->measure) {
+        sums->kinetic = sums->kinetic + kinetic(args, &m, 1);
+        sums->resultant =
+            sums->resultant + free_lanes(args, p, prescribed) * gn_sqrt(gn_dot(m.f, m.f, 1));
     }
     gn_v speed2 = gn_dot(m.v_new, m.v_new, 1);
-    e->speed2 = gn_max(e->speed2, speed2);
-    if (a->changes) {
+    sums->speed2 = gn_max(sums->speed2, speed2);
+    if (args->changes) {
         gn_v3 change = gn_sub(m.v_new, m.v, 1);
-        e->change2 = gn_max(e->change2, gn_dot(change, change, 1));
+        sums->change2 = gn_max(sums->change2, gn_dot(change, change, 1));
     }
     unsigned bad = gn_bits(gn_not(gn_less(speed2, gn_set(1e300))));
-    if (__builtin_expect(bad != 0, 0)) note_bad(a, p, bad, s);
-    gn_v velocity[4] = {m.v_new.x, m.v_new.y, m.v_new.z, v[3]}, dt = gn_set(a->dt);
+    if (__builtin_expect(bad != 0, 0)) note_bad(args, p, bad, total);
+    gn_v velocity[4] = {m.v_new.x, m.v_new.y, m.v_new.z, v[3]}, dt = gn_set(args->dt);
     gn_v place[4] = {gn_fma(dt, m.v_new.x, x[0]), gn_fma(dt, m.v_new.y, x[1]),
                      gn_fma(dt, m.v_new.z, x[2]), x[3]};
     gn_store_rows4(q->vel + 4 * p, velocity);
     gn_store_rows4(q->pos + 4 * p, place);
     if (GN_BUILT(MIXED) && q->travel_f) {
         gn_v ref[4];
-        load_rows(a->origin ? a->origin : q->ref, p, ref);
+        load_rows(args->origin ? args->origin : q->ref, p, ref);
         gn_v travel[4] = {place[0] - ref[0], place[1] - ref[1], place[2] - ref[2], x[3]};
         gn_store_rows4_single(q->travel_f + 4 * p, travel);
         gn_store_rows4_single(q->vel_f + 4 * p, velocity);
     }
 }
 
-GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size_t k,
-                      bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
-    gn_particles *q = a->particles;
-    double interval = 0.5 * (a->dt_past + a->dt);
+GN_INLINE void rotate(const gn_motion_args *args, size_t p, const double *sum, size_t k,
+                      bool prescribed, lane_sums *sums, gn_motion_sums *total, variant with) {
+    gn_particles *q = args->particles;
+    double interval = 0.5 * (args->dt_past + args->dt);
     gn_v o[4];
     load_rows(q->spin, p, o);
-    motion m = {.inverse = o[3], .v = {o[0], o[1], o[2]}, .f = load_of(sum, k, 1, w)};
+    motion m = {.inverse = o[3], .v = {o[0], o[1], o[2]}, .f = load_of(sum, k, 1, with)};
     m.v_new = m.v;
-    kick(a, a->damping_spin, &m, interval, 1, w);
-    if (prescribed) m = prescribe(a, p, 3, w.vector ? a->damping_spin : 0.0, interval, m, s);
-    if (w.energy) book_loss(e->damping, a, &m);
-    if (a->measure) {
-        e->rotational = e->rotational + kinetic(a, &m, 1);
-        e->spin2 = gn_max(gn_dot(m.v_new, m.v_new, 1), e->spin2);
+    kick(args, args->damping_spin, &m, interval, 1, with);
+    if (prescribed)
+        m = prescribe(args, p, 3, with.vector ? args->damping_spin : 0.0, interval, m, total);
+    if (with.energy) book_loss(sums->damping, args, &m);
+    if (args->measure) {
+        sums->rotational = sums->rotational + kinetic(args, &m, 1);
+        sums->spin2 = gn_max(gn_dot(m.v_new, m.v_new, 1), sums->spin2);
     }
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
     gn_store_rows4(q->spin + 4 * p, spin);
@@ -378,45 +385,46 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     if (GN_BUILT(MIXED) && q->spin_f) gn_store_rows4_single(q->spin_f + 4 * p, spin);
     if (!GN_BUILT(ORIENTATION) || !q->orientation) return;
     for (size_t lane = 0; lane < GN_W && p + lane < q->soa.count; lane++)
-        turn_orientation(q->orientation + 4 * (p + lane), q->spin + 4 * (p + lane), a->dt);
+        turn_orientation(q->orientation + 4 * (p + lane), q->spin + 4 * (p + lane), args->dt);
 }
 
-GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, lane_sums *e,
-                            gn_motion_sums *s, variant w) {
+GN_INLINE void motion_block(const gn_motion_args *args, size_t begin, size_t end, lane_sums *sums,
+                            gn_motion_sums *total, variant with) {
     block_load own;
-    const int32_t slot = a->hold ? a->hold->slot[begin / GN_PARTICLE_BLOCK] : -1;
-    double *sum = slot < 0 ? own.row : a->hold->load + GN_BLOCK_LOAD * (int64_t)slot;
-    if (slot < 0 || a->pass == GN_PASS_GATHER) gather_block(a, begin, end, sum, w);
-    if (slot >= 0 && a->pass == GN_PASS_GATHER) return;
+    const int32_t slot = args->hold ? args->hold->slot[begin / GN_PARTICLE_BLOCK] : -1;
+    double *sum = slot < 0 ? own.row : args->hold->load + GN_BLOCK_LOAD * (int64_t)slot;
+    if (slot < 0 || args->pass == GN_PASS_GATHER) gather_block(args, begin, end, sum, with);
+    if (slot >= 0 && args->pass == GN_PASS_GATHER) return;
     for (size_t p = begin; p < end; p += GN_W) {
-        bool prescribed = GN_BUILT(PRESCRIBED) && a->prescribed && any_prescribed(a, p);
-        translate(a, p, sum, p - begin, prescribed, e, s, w);
-        if (w.rotation) rotate(a, p, sum, p - begin, prescribed, e, s, w);
+        bool prescribed = GN_BUILT(PRESCRIBED) && args->prescribed && any_prescribed(args, p);
+        translate(args, p, sum, p - begin, prescribed, sums, total, with);
+        if (with.rotation) rotate(args, p, sum, p - begin, prescribed, sums, total, with);
     }
 }
 
-GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn_motion_sums *s,
-                           variant w) {
+GN_INLINE void motion_core(const gn_motion_args *args, size_t begin, size_t end,
+                           gn_motion_sums *sums, variant with) {
     gn_v zero = gn_set(0.0);
     lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, zero, zero};
     for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
-        motion_block(a, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, s, w);
-    s->kinetic += gn_fold(e.kinetic);
-    s->rotational += gn_fold(e.rotational);
-    s->resultant += gn_fold(e.resultant);
+        motion_block(args, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, sums,
+                     with);
+    sums->kinetic += gn_fold(e.kinetic);
+    sums->rotational += gn_fold(e.rotational);
+    sums->resultant += gn_fold(e.resultant);
     for (int h = 0; h < 2; h++) {
-        s->damping[h] += gn_fold(e.damping[h]);
-        s->gravity[h] += gn_fold(e.gravity[h]);
-        s->applied[h] += gn_fold(e.applied[h]);
+        sums->damping[h] += gn_fold(e.damping[h]);
+        sums->gravity[h] += gn_fold(e.gravity[h]);
+        sums->applied[h] += gn_fold(e.applied[h]);
     }
     double speed2[GN_W], spin2[GN_W], change2[GN_W];
     gn_store(speed2, e.speed2);
     gn_store(spin2, e.spin2);
     gn_store(change2, e.change2);
     for (int k = 0; k < GN_W; k++) {
-        s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
-        s->spin2 = spin2[k] > s->spin2 ? spin2[k] : s->spin2;
-        s->change2 = change2[k] > s->change2 ? change2[k] : s->change2;
+        sums->speed2 = speed2[k] > sums->speed2 ? speed2[k] : sums->speed2;
+        sums->spin2 = spin2[k] > sums->spin2 ? spin2[k] : sums->spin2;
+        sums->change2 = change2[k] > sums->change2 ? change2[k] : sums->change2;
     }
 }
 

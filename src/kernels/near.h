@@ -1,5 +1,5 @@
-/* Which pairs of a block a contact kernel has to work on, and their columns
- * (particles/active_pairs.h). */
+/* Selection of the pairs of a block on which a contact kernel has to work, and packing of their
+ * columns (particles/active_pairs.h). */
 #ifndef GN_KERNELS_NEAR_H
 #define GN_KERNELS_NEAR_H
 
@@ -8,38 +8,38 @@
 
 #include <stdbool.h>
 
-/* What the functions below look at at once; a byte has its bits. */
+/* Pairs that the functions below process at once; a byte has their bits. */
 enum { GN_NEAR_GROUP = 8 };
 
-/* Of the particles of a block of them: the fiercest collision of all is far from most. */
+/* Bounds for a block of particles: the most violent collision is far from most. */
 typedef struct gn_near_path {
-    double margin; /* m, by which one may come to be elsewhere than its velocity tells */
-    double last;   /* m/s, at most, by which a velocity changed in the last step, */
-    double change; /* and since who acts was found */
-    double way;    /* m, that one went besides for that, at most */
+    double margin; /* m, largest deviation from the position predicted by the velocity */
+    double last;   /* m/s, largest change of a velocity in the last step */
+    double change; /* m/s, largest change of a velocity since the active pairs were found */
+    double drift;  /* m, largest additional displacement by these changes */
 } gn_near_path;
 
 typedef struct gn_near_args {
-    const double *pos, *vel; /* [particles][4] x y z, radius; velocity */
-    const double *soon;      /* rows of four that are read next; NULL: none */
-    const int32_t *i, *j;    /* [count] and padding of GN_LANES_MAX */
-    const int32_t *particle; /* [particles] of the block, as in gn_partials */
+    const double *pos, *vel;  /* [particles][4] x y z, radius; velocity */
+    const double *prefetched; /* rows of four that are read next; NULL: none */
+    const int32_t *i, *j;     /* [count] and padding of GN_LANES_MAX */
+    const int32_t *particle;  /* [particles] of the block, as in gn_partials */
     size_t count, particles;
-    double wider; /* sums of radii are taken so many times as long: no contact is missed */
+    double widening;           /* factor of sums of radii, so that no contact is missed */
     const gn_near_path *paths; /* [blocks of particles, and one with zeros] */
-    double ahead, behind;      /* s, for which these are asked */
+    double ahead, behind;      /* s, intervals for which pairs are selected */
     bool periodic;
     double period[3], inverse_period[3]; /* m, 1/m */
 } gn_near_args;
 
 typedef struct gn_near_kernels {
-    /* Those that touch, or may have done `behind` or less before, or may do within `ahead`, as bits
-     * into `act`; how many. */
+    /* Finds pairs that touch, or may have touched up to `behind` before, or may touch within
+     * `ahead`, as bits in `act`; returns their number. */
     size_t (*find)(const gn_near_args *args, uint8_t *act);
-    /* Doubles, or numbers of 32 bits, of those in `act` from so many groups, one behind the other;
-     * doubles back to where they were, with zeros between them; doubles of those in `was`, packed
-     * elsewhere, as those in `act`, with zeros for who was not there. Behind both ends is room for
-     * a group more. */
+    /* `pack` copies doubles (or 32-bit numbers) of the items in `act` from `groups` groups to a
+     * contiguous array; `unpack` copies doubles back to their places, with zeros between them;
+     * `repack` converts doubles of the items in `was`, packed elsewhere, to those in `act`, with
+     * zeros for new items. Both arrays need room for one group more at the end. */
     void (*pack)(double *to, const double *from, const uint8_t *act, size_t groups);
     void (*pack32)(void *to, const void *from, const uint8_t *act, size_t groups);
     void (*unpack)(double *to, const double *from, const uint8_t *act, size_t groups);

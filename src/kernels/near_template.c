@@ -1,4 +1,5 @@
-/* Which pairs act before long, and their columns: compiled once per instruction set, in double. */
+/* Selection of pairs that act soon, and packing of their columns: compiled once per instruction
+ * set, in double. */
 #include "kernels/near.h"
 
 #include "kernels/block_rows.h"
@@ -6,56 +7,57 @@
 
 _Static_assert(GN_NEAR_GROUP % GN_W == 0, "a group has whole vectors");
 
-/* Of both ends of pairs from c on, one vector. */
-GN_INLINE gn_v margins(const gn_near_args *a, size_t c) {
+/* Returns the margins of both ends of pairs from c on, one vector. */
+GN_INLINE gn_v margins(const gn_near_args *args, size_t c) {
     double both[GN_W];
     for (size_t k = 0; k < GN_W; k++)
-        both[k] = a->paths[(size_t)a->i[c + k] / GN_PARTICLE_BLOCK].margin +
-                  a->paths[(size_t)a->j[c + k] / GN_PARTICLE_BLOCK].margin;
+        both[k] = args->paths[(size_t)args->i[c + k] / GN_PARTICLE_BLOCK].margin +
+                  args->paths[(size_t)args->j[c + k] / GN_PARTICLE_BLOCK].margin;
     return gn_load(both);
 }
 
-/* Of pairs from c on, one vector. Centres at d that move at v against each other are never nearer
- * than d.(d + v t)/|d|, whatever t. */
-GN_INLINE unsigned acting(const gn_near_args *a, size_t c, int periodic) {
+/* Returns the active pairs from c on, one vector. Centres at d with the relative velocity v are
+ * never closer than d.(d + v t)/|d|, for any t. */
+GN_INLINE unsigned acting(const gn_near_args *args, size_t c, int periodic) {
     gn_v p[4], q[4], v[4], d[3], d2 = gn_set(0.0), along = gn_set(0.0);
-    gn_rows4(a->pos, a->i + c, p);
-    gn_rows4(a->pos, a->j + c, q);
-    gn_rows4_less(a->vel, a->j + c, a->i + c, v);
+    gn_rows4(args->pos, args->i + c, p);
+    gn_rows4(args->pos, args->j + c, q);
+    gn_rows4_less(args->vel, args->j + c, args->i + c, v);
     for (int k = 0; k < 3; k++) {
         d[k] = q[k] - p[k];
         if (periodic)
-            d[k] =
-                gn_fnma(gn_set(a->period[k]), gn_round(d[k] * gn_set(a->inverse_period[k])), d[k]);
+            d[k] = gn_fnma(gn_set(args->period[k]),
+                           gn_round(d[k] * gn_set(args->inverse_period[k])), d[k]);
         d2 = gn_fma(d[k], d[k], d2);
         along = gn_fma(d[k], v[k], along);
     }
-    gn_v distance = gn_sqrt(d2), reach = gn_fma(gn_set(a->wider), p[3] + q[3], margins(a, c));
-    gn_v way = gn_max(gn_set(-a->ahead) * along, gn_set(a->behind) * along);
+    gn_v distance = gn_sqrt(d2),
+         reach = gn_fma(gn_set(args->widening), p[3] + q[3], margins(args, c));
+    gn_v way = gn_max(gn_set(-args->ahead) * along, gn_set(args->behind) * along);
     gn_m near = gn_less(distance, reach);
     return gn_bits(gn_or(near, gn_less(distance * (distance - reach), way)));
 }
 
-/* Rows are asked for ahead of the kernel, which goes through the block several times as fast. */
-GN_INLINE size_t find_core(const gn_near_args *a, uint8_t *act, int periodic) {
+/* Rows are prefetched for the kernel, which processes the block several times as fast. */
+GN_INLINE size_t find_core(const gn_near_args *args, uint8_t *act, int periodic) {
     size_t found = 0;
-    gn_block_particles ahead = {a->particle, a->particle + a->particles};
-    const int kinds = a->soon ? 3 : 2;
-    const double *const rows[3] = {a->pos, a->vel, a->soon};
+    gn_block_particles ahead = {args->particle, args->particle + args->particles};
+    const int kinds = args->prefetched ? 3 : 2;
+    const double *const rows[3] = {args->pos, args->vel, args->prefetched};
     gn_fetch_ahead(&ahead, rows, kinds, 16);
-    for (size_t c = 0; c < a->count; c += GN_NEAR_GROUP) {
+    for (size_t c = 0; c < args->count; c += GN_NEAR_GROUP) {
         unsigned now = 0;
         gn_fetch_ahead(&ahead, rows, kinds, 4);
-        for (size_t v = 0; v < GN_NEAR_GROUP; v += GN_W) now |= acting(a, c + v, periodic) << v;
-        if (c + GN_NEAR_GROUP > a->count) now &= (1u << (a->count - c)) - 1u;
+        for (size_t v = 0; v < GN_NEAR_GROUP; v += GN_W) now |= acting(args, c + v, periodic) << v;
+        if (c + GN_NEAR_GROUP > args->count) now &= (1u << (args->count - c)) - 1u;
         act[c / GN_NEAR_GROUP] = (uint8_t)now;
         found += (size_t)__builtin_popcount(now);
     }
     return found;
 }
 
-static size_t find(const gn_near_args *a, uint8_t *act) {
-    return a->periodic ? find_core(a, act, 1) : find_core(a, act, 0);
+static size_t find(const gn_near_args *args, uint8_t *act) {
+    return args->periodic ? find_core(args, act, 1) : find_core(args, act, 0);
 }
 
 static void pack(double *to, const double *from, const uint8_t *act, size_t groups) {

@@ -11,23 +11,23 @@
 
 typedef struct gn_pressure_args {
     gn_particles *nodes;
-    const gn_partials *partials; /* of the elements: who shares what */
-    const double *growth_row;    /* what the dilation kernel wrote */
-    const double *slope_row;     /* what the element kernel wrote beside the partial sums */
+    const gn_partials *partials; /* of the elements: the shares of nodes */
+    const double *growth_row;    /* output of the dilation kernel */
+    const double *slope_row;     /* output of the element kernel in addition to the partial sums */
     double dt_past, dt; /* s: the interval that led here (0 at the start), the coming one */
-    double rate2;       /* 1/s2: how fast the stabilising pressure follows */
+    double rate2;       /* 1/s2: squared rate at which the stabilising pressure follows */
     double damping;     /* 1/s: of the stabilising pressure */
-    bool book;          /* energies are asked for */
+    bool book;          /* energies are requested */
 } gn_pressure_args;
 
-/* J: what pressures hold, what was lost by damping the stabilising one. */
+/* Energies of the pressures, J: stored, and lost by damping of the stabilising one. */
 typedef struct gn_pressure_sums {
     double elastic, damping;
 } gn_pressure_sums;
 
-/* Nodes [begin, end) of one block. First pass: pressures from growth and stabilising term. Second
- * pass, after the nodes have moved: the stabilising pressure over the coming interval. Both add to
- * *sums, with `book`. */
+/* Process nodes [begin, end) of one block. The first pass computes pressures from growth and
+ * stabilising term. The second, after the nodes have moved, integrates the stabilising pressure
+ * over the coming interval. Both add to *sums, with `book`. */
 typedef void gn_pressure_kernel(const gn_pressure_args *args, size_t begin, size_t end,
                                 gn_pressure_sums *sums);
 

@@ -1,8 +1,8 @@
-/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) is the header of
- * the instruction set's backend; GN_MIXED 1 takes single precision, with twice the lanes.
- * Arithmetic is by the operators + - * / on gn_v, which round every operation on its own (no
- * contraction), and by gn_fma and gn_fnma, which round once where they are written, so that all
- * backends give the same bits lane by lane.
+/* The SIMD vocabulary in which kernels are written. GN_SIMD (set by the build) is the header of the
+ * instruction set's backend; GN_MIXED 1 selects single precision, with twice the lanes. Arithmetic
+ * uses the operators + - * / on gn_v, which round every operation separately (no contraction), and
+ * gn_fma and gn_fnma, which round once where they are written, so that all backends give the same
+ * bits lane by lane.
  *
  * gn_real: double or float; gn_v: GN_W of them; gn_m: a mask of GN_W lanes. */
 #ifndef GN_KERNELS_SIMD_H
@@ -16,7 +16,7 @@
 
 #if GN_MIXED
 typedef float gn_real;
-#define GN_TINY           1e-30 /* smaller than any stiffness or length, its inverse finite */
+#define GN_TINY           1e-30 /* smaller than any stiffness or length, with a finite inverse */
 #define GN_MATH(function) function##f
 #else
 typedef double gn_real;
@@ -32,7 +32,7 @@ typedef double gn_real;
 #include "kernels/simd_sums.h"
 #endif
 
-/* Lane k gets the four numbers of row index[k]. */
+/* Loads the four numbers of row index[k] into lane k. */
 GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
     gn_v r[4];
     gn_gather4(rows, index, r);
@@ -47,14 +47,14 @@ GN_INLINE void gn_gather4_every(const gn_real *rows, int step, gn_v out[4]) {
 }
 #endif
 
-/* Lane k gets row step * k, of a literal step. */
+/* Loads row step * k into lane k, for a literal step. */
 GN_INLINE void gn_rows4_every(const gn_real *rows, int step, gn_v out[4]) {
     gn_v r[4];
     gn_gather4_every(rows, step, r);
     gn_columns4(r, out);
 }
 
-/* Lane k gets row index[k] less the row that `first` (gathered) has for it. */
+/* Loads the difference of row index[k] and the row of `first` (gathered) into lane k. */
 GN_INLINE void gn_rows4_beyond(const gn_real *rows, const int32_t *index, const gn_v first[4],
                                gn_v out[4]) {
     gn_v r[4];
@@ -63,7 +63,8 @@ GN_INLINE void gn_rows4_beyond(const gn_real *rows, const int32_t *index, const 
     gn_columns4(r, out);
 }
 
-/* Lane k gets row index[k] less row from[k]: one turn into columns instead of two. */
+/* Loads the difference of rows index[k] and from[k] into lane k: one transposition instead of
+ * two. */
 GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const int32_t *from,
                              gn_v out[4]) {
     gn_v first[4];
@@ -71,7 +72,7 @@ GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const in
     gn_rows4_beyond(rows, index, first, out);
 }
 
-/* Lane k gets the sum of rows index[0][k], index[1][k], ... */
+/* Loads the sum of rows index[0][k], index[1][k], ... into lane k. */
 GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, int count,
                             gn_v out[4]) {
     gn_v r[4], s[4];
@@ -83,18 +84,19 @@ GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, in
     gn_columns4(r, out);
 }
 
-/* Where a parameter that may be the same everywhere (`uniform` all ones, else 0) is read. */
+/* Returns the place at which a parameter that may be uniform (`uniform` all ones, else 0) is
+ * read. */
 GN_INLINE size_t gn_column_at(size_t item, size_t uniform) {
     return item & ~uniform;
 }
 
-/* a if the literal holds, else b. (A conditional expression does not take products of vector
- * types.) */
+/* Returns a if the literal holds, else b. (A conditional expression does not accept products of
+ * vector types.) */
 GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {
     return literal ? a : b;
 }
 
-/* Sum of the lanes, in lane order. */
+/* Returns the sum of the lanes, in lane order. */
 GN_INLINE double gn_fold(gn_v v) {
     double lanes[GN_W], sum = 0.0;
     gn_store_wide(lanes, v);
@@ -107,9 +109,9 @@ typedef struct gn_v3 {
     gn_v x, y, z;
 } gn_v3;
 
-/* `space` is a literal: 1 in 3D, 0 in 2D. Exchanging the two particles of a contact flips signs of
- * some arguments; every function below then gives the same number with the same or the opposite
- * sign, fused products included. */
+/* Vector functions; `space` is a literal: 1 in 3D, 0 in 2D. Exchanging the two particles of a
+ * contact flips signs of some arguments; every function below then gives the same number with the
+ * same or the opposite sign, fused products included. */
 GN_INLINE gn_v gn_dot(gn_v3 a, gn_v3 b, int space) {
     gn_v s = gn_fma(a.y, b.y, a.x * b.x);
     if (space) s = gn_fma(a.z, b.z, s);

@@ -58,7 +58,7 @@ GN_INLINE unsigned gn_bits(gn_m m) {
     return (unsigned)_mm256_movemask_ps(m);
 }
 
-/* In both 128-bit parts, four rows of four as four columns, and back. */
+/* Transposes four rows of four into columns in both 128-bit parts; it is its own inverse. */
 GN_INLINE void gn_transpose_parts(const gn_v in[4], gn_v out[4]) {
     __m256d t0 = _mm256_castps_pd(_mm256_unpacklo_ps(in[0], in[1]));
     __m256d t1 = _mm256_castps_pd(_mm256_unpackhi_ps(in[0], in[1]));

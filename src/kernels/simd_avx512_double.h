@@ -44,13 +44,13 @@ GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
     return _mm512_maskz_mov_pd(m, a);
 }
 
-/* Two 32-byte rows in one register. */
+/* Returns two 32-byte rows in one register. */
 GN_INLINE gn_v gn_pair(const double *low, const double *high) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high),
                               1);
 }
 
-/* Registers with rows (0,2), (1,3), (4,6), (5,7). */
+/* Gathers registers with rows (0,2), (1,3), (4,6), (5,7). */
 GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
     static const int first[4] = {0, 1, 4, 5};
     for (int k = 0; k < 4; k++)
@@ -76,7 +76,7 @@ GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
     out[3] = _mm512_shuffle_f64x2(t1, t3, 0xDD);
 }
 
-/* Out: registers with rows (0,2), (1,3), (4,6), (5,7) of the eight lanes. */
+/* Converts columns to registers with rows (0,2), (1,3), (4,6), (5,7) of the eight lanes. */
 GN_INLINE void gn_columns_to_pairs(const gn_v in[4], gn_v out[4]) {
     gn_v u0 = _mm512_unpacklo_pd(in[0], in[1]), u1 = _mm512_unpackhi_pd(in[0], in[1]);
     gn_v u2 = _mm512_unpacklo_pd(in[2], in[3]), u3 = _mm512_unpackhi_pd(in[2], in[3]);
@@ -104,7 +104,7 @@ GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {
     gn_store_pairs(rows, 4, pairs);
 }
 
-/* Both halves of rows (0,2), (1,3), (4,6), (5,7): stores take what shuffles would have to join. */
+/* Stores both halves of rows (0,2), (1,3), (4,6), (5,7) separately, which saves shuffles. */
 GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
     gn_v low[4], high[4];
     gn_columns_to_pairs(in, low);

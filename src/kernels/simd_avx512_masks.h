@@ -1,4 +1,4 @@
-/* Masks of either precision are bits in a mask register; gn_m is theirs. */
+/* Masks of either precision are bits in a mask register, of type gn_m. */
 #ifndef GN_KERNELS_SIMD_AVX512_MASKS_H
 #define GN_KERNELS_SIMD_AVX512_MASKS_H
 

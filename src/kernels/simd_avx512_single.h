@@ -44,7 +44,7 @@ GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
     return _mm512_maskz_mov_ps(m, a);
 }
 
-/* In every 128-bit part, four rows of four as four columns, and back. */
+/* Transposes four rows of four into columns in every 128-bit part; it is its own inverse. */
 GN_INLINE void gn_transpose_parts(const gn_v in[4], gn_v out[4]) {
     __m512d t0 = _mm512_castps_pd(_mm512_unpacklo_ps(in[0], in[1]));
     __m512d t1 = _mm512_castps_pd(_mm512_unpackhi_ps(in[0], in[1]));
@@ -56,7 +56,7 @@ GN_INLINE void gn_transpose_parts(const gn_v in[4], gn_v out[4]) {
     out[3] = _mm512_castpd_ps(_mm512_unpackhi_pd(t1, t3));
 }
 
-/* Rows index[0], index[4], index[8], index[12] in the four parts. */
+/* Returns rows index[0], index[4], index[8], index[12] in the four parts. */
 GN_INLINE gn_v gn_quad(const float *rows, const int32_t *index) {
     gn_v r = _mm512_castps128_ps512(_mm_loadu_ps(rows + 4 * (int64_t)index[0]));
     r = _mm512_mask_broadcast_f32x4(r, 0x00F0, _mm_loadu_ps(rows + 4 * (int64_t)index[4]));

@@ -19,7 +19,7 @@ GN_INLINE gn_m gn_or(gn_m a, gn_m b) {
 GN_INLINE gn_m gn_not(gn_m a) {
     return ~a;
 }
-/* As the scalar backend: b where either is not a number. */
+/* Returns b if either is NaN, as the scalar backend does. */
 GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
     return gn_where(gn_less(b, a), a, b);
 }

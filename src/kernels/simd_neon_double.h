@@ -43,12 +43,13 @@ GN_INLINE unsigned gn_bits(gn_m m) {
     return (unsigned)((vgetq_lane_u64(m, 0) & 1) | (vgetq_lane_u64(m, 1) & 2));
 }
 
-/* Registers 0 and 1: first halves of rows index[0] and index[1]; 2 and 3: second halves. */
+/* Gathers first halves of rows index[0] and index[1] in registers 0 and 1, second halves in 2 and
+ * 3. */
 GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
     for (int k = 0; k < 4; k++) out[k] = gn_load(rows + 4 * (int64_t)index[k % 2] + k / 2 * 2);
 }
 
-/* Two by two, lanes and registers change places: halves of rows to columns, and back. */
+/* Transposes pairs of registers: halves of rows to columns, and back. */
 GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
     for (int k = 0; k < 4; k += 2) {
         out[k] = vzip1q_f64(in[k], in[k + 1]);

@@ -48,7 +48,7 @@ GN_INLINE void gn_gather4(const float *rows, const int32_t *index, gn_v out[4]) 
     for (int k = 0; k < 4; k++) out[k] = gn_load(rows + 4 * (int64_t)index[k]);
 }
 
-/* Four rows of four as four columns, and back. */
+/* Transposes four rows of four into columns; it is its own inverse. */
 GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
     float64x2_t t0 = vreinterpretq_f64_f32(vzip1q_f32(in[0], in[1]));
     float64x2_t t1 = vreinterpretq_f64_f32(vzip2q_f32(in[0], in[1]));

@@ -1,5 +1,5 @@
 /* Scalar backend: one lane, plain C. Every other backend must agree with it bit for bit in the same
- * precision; in double it is the oracle of everything. */
+ * precision; in double it is the reference of everything. */
 #ifndef GN_KERNELS_SIMD_SCALAR_H
 #define GN_KERNELS_SIMD_SCALAR_H
 
@@ -63,8 +63,8 @@ GN_INLINE unsigned gn_bits(gn_m m) {
     return m ? 1u : 0u;
 }
 
-/* Rows index[0], index[1], ... as they lie in memory, in an order that suits the backend, and as
- * columns: lane k has the numbers of row index[k]. */
+/* Gathers rows index[0], index[1], ... in an order that suits the backend, and as columns: lane k
+ * has the numbers of row index[k]. */
 GN_INLINE void gn_gather4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
     const gn_real *row = rows + 4 * (int64_t)index[0];
     for (int k = 0; k < 4; k++) out[k] = row[k];
@@ -73,7 +73,7 @@ GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
     for (int k = 0; k < 4; k++) out[k] = in[k];
 }
 
-/* Row k gets lane k of the four (eight) vectors. */
+/* Stores lane k of the four (eight) vectors in row k. */
 GN_INLINE void gn_store_rows4(gn_real *rows, const gn_v in[4]) {
     for (int k = 0; k < 4; k++) rows[k] = in[k];
 }
@@ -81,12 +81,12 @@ GN_INLINE void gn_store_rows8(gn_real *rows, const gn_v in[8]) {
     for (int k = 0; k < 8; k++) rows[k] = in[k];
 }
 
-/* The lanes as doubles. */
+/* Stores the lanes as doubles. */
 GN_INLINE void gn_store_wide(double *p, gn_v a) {
     *p = a;
 }
 
-/* Rows in single precision. */
+/* Stores rows in single precision. */
 GN_INLINE void gn_store_rows4_single(float *rows, const gn_v in[4]) {
     for (int k = 0; k < 4; k++) rows[k] = (float)in[k];
 }

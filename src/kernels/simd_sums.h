@@ -1,7 +1,7 @@
-/* Adding a contact's row to those of its two particles (an element's rows to those of its nodes):
- * force with opposite signs; moment times the arms, when there are any. Rows of the kernel's
- * precision; sums of contacts too, those of elements in double. Every product is fused with its
- * sum, in every backend. This is for backends that do not bring their own (GN_OWN_SUMS).
+/* Adds a contact's row to those of its two particles (an element's rows to those of its nodes):
+ * force with opposite signs; moment times the arms, if there are any. Rows have the kernel's
+ * precision; sums of contacts too, those of elements are double. Every product is fused with its
+ * sum, in every backend. This is for backends without their own version (GN_OWN_SUMS).
  *
  * Width 8: force xyz, 0, moment xyz, 0. Width 4: force xyz, 0; with arms (2D) force xy, moment z,
  * 0. */

@@ -1,4 +1,4 @@
-/* What kernels/simd_sums.h does, in registers of AVX2 and AVX-512. */
+/* The functions of kernels/simd_sums.h in registers of AVX2 and AVX-512. */
 #ifndef GN_KERNELS_SIMD_X86_SUMS_H
 #define GN_KERNELS_SIMD_X86_SUMS_H
 

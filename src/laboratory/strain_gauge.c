@@ -124,7 +124,7 @@ static gneiss_status renew(const gn_step_context *ctx, gn_dem *dem, gn_gauge *ga
     if (!counts) return no_room(q->soa.count, error);
     gn_strain_gauge_free(&gauge->weights);
     if (find_rest(ctx, dem, gauge, counts))
-        status = gn_strain_gauge_soon(q, counts, (int)ctx->scene.dimension, &gauge->weights, error);
+        status = gn_strain_gauge_fast(q, counts, (int)ctx->scene.dimension, &gauge->weights, error);
     gn_free(counts);
     return status;
 }

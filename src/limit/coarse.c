@@ -9,53 +9,53 @@
 
 enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 64 };
 
-/* Motions of which a pivot is below this part of its diagonal are left to the particles: next to
- * nothing resists them (a disc that rolls between plates), and a load of theirs that is only what
- * an iteration left over would move them far. */
+/* Pivots below this fraction of their diagonal are left to the particles: such a motion has almost
+ * no stiffness (a disc that rolls between plates), and the residual load of an iteration would move
+ * it far. */
 static const double no_pivot = 1e-4;
 
-static size_t group_of(const gn_coarse *c, size_t p) {
-    size_t g = p * c->groups / c->particles;
-    while (p < gn_coarse_first(c, g)) g--;
-    while (p >= gn_coarse_first(c, g + 1)) g++;
+static size_t group_of(const gn_coarse *coarse, size_t p) {
+    size_t g = p * coarse->groups / coarse->particles;
+    while (p < gn_coarse_first(coarse, g)) g--;
+    while (p >= gn_coarse_first(coarse, g + 1)) g++;
     return g;
 }
 
-static void take_arms(gn_coarse *c, size_t g, const double *pos) {
-    size_t first = gn_coarse_first(c, g), end = gn_coarse_first(c, g + 1);
+static void take_arms(gn_coarse *coarse, size_t g, const double *pos) {
+    size_t first = gn_coarse_first(coarse, g), end = gn_coarse_first(coarse, g + 1);
     for (size_t a = 0; a < 3; a++) {
         double sum = 0.0;
         for (size_t p = first; p < end; p++) sum += pos[4 * p + a];
         for (size_t p = first; p < end; p++)
-            c->arm[3 * p + a] = pos[4 * p + a] - sum / (double)(end - first);
+            coarse->arm[3 * p + a] = pos[4 * p + a] - sum / (double)(end - first);
     }
 }
 
-gneiss_status gn_coarse_create(gn_coarse *c, size_t particles, const double *pos,
+gneiss_status gn_coarse_create(gn_coarse *coarse, size_t particles, const double *pos,
                                gneiss_error *error) {
     size_t groups = particles / GROUP_LEAST, most = GROUPS_MOST;
     groups = groups < most ? groups : most;
-    *c = (gn_coarse){.particles = particles, .groups = groups, .n = N * groups};
+    *coarse = (gn_coarse){.particles = particles, .groups = groups, .n = N * groups};
     if (!groups) return GNEISS_OK;
-    c->arm = gn_alloc_array(particles, 3 * sizeof *c->arm);
-    c->factor = gn_alloc_array(c->n * c->n, sizeof *c->factor);
-    c->x = gn_alloc_array(c->n, sizeof *c->x);
-    if (!c->arm || !c->factor || !c->x)
+    coarse->arm = gn_alloc_array(particles, 3 * sizeof *coarse->arm);
+    coarse->factor = gn_alloc_array(coarse->n * coarse->n, sizeof *coarse->factor);
+    coarse->x = gn_alloc_array(coarse->n, sizeof *coarse->x);
+    if (!coarse->arm || !coarse->factor || !coarse->x)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu groups of particles", groups);
-    for (size_t g = 0; g < groups; g++) take_arms(c, g, pos);
+    for (size_t g = 0; g < groups; g++) take_arms(coarse, g, pos);
     return GNEISS_OK;
 }
 
-void gn_coarse_free(gn_coarse *c) {
-    gn_free(c->arm);
-    gn_free(c->factor);
-    gn_free(c->x);
-    *c = (gn_coarse){0};
+void gn_coarse_free(gn_coarse *coarse) {
+    gn_free(coarse->arm);
+    gn_free(coarse->factor);
+    gn_free(coarse->x);
+    *coarse = (gn_coarse){0};
 }
 
-/* e of the six motions of the group of p: along each axis, about each axis. */
-static void motions(const gn_coarse *c, size_t p, const double by[6][3], double e[6][3]) {
-    const double *d = c->arm + 3 * p;
+/* Computes e of the six motions of the group of p: along each axis, about each axis. */
+static void motions(const gn_coarse *coarse, size_t p, const double by[6][3], double e[6][3]) {
+    const double *d = coarse->arm + 3 * p;
     for (int k = 0; k < 3; k++) {
         e[0][k] = by[0][k];
         e[1][k] = by[1][k];
@@ -66,53 +66,54 @@ static void motions(const gn_coarse *c, size_t p, const double by[6][3], double 
     }
 }
 
-/* What such motions are resisted with. */
-static void pulls(const gn_coarse_spring *s, const double e[6][3], double q[6][3]) {
+/* Computes the forces that resist these motions. */
+static void pulls(const gn_coarse_spring *spring, const double e[6][3], double q[6][3]) {
     for (int m = 0; m < N; m++) {
-        double along = (s->kn - s->kt) * gn_dot3(e[m], s->n);
-        for (int k = 0; k < 3; k++) q[m][k] = s->kt * e[m][k] + along * s->n[k];
+        double along = (spring->kn - spring->kt) * gn_dot3(e[m], spring->n);
+        for (int k = 0; k < 3; k++) q[m][k] = spring->kt * e[m][k] + along * spring->n[k];
     }
 }
 
-static void add_block(gn_coarse *c, size_t g, size_t h, const double e[6][3],
+static void add_block(gn_coarse *coarse, size_t g, size_t h, const double e[6][3],
                       const double q[6][3]) {
     for (size_t a = 0; a < N; a++) {
-        double *row = c->factor + (N * g + a) * c->n + N * h;
+        double *row = coarse->factor + (N * g + a) * coarse->n + N * h;
         for (size_t b = 0; b < N; b++) row[b] += gn_dot3(e[a], q[b]);
     }
 }
 
-void gn_coarse_add(gn_coarse *c, const gn_coarse_spring *s) {
-    size_t g = group_of(c, (size_t)s->p), h = s->q < 0 ? g : group_of(c, (size_t)s->q);
+void gn_coarse_add(gn_coarse *coarse, const gn_coarse_spring *spring) {
+    size_t g = group_of(coarse, (size_t)spring->p),
+           h = spring->q < 0 ? g : group_of(coarse, (size_t)spring->q);
     double e[6][3], q[6][3], other[6][3], other_q[6][3];
-    motions(c, (size_t)s->p, s->by_p, e);
-    if (s->q >= 0) motions(c, (size_t)s->q, s->by_q, other);
-    for (int m = 0; m < N && s->q >= 0 && g == h; m++)
+    motions(coarse, (size_t)spring->p, spring->by_p, e);
+    if (spring->q >= 0) motions(coarse, (size_t)spring->q, spring->by_q, other);
+    for (int m = 0; m < N && spring->q >= 0 && g == h; m++)
         for (int k = 0; k < 3; k++) e[m][k] += other[m][k];
-    pulls(s, e, q);
-    add_block(c, g, g, e, q);
+    pulls(spring, e, q);
+    add_block(coarse, g, g, e, q);
     if (g == h) return;
-    pulls(s, other, other_q);
-    add_block(c, h, h, other, other_q);
+    pulls(spring, other, other_q);
+    add_block(coarse, h, h, other, other_q);
     if (g > h)
-        add_block(c, g, h, e, other_q);
+        add_block(coarse, g, h, e, other_q);
     else
-        add_block(c, h, g, other, q);
+        add_block(coarse, h, g, other, q);
 }
 
-void gn_coarse_ground(gn_coarse *c, size_t p, const double ground[6]) {
-    size_t g = group_of(c, p);
+void gn_coarse_ground(gn_coarse *coarse, size_t p, const double ground[6]) {
+    size_t g = group_of(coarse, p);
     for (int axis = 0; axis < N; axis++) {
         double by[6][3] = {{0}}, e[6][3], q[6][3];
         by[axis][0] = 1.0;
-        motions(c, p, by, e);
+        motions(coarse, p, by, e);
         for (int m = 0; m < N; m++)
             for (int k = 0; k < 3; k++) q[m][k] = ground[axis] * e[m][k];
-        add_block(c, g, g, e, q);
+        add_block(coarse, g, g, e, q);
     }
 }
 
-/* Four sums at a time: one would wait for each of its additions. */
+/* Forms four sums at a time, since one would wait for each of its additions. */
 static double dot(const double *x, const double *y, size_t n) {
     double sum[4] = {0.0};
     size_t k = 0;
@@ -122,13 +123,13 @@ static double dot(const double *x, const double *y, size_t n) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* Row by row, so that the inner loops run along memory. */
-void gn_coarse_factor(gn_coarse *c) {
-    const size_t n = c->n;
+/* Factors row by row, so that the inner loops run along memory. */
+void gn_coarse_factor(gn_coarse *coarse) {
+    const size_t n = coarse->n;
     for (size_t k = 0; k < n; k++) {
-        double *row = c->factor + k * n, diagonal = row[k];
+        double *row = coarse->factor + k * n, diagonal = row[k];
         for (size_t a = 0; a < k; a++) {
-            const double *above = c->factor + a * n;
+            const double *above = coarse->factor + a * n;
             row[a] = above[a] > 0.0 ? (row[a] - dot(row, above, a)) / above[a] : 0.0;
         }
         double pivot = diagonal - dot(row, row, k);
@@ -136,38 +137,38 @@ void gn_coarse_factor(gn_coarse *c) {
     }
 }
 
-void gn_coarse_gather(const gn_coarse *c, size_t g, const double *r, const uint8_t *free) {
+void gn_coarse_gather(const gn_coarse *coarse, size_t g, const double *r, const uint8_t *free) {
     double sum[N] = {0.0};
-    for (size_t p = gn_coarse_first(c, g); p < gn_coarse_first(c, g + 1); p++) {
+    for (size_t p = gn_coarse_first(coarse, g); p < gn_coarse_first(coarse, g + 1); p++) {
         double f[N], turn[3];
         for (size_t a = 0; a < N; a++) f[a] = free[p] >> a & 1 ? r[N * p + a] : 0.0;
-        gn_cross3(c->arm + 3 * p, f, turn);
+        gn_cross3(coarse->arm + 3 * p, f, turn);
         for (size_t a = 0; a < 3; a++) {
             sum[a] += f[a];
             sum[3 + a] += f[3 + a] + turn[a];
         }
     }
-    memcpy(c->x + N * g, sum, sizeof sum);
+    memcpy(coarse->x + N * g, sum, sizeof sum);
 }
 
-void gn_coarse_solve(const gn_coarse *c) {
-    const size_t n = c->n;
+void gn_coarse_solve(const gn_coarse *coarse) {
+    const size_t n = coarse->n;
     for (size_t k = 0; k < n; k++) {
-        const double *row = c->factor + k * n;
-        c->x[k] = row[k] > 0.0 ? (c->x[k] - dot(row, c->x, k)) / row[k] : 0.0;
+        const double *row = coarse->factor + k * n;
+        coarse->x[k] = row[k] > 0.0 ? (coarse->x[k] - dot(row, coarse->x, k)) / row[k] : 0.0;
     }
     for (size_t k = n; k-- > 0;) {
-        const double *row = c->factor + k * n;
-        double x = row[k] > 0.0 ? c->x[k] / row[k] : 0.0;
-        for (size_t b = 0; b < k; b++) c->x[b] -= row[b] * x;
-        c->x[k] = x;
+        const double *row = coarse->factor + k * n;
+        double x = row[k] > 0.0 ? coarse->x[k] / row[k] : 0.0;
+        for (size_t b = 0; b < k; b++) coarse->x[b] -= row[b] * x;
+        coarse->x[k] = x;
     }
 }
 
-void gn_coarse_spread(const gn_coarse *c, size_t p, unsigned free, double *z) {
-    const double *x = c->x + N * group_of(c, p), *w = x + 3;
+void gn_coarse_spread(const gn_coarse *coarse, size_t p, unsigned free, double *z) {
+    const double *x = coarse->x + N * group_of(coarse, p), *w = x + 3;
     double turn[3];
-    gn_cross3(w, c->arm + 3 * p, turn);
+    gn_cross3(w, coarse->arm + 3 * p, turn);
     for (int a = 0; a < 3; a++) {
         if (free >> a & 1) z[a] += x[a] + turn[a];
         if (free >> (3 + a) & 1) z[3 + a] += w[a];

@@ -1,6 +1,6 @@
-/* What a preconditioner that looks at single particles cannot see: how groups of neighbours move
- * against each other. Every group takes part with its rigid motions, which makes a small dense
- * system (the coarse level of Nicolaides 1987; Smith, Bjorstad & Gropp 1996, ch. 2). */
+/* The coarse level of a preconditioner: relative motions of groups of neighbours, which the blocks
+ * of single particles do not resolve. Every group has its rigid motions as unknowns, which gives a
+ * small dense system (the coarse level of Nicolaides 1987; Smith, Bjorstad & Gropp 1996, ch. 2). */
 #ifndef GN_LIMIT_COARSE_H
 #define GN_LIMIT_COARSE_H
 
@@ -11,40 +11,40 @@
 
 typedef struct gn_coarse {
     size_t particles, groups, n; /* n = 6 groups */
-    double *arm;                 /* [particles][3] from the middle of its group, m */
-    double *factor;              /* [n][n] Cholesky's, lower triangle */
+    double *arm;                 /* [particles][3] from the centre of its group, m */
+    double *factor;              /* [n][n] Cholesky factor, lower triangle */
     double *x;                   /* [n] right-hand side and solution */
 } gn_coarse;
 
-/* Groups are runs of particles as they are numbered, which is along a space-filling curve. `pos`
+/* Creates groups of consecutive particles, which are numbered along a space-filling curve. `pos`
  * [particles][4]. */
-gneiss_status gn_coarse_create(gn_coarse *c, size_t particles, const double *pos,
+gneiss_status gn_coarse_create(gn_coarse *coarse, size_t particles, const double *pos,
                                gneiss_error *error);
-void gn_coarse_free(gn_coarse *c);
+void gn_coarse_free(gn_coarse *coarse);
 
-/* The spring of energy 1/2 e.(k_t e + (k_n - k_t)(e.n) n), e = sum of by_p[k] u_p[k] and by_q[k]
+/* A spring of energy 1/2 e.(k_t e + (k_n - k_t)(e.n) n), e = sum of by_p[k] u_p[k] and by_q[k]
  * u_q[k], k over the six components of each; q < 0: of p alone. */
 typedef struct gn_coarse_spring {
     int32_t p, q;
     double n[3], kn, kt;
     double by_p[6][3], by_q[6][3];
 } gn_coarse_spring;
-void gn_coarse_add(gn_coarse *c, const gn_coarse_spring *s);
-/* What resists every component of a particle by itself. */
-void gn_coarse_ground(gn_coarse *c, size_t p, const double ground[6]);
+void gn_coarse_add(gn_coarse *coarse, const gn_coarse_spring *spring);
+/* Adds a resistance to each component of a particle. */
+void gn_coarse_ground(gn_coarse *coarse, size_t p, const double ground[6]);
 
-/* After all springs. */
-void gn_coarse_factor(gn_coarse *c);
+/* Factors the matrix after all springs were added. */
+void gn_coarse_factor(gn_coarse *coarse);
 
-/* x of group g = the sum over its particles of what `r` [particles][6] does on its motions. */
-void gn_coarse_gather(const gn_coarse *c, size_t g, const double *r, const uint8_t *free);
+/* x of group g = the work of `r` [particles][6] on its motions, summed over its particles. */
+void gn_coarse_gather(const gn_coarse *coarse, size_t g, const double *r, const uint8_t *free);
 /* x = K^-1 x */
-void gn_coarse_solve(const gn_coarse *c);
-/* z [6] of particle p += its part in the motion of its group. */
-void gn_coarse_spread(const gn_coarse *c, size_t p, unsigned free, double *z);
+void gn_coarse_solve(const gn_coarse *coarse);
+/* Adds the motion of its group to z [6] of particle p. */
+void gn_coarse_spread(const gn_coarse *coarse, size_t p, unsigned free, double *z);
 
-static inline size_t gn_coarse_first(const gn_coarse *c, size_t g) {
-    return c->particles * g / c->groups;
+static inline size_t gn_coarse_first(const gn_coarse *coarse, size_t g) {
+    return coarse->particles * g / coarse->groups;
 }
 
 #endif

@@ -3,12 +3,12 @@
 #include "base/memory.h"
 #include "limit/springs.h"
 
-/* Uniform in [-1, 1), from the place alone. */
+/* Returns a number uniformly distributed in [-1, 1), from the place alone. */
 static double noise(size_t place) {
-    return (double)((int64_t)gn_scramble(place) >> 11) * 0x1p-52;
+    return (double)((int64_t)gn_hash_place(place) >> 11) * 0x1p-52;
 }
 
-/* At one tau. */
+/* The operator at one tau. */
 typedef struct instant {
     const gn_damped *system;
     double viscosity;
@@ -24,36 +24,36 @@ static void metric_at(const void *context, const double *x, double *out) {
     at->system->metric(at->system->context, x, out);
 }
 
-static gn_eigen_system eigen_system(const gn_damped *y, const instant *at) {
-    return (gn_eigen_system){.n = y->count,
+static gn_eigen_system eigen_system(const gn_damped *system, const instant *at) {
+    return (gn_eigen_system){.n = system->count,
                              .apply = apply_at,
-                             .metric = y->metric ? metric_at : NULL,
+                             .metric = system->metric ? metric_at : NULL,
                              .context = at,
-                             .place = y->place,
-                             .threads = y->threads};
+                             .place = system->place,
+                             .threads = system->threads};
 }
 
-/* x . S x for S = stiffness A + viscosity B and unit x. */
-static double quotient(const gn_damped *y, double stiffness, double viscosity, const double *x,
+/* Returns x . S x for S = stiffness A + viscosity B and unit x. */
+static double quotient(const gn_damped *system, double stiffness, double viscosity, const double *x,
                        double *scratch) {
-    double *weighed = scratch + y->count;
-    y->apply(y->context, stiffness, viscosity, x, scratch);
-    if (y->metric) y->metric(y->context, x, weighed);
-    const gn_eigen_system sums = eigen_system(y, NULL);
-    return gn_eigen_dot_of(&sums, y->metric ? weighed : x, scratch);
+    double *weighed = scratch + system->count;
+    system->apply(system->context, stiffness, viscosity, x, scratch);
+    if (system->metric) system->metric(system->context, x, weighed);
+    const gn_eigen_system sums = eigen_system(system, NULL);
+    return gn_eigen_dot_of(&sums, system->metric ? weighed : x, scratch);
 }
 
-/* One search at tau from the start in x; top->rate becomes the new one. */
-static gneiss_status search(const gn_damped *y, double tau, double tolerance, double *x,
+/* Does one search at tau from the start x; top->rate is the resulting rate. */
+static gneiss_status search(const gn_damped *damped, double tau, double tolerance, double *x,
                             double *scratch, gn_damped_top *top, gneiss_error *error) {
-    const instant at = {y, 2.0 * tau};
+    const instant at = {damped, 2.0 * tau};
     gn_eigen_top found;
-    const gn_eigen_system system = eigen_system(y, &at);
+    const gn_eigen_system system = eigen_system(damped, &at);
     GN_TRY(gn_eigen_largest_of(&system, tolerance, x, &found, error));
     double a = found.value, b = 0.0;
-    if (y->damped) {
-        a = tau == 0.0 ? found.value : quotient(y, 1.0, 0.0, x, scratch);
-        b = quotient(y, 0.0, 1.0, x, scratch);
+    if (damped->damped) {
+        a = tau == 0.0 ? found.value : quotient(damped, 1.0, 0.0, x, scratch);
+        b = quotient(damped, 0.0, 1.0, x, scratch);
     }
     if (tau == 0.0) top->frequency = sqrt(found.value);
     top->vectors += found.vectors;
@@ -62,40 +62,42 @@ static gneiss_status search(const gn_damped *y, double tau, double tolerance, do
     return GNEISS_OK;
 }
 
-/* Places in the longer vector of which these entries may be: what is found does not depend on it.
- */
-static size_t place_of(const gn_damped *y, size_t k) {
-    return y->place ? y->place[k] : k;
+/* Returns the place in the longer vector, so that the result does not depend on the selection of
+ * entries. */
+static size_t place_of(const gn_damped *system, size_t k) {
+    return system->place ? system->place[k] : k;
 }
 
-static gneiss_status climb(const gn_damped *y, double tolerance, double *x, double *scratch,
+static gneiss_status climb(const gn_damped *system, double tolerance, double *x, double *scratch,
                            gn_damped_top *top, gneiss_error *error) {
-    const size_t n = y->count, whole = y->place ? y->whole : n;
+    const size_t n = system->count, whole = system->place ? system->whole : n;
     double tau = 0.0;
-    for (size_t k = 0; k < n; k++) x[k] = y->moves[k] > 0.0 ? noise(place_of(y, k)) : 0.0;
-    GN_TRY(search(y, 0.0, tolerance, x, scratch, top, error));
-    /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
+    for (size_t k = 0; k < n; k++) x[k] = system->moves[k] > 0.0 ? noise(place_of(system, k)) : 0.0;
+    GN_TRY(search(system, 0.0, tolerance, x, scratch, top, error));
+    /* The rate increases and its error is squared each time; a dozen rounds are never needed. */
     for (int round = 0;
-         y->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate; round++) {
+         system->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate;
+         round++) {
         tau = top->rate;
-        /* A little of everything: another mode may overtake the one found so far. */
+        /* Noise excites all modes, since another one may overtake the one found so far. */
         for (size_t k = 0; k < n; k++)
-            x[k] += y->moves[k] > 0.0 ? 1e-2 / sqrt((double)whole) *
-                                            noise(place_of(y, k) + whole * (size_t)(round + 1))
-                                      : 0.0;
-        GN_TRY(search(y, tau, tolerance, x, scratch, top, error));
+            x[k] += system->moves[k] > 0.0
+                        ? 1e-2 / sqrt((double)whole) *
+                              noise(place_of(system, k) + whole * (size_t)(round + 1))
+                        : 0.0;
+        GN_TRY(search(system, tau, tolerance, x, scratch, top, error));
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_damped_largest(const gn_damped *y, double tolerance, double *mode,
+gneiss_status gn_damped_largest(const gn_damped *system, double tolerance, double *mode,
                                 gn_damped_top *top, gneiss_error *error) {
-    double *scratch = gn_alloc_array(y->count + 1, 2 * sizeof *scratch);
+    double *scratch = gn_alloc_array(system->count + 1, 2 * sizeof *scratch);
     *top = (gn_damped_top){0};
     if (!scratch)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components",
-                       y->count);
-    gneiss_status status = climb(y, tolerance, mode, scratch, top, error);
+                       system->count);
+    gneiss_status status = climb(system, tolerance, mode, scratch, top, error);
     gn_free(scratch);
     return status;
 }

@@ -15,25 +15,25 @@ typedef struct gn_damped {
                   double *out);
     gn_operator *metric; /* as gn_eigen_largest_of */
     const void *context;
-    const double *moves; /* [count] above 0 for what can move: the rest stays out of the mode */
+    const double *moves; /* [count] above 0 for free components; the mode is 0 in the rest */
     bool damped;         /* B is not 0 */
     const size_t *place; /* as gn_eigen_largest_of; NULL: none */
-    size_t whole;        /* with places: entries of the longer one */
+    size_t whole;        /* with `place`: length of the longer vector */
     int threads;
 } gn_damped;
 
 typedef struct gn_damped_top {
     double rate;      /* 1/s: tau, from Ritz values */
-    double rate_most; /* 1/s: the same with the residual on top */
+    double rate_most; /* 1/s: tau including the residual */
     double frequency; /* rad/s, undamped */
-    int vectors;      /* products taken */
+    int vectors;      /* number of products */
 } gn_damped_top;
 
-/* `mode` [count]: the fastest one on return. */
-gneiss_status gn_damped_largest(const gn_damped *y, double tolerance, double *mode,
+/* Finds the largest rate; `mode` [count] is the fastest mode on return. */
+gneiss_status gn_damped_largest(const gn_damped *system, double tolerance, double *mode,
                                 gn_damped_top *top, gneiss_error *error);
 
-/* The root of 4 tau^2 = a + 2 tau b. */
+/* Returns the root of 4 tau^2 = a + 2 tau b. */
 static inline double gn_damped_rate(double a, double b) {
     return (b + sqrt(b * b + 4.0 * a)) / 4.0;
 }

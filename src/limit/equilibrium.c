@@ -1,16 +1,16 @@
 /* Preconditioned conjugate gradients (Hestenes & Stiefel 1952) on the springs of the stability
- * limit. The preconditioner adds what single particles see (the inverse 6 x 6 blocks; Golub & Van
- * Loan, Matrix Computations, 11.5) and what groups of them do (limit/coarse.h).
+ * limit. The preconditioner adds the inverse 6 x 6 blocks of single particles (Golub & Van Loan,
+ * Matrix Computations, 11.5) and a coarse level of groups (limit/coarse.h).
  *
  * A spring between i and j with normal n resists the relative displacement of its contact point, e
  * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
- * and the moments a_i n x q and a_j n x q. One pass makes q of all springs, a second one gathers
+ * and the moments a_i n x q and a_j n x q. One pass computes q of all springs, a second one gathers
  * them particle by particle in the order of the springs, so that no sum depends on the threads.
  *
- * Where K is singular (a rigid motion that nothing holds, a sphere that rolls about its only bond)
- * every component is resisted by a small part of its diagonal besides: all motions that nothing
- * else resists have that one eigenvalue, which costs an iteration or two. Without a load of theirs
- * they stay at rest; a load moves them far, which is for the caller to see. */
+ * If K is singular (a free rigid motion, a sphere that rolls about its only bond), a small fraction
+ * of the diagonal is added to every component: all unresisted motions then have that one
+ * eigenvalue, which costs an iteration or two. They stay at rest without a load; a load moves them
+ * far, which the caller has to detect. */
 #include "limit/equilibrium.h"
 
 #include "base/memory.h"
@@ -22,21 +22,22 @@
 
 enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000, USES = 8 };
 
-/* Of the diagonal. A body that is a hundred particles long has eigenvalues of some 1e-4 of it, and
- * Newton's method makes good what this changes. With 1e-9 rounding kept the iteration from
- * resolving it in specimens that hold many particles loosely. */
+/* Regularisation, relative to the diagonal. A body that is a hundred particles long has eigenvalues
+ * of some 1e-4 of it, and Newton's method corrects the effect. With 1e-9, rounding prevented
+ * convergence in specimens with many loosely held particles. */
 static const double everywhere = 1e-6;
-/* A pivot of a block below this part of its diagonal is rounding. */
+/* A pivot of a block below this fraction of its diagonal is rounding. */
 static const double no_pivot = 1e-12;
 
-/* In single precision, which is less to read: what that changes of K Newton's method makes good. */
+/* A spring in single precision, which saves memory traffic; Newton's method corrects the effect on
+ * K. */
 typedef struct link {
     float n[3], kn, kt, arm_i, arm_j;
     int32_t i, j;
 } link;
 
-/* What a chunk of particles adds to: the curvature p.Kp, or r.z and |r|^2 in the metric of the
- * diagonal, in which what nothing resists counts for no more than the rest. */
+/* Sums of a chunk of particles: the curvature p.Kp, or r.z and |r|^2 in the metric of the diagonal,
+ * in which unresisted components have no more weight than others. */
 typedef struct part {
     double curvature, rz, left;
 } part;
@@ -48,22 +49,22 @@ typedef struct cg {
     link *link;        /* [springs] */
     double (*pull)[3]; /* [springs] q */
     gn_preconditioner *made;
-    uint8_t *free; /* [particles] bit k: component k can move */
+    uint8_t *free; /* [particles] bit k: component k is free */
     gn_viscosity viscosity;
     double *r, *z, *p, *kp;
-    part *parts; /* [chunks of particles], added up in their order */
+    part *parts; /* [chunks of particles], merged in their order */
 } cg;
 
-static void free_cg(cg *c) {
-    gn_springs_free(&c->y);
-    gn_free(c->link);
-    gn_free(c->pull);
-    gn_free(c->free);
-    gn_free(c->r);
-    gn_free(c->z);
-    gn_free(c->p);
-    gn_free(c->kp);
-    gn_free(c->parts);
+static void free_cg(cg *solver) {
+    gn_springs_free(&solver->y);
+    gn_free(solver->link);
+    gn_free(solver->pull);
+    gn_free(solver->free);
+    gn_free(solver->r);
+    gn_free(solver->z);
+    gn_free(solver->p);
+    gn_free(solver->kp);
+    gn_free(solver->parts);
 }
 
 void gn_preconditioner_free(gn_preconditioner *made) {
@@ -74,78 +75,80 @@ void gn_preconditioner_free(gn_preconditioner *made) {
     *made = (gn_preconditioner){0};
 }
 
-static gneiss_status allocate(cg *c, gneiss_error *error) {
-    size_t particles = c->y.particles;
-    c->n = particles * N;
-    c->link = gn_alloc_array(c->y.springs + 1, sizeof *c->link);
-    c->pull = gn_alloc_array(c->y.springs + 1, sizeof *c->pull);
-    c->free = gn_alloc(particles + 1);
-    c->r = gn_alloc_array(c->n + 1, sizeof *c->r);
-    c->z = gn_alloc_array(c->n + 1, sizeof *c->z);
-    c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
-    c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
-    c->parts = gn_alloc_array(particles / CHUNK + 1, sizeof *c->parts);
-    if (c->parts && c->link && c->pull && c->free && c->r && c->z && c->p && c->kp)
+static gneiss_status allocate(cg *solver, gneiss_error *error) {
+    size_t particles = solver->y.particles;
+    solver->n = particles * N;
+    solver->link = gn_alloc_array(solver->y.springs + 1, sizeof *solver->link);
+    solver->pull = gn_alloc_array(solver->y.springs + 1, sizeof *solver->pull);
+    solver->free = gn_alloc(particles + 1);
+    solver->r = gn_alloc_array(solver->n + 1, sizeof *solver->r);
+    solver->z = gn_alloc_array(solver->n + 1, sizeof *solver->z);
+    solver->p = gn_alloc_array(solver->n + 1, sizeof *solver->p);
+    solver->kp = gn_alloc_array(solver->n + 1, sizeof *solver->kp);
+    solver->parts = gn_alloc_array(particles / CHUNK + 1, sizeof *solver->parts);
+    if (solver->parts && solver->link && solver->pull && solver->free && solver->r && solver->z &&
+        solver->p && solver->kp)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                    particles);
 }
 
-static void take_links(cg *c) {
-    for (size_t s = 0; s < c->y.springs; s++) {
-        const gn_spring *from = &c->y.spring[s];
-        c->link[s] = (link){{(float)from->n[0], (float)from->n[1], (float)from->n[2]},
-                            (float)(from->kn + c->viscosity.rate * from->cn),
-                            (float)from->kt,
-                            (float)from->arm_i,
-                            (float)from->arm_j,
-                            from->i,
-                            from->j};
+static void take_links(cg *solver) {
+    for (size_t s = 0; s < solver->y.springs; s++) {
+        const gn_spring *from = &solver->y.spring[s];
+        solver->link[s] = (link){{(float)from->n[0], (float)from->n[1], (float)from->n[2]},
+                                 (float)(from->kn + solver->viscosity.rate * from->cn),
+                                 (float)from->kt,
+                                 (float)from->arm_i,
+                                 (float)from->arm_j,
+                                 from->i,
+                                 from->j};
     }
-    for (size_t p = 0; p < c->y.particles; p++) {
-        c->free[p] = 0;
-        for (int d = 0; d < c->y.dofs; d++)
-            if (c->y.scale[p * (size_t)c->y.dofs + (size_t)d] > 0.0)
-                c->free[p] |= (uint8_t)(1u << gn_springs_component(&c->y, d));
+    for (size_t p = 0; p < solver->y.particles; p++) {
+        solver->free[p] = 0;
+        for (int d = 0; d < solver->y.dofs; d++)
+            if (solver->y.scale[p * (size_t)solver->y.dofs + (size_t)d] > 0.0)
+                solver->free[p] |= (uint8_t)(1u << gn_springs_component(&solver->y, d));
     }
 }
 
 /* --- the operator --- */
 
-static inline void pull_of(const link *l, const double *u, double q[3]) {
-    const double n[3] = {l->n[0], l->n[1], l->n[2]}, ai = l->arm_i, aj = l->arm_j;
-    const double *a = u + N * (size_t)l->i;
+static inline void pull_of(const link *spring, const double *u, double q[3]) {
+    const double n[3] = {spring->n[0], spring->n[1], spring->n[2]}, ai = spring->arm_i,
+                 aj = spring->arm_j;
+    const double *a = u + N * (size_t)spring->i;
     double e[3] = {-a[0], -a[1], -a[2]}, w[3] = {ai * a[3], ai * a[4], ai * a[5]};
-    if (l->j >= 0) {
-        const double *b = u + N * (size_t)l->j;
+    if (spring->j >= 0) {
+        const double *b = u + N * (size_t)spring->j;
         for (int k = 0; k < 3; k++) {
             e[k] += b[k];
             w[k] += aj * b[3 + k];
         }
     }
-    double kt = l->kt, along = (l->kn - kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
+    double kt = spring->kt, along = (spring->kn - kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
     e[0] -= w[1] * n[2] - w[2] * n[1];
     e[1] -= w[2] * n[0] - w[0] * n[2];
     e[2] -= w[0] * n[1] - w[1] * n[0];
     for (int k = 0; k < 3; k++) q[k] = kt * e[k] + along * n[k];
 }
 
-/* N/m, N m: with which drag holds component k of a particle. */
-static inline double drag_of(const cg *c, size_t p, int k) {
-    const gn_particles *q = c->y.spectrum->assembly->particles;
+/* Returns the resistance of drag to component k of a particle, N/m, N m. */
+static inline double drag_of(const cg *solver, size_t p, int k) {
+    const gn_particles *q = solver->y.spectrum->assembly->particles;
     double inverse = k < 3 ? q->vel[4 * p + 3] : q->spin ? q->spin[4 * p + 3] : 0.0;
-    return inverse > 0.0 ? c->viscosity.rate * c->viscosity.drag / inverse : 0.0;
+    return inverse > 0.0 ? solver->viscosity.rate * solver->viscosity.drag / inverse : 0.0;
 }
 
-/* K u of a particle; returns u . K u. */
-static inline double gather(const cg *c, const double *u, size_t p, double *out) {
+/* Computes K u of a particle; returns u . K u. */
+static inline double gather(const cg *solver, const double *u, size_t p, double *out) {
     double f[N], sum = 0.0;
-    for (size_t k = 0; k < N; k++) f[k] = c->made->ground[N * p + k] * u[N * p + k];
-    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
-        size_t s = c->y.entry[e] / 2;
-        bool second = c->y.entry[e] & 1;
-        const link *l = &c->link[s];
-        const double *q = c->pull[s], n[3] = {l->n[0], l->n[1], l->n[2]};
+    for (size_t k = 0; k < N; k++) f[k] = solver->made->ground[N * p + k] * u[N * p + k];
+    for (size_t e = solver->y.first[p]; e < solver->y.first[p + 1]; e++) {
+        size_t s = solver->y.entry[e] / 2;
+        bool second = solver->y.entry[e] & 1;
+        const link *l = &solver->link[s];
+        const double *q = solver->pull[s], n[3] = {l->n[0], l->n[1], l->n[2]};
         double side = second ? 1.0 : -1.0, arm = second ? l->arm_j : l->arm_i;
         for (int k = 0; k < 3; k++) f[k] += side * q[k];
         f[3] -= arm * (n[1] * q[2] - n[2] * q[1]);
@@ -153,7 +156,7 @@ static inline double gather(const cg *c, const double *u, size_t p, double *out)
         f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
     }
     for (size_t k = 0; k < N; k++) {
-        out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
+        out[k] = solver->free[p] >> k & 1 ? f[k] : 0.0;
         sum += u[N * p + k] * out[k];
     }
     return sum;
@@ -161,24 +164,24 @@ static inline double gather(const cg *c, const double *u, size_t p, double *out)
 
 /* --- the preconditioner --- */
 
-/* Sums over the springs of a particle, of which its block is made, with all that it touches held.
- * Symmetric parts as xx yy zz xy yz zx. */
+/* Sums over the springs of a particle that give its block, with all neighbours fixed. Symmetric
+ * parts as xx yy zz xy yz zx. */
 typedef struct block_sums {
     double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
-    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; arm^2 k_t n n^T */
     double cross[3];             /* side arm k_t n */
 } block_sums;
 
-static void block_of(const cg *c, size_t p, double k[36]) {
+static void block_of(const cg *solver, size_t p, double k[36]) {
     static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     block_sums b = {0};
-    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
-        const link *l = &c->link[c->y.entry[e] / 2];
+    for (size_t e = solver->y.first[p]; e < solver->y.first[p + 1]; e++) {
+        const link *l = &solver->link[solver->y.entry[e] / 2];
         const double n[3] = {l->n[0], l->n[1], l->n[2]};
         const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
                               n[0] * n[1], n[1] * n[2], n[2] * n[0]};
-        const double arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
-        const double side = c->y.entry[e] & 1 ? 1.0 : -1.0, turn = arm * arm * l->kt;
+        const double arm = solver->y.entry[e] & 1 ? l->arm_j : l->arm_i;
+        const double side = solver->y.entry[e] & 1 ? 1.0 : -1.0, turn = arm * arm * l->kt;
         b.kt += l->kt;
         b.turn += turn;
         for (int a = 0; a < 6; a++) b.normal[a] += ((double)l->kn - l->kt) * nn[a];
@@ -196,8 +199,8 @@ static void block_of(const cg *c, size_t p, double k[36]) {
         }
 }
 
-/* Cholesky; components that cannot move, or that nothing resists once those before them are held,
- * are left out. */
+/* Factors a block by Cholesky; components that are fixed, or without resistance once those before
+ * them are fixed, are left out. */
 static void factor(double k[36], unsigned free, bool in[N]) {
     double diagonal[N];
     for (int a = 0; a < N; a++) diagonal[a] = k[N * a + a];
@@ -234,25 +237,26 @@ static void invert(const double l[36], const bool in[N], float inverse[36]) {
     }
 }
 
-static void make_blocks(cg *c) {
-#pragma omp parallel for num_threads(c->threads) schedule(static)
-    for (size_t p = 0; p < c->y.particles; p++) {
+static void make_blocks(cg *solver) {
+#pragma omp parallel for num_threads(solver->threads) schedule(static)
+    for (size_t p = 0; p < solver->y.particles; p++) {
         double k[36];
         bool in[N] = {false};
-        block_of(c, p, k);
+        block_of(solver, p, k);
         for (size_t a = 0; a < N; a++) {
             double *diagonal = &k[(N + 1) * a];
-            c->made->ground[N * p + a] = everywhere * *diagonal + drag_of(c, p, (int)a);
-            *diagonal += c->made->ground[N * p + a];
-            bool moves = (c->free[p] >> a & 1) && *diagonal > 0.0;
-            c->made->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
+            solver->made->ground[N * p + a] = everywhere * *diagonal + drag_of(solver, p, (int)a);
+            *diagonal += solver->made->ground[N * p + a];
+            bool moves = (solver->free[p] >> a & 1) && *diagonal > 0.0;
+            solver->made->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
         }
-        factor(k, c->free[p], in);
-        invert(k, in, c->made->inverse[p]);
+        factor(k, solver->free[p], in);
+        invert(k, in, solver->made->inverse[p]);
     }
 }
 
-/* What each component of one end does to the relative displacement of the contact point. */
+/* Computes the effect of each component of one end on the relative displacement of the contact
+ * point. */
 static void end_moves(unsigned free, double side, double arm, const float n[3], double by[6][3]) {
     memset(by, 0, 18 * sizeof by[0][0]);
     for (int k = 0; k < 3; k++) {
@@ -264,120 +268,123 @@ static void end_moves(unsigned free, double side, double arm, const float n[3], 
     }
 }
 
-static void make_coarse(cg *c) {
-    if (!c->made->coarse.groups) return;
-    for (size_t k = 0; k < c->y.springs; k++) {
-        const link *l = &c->link[k];
+static void make_coarse(cg *solver) {
+    if (!solver->made->coarse.groups) return;
+    for (size_t k = 0; k < solver->y.springs; k++) {
+        const link *l = &solver->link[k];
         gn_coarse_spring s = {l->i, l->j, {l->n[0], l->n[1], l->n[2]}, l->kn, l->kt, {{0}}, {{0}}};
-        end_moves(c->free[l->i], -1.0, l->arm_i, l->n, s.by_p);
-        if (l->j >= 0) end_moves(c->free[l->j], 1.0, l->arm_j, l->n, s.by_q);
-        gn_coarse_add(&c->made->coarse, &s);
+        end_moves(solver->free[l->i], -1.0, l->arm_i, l->n, s.by_p);
+        if (l->j >= 0) end_moves(solver->free[l->j], 1.0, l->arm_j, l->n, s.by_q);
+        gn_coarse_add(&solver->made->coarse, &s);
     }
-    for (size_t p = 0; p < c->y.particles; p++) {
+    for (size_t p = 0; p < solver->y.particles; p++) {
         double ground[N];
         for (size_t a = 0; a < N; a++)
-            ground[a] = c->free[p] >> a & 1 ? c->made->ground[N * p + a] : 0.0;
-        gn_coarse_ground(&c->made->coarse, p, ground);
+            ground[a] = solver->free[p] >> a & 1 ? solver->made->ground[N * p + a] : 0.0;
+        gn_coarse_ground(&solver->made->coarse, p, ground);
     }
-    gn_coarse_factor(&c->made->coarse);
+    gn_coarse_factor(&solver->made->coarse);
 }
 
-/* z of a particle; returns its part of r.z. */
-static inline double precondition(const cg *c, size_t p) {
-    const double *r = c->r + N * p;
-    double *z = c->z + N * p, sum = 0.0;
+/* Computes z of a particle; returns its contribution to r.z. */
+static inline double precondition(const cg *solver, size_t p) {
+    const double *r = solver->r + N * p;
+    double *z = solver->z + N * p, sum = 0.0;
     for (int a = 0; a < N; a++) z[a] = 0.0;
     for (int b = 0; b < N; b++)
-        for (int a = 0; a < N; a++) z[a] += (double)c->made->inverse[p][N * b + a] * r[b];
-    if (c->made->coarse.groups) gn_coarse_spread(&c->made->coarse, p, c->free[p], z);
+        for (int a = 0; a < N; a++) z[a] += (double)solver->made->inverse[p][N * b + a] * r[b];
+    if (solver->made->coarse.groups) gn_coarse_spread(&solver->made->coarse, p, solver->free[p], z);
     for (int a = 0; a < N; a++) sum += r[a] * z[a];
     return sum;
 }
 
 /* --- the iteration --- */
 
-static size_t chunks_of(const cg *c) {
-    return (c->y.particles + CHUNK - 1) / CHUNK;
+static size_t chunks_of(const cg *solver) {
+    return (solver->y.particles + CHUNK - 1) / CHUNK;
 }
 
-static size_t end_of(const cg *c, size_t chunk) {
+static size_t end_of(const cg *solver, size_t chunk) {
     size_t end = (chunk + 1) * CHUNK;
-    return end < c->y.particles ? end : c->y.particles;
+    return end < solver->y.particles ? end : solver->y.particles;
 }
 
-static part add_up(const cg *c) {
+static part add_up(const cg *solver) {
     part sum = {0};
-    for (size_t k = 0; k < chunks_of(c); k++) {
-        sum.curvature += c->parts[k].curvature;
-        sum.rz += c->parts[k].rz;
-        sum.left += c->parts[k].left;
+    for (size_t k = 0; k < chunks_of(solver); k++) {
+        sum.curvature += solver->parts[k].curvature;
+        sum.rz += solver->parts[k].rz;
+        sum.left += solver->parts[k].left;
     }
     return sum;
 }
 
-/* Kp, and p.Kp. */
-static double apply(const cg *c) {
-#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+/* Computes Kp and returns p.Kp. */
+static double apply(const cg *solver) {
+#pragma omp parallel num_threads(solver->threads) if (solver->y.particles > CHUNK)
     {
 #pragma omp for schedule(static)
-        for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], c->p, c->pull[s]);
+        for (size_t s = 0; s < solver->y.springs; s++)
+            pull_of(&solver->link[s], solver->p, solver->pull[s]);
 #pragma omp for schedule(static)
-        for (size_t k = 0; k < chunks_of(c); k++) {
-            c->parts[k] = (part){0};
-            for (size_t p = k * CHUNK; p < end_of(c, k); p++)
-                c->parts[k].curvature += gather(c, c->p, p, c->kp + N * p);
+        for (size_t k = 0; k < chunks_of(solver); k++) {
+            solver->parts[k] = (part){0};
+            for (size_t p = k * CHUNK; p < end_of(solver, k); p++)
+                solver->parts[k].curvature += gather(solver, solver->p, p, solver->kp + N * p);
         }
     }
-    return add_up(c).curvature;
+    return add_up(solver).curvature;
 }
 
-/* u += step p, r -= step Kp, and z of that. */
-static part go(const cg *c, double step, double *u) {
-#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+/* u += step p, r -= step Kp; computes z from r. */
+static part go(const cg *solver, double step, double *u) {
+#pragma omp parallel num_threads(solver->threads) if (solver->y.particles > CHUNK)
     {
 #pragma omp for schedule(static)
-        for (size_t k = 0; k < chunks_of(c); k++) {
-            c->parts[k] = (part){0};
-            for (size_t a = N * k * CHUNK; a < N * end_of(c, k); a++) {
-                u[a] += step * c->p[a];
-                c->r[a] -= step * c->kp[a];
-                c->parts[k].left += c->made->weight[a] * c->r[a] * c->r[a];
+        for (size_t k = 0; k < chunks_of(solver); k++) {
+            solver->parts[k] = (part){0};
+            for (size_t a = N * k * CHUNK; a < N * end_of(solver, k); a++) {
+                u[a] += step * solver->p[a];
+                solver->r[a] -= step * solver->kp[a];
+                solver->parts[k].left += solver->made->weight[a] * solver->r[a] * solver->r[a];
             }
         }
 #pragma omp for schedule(static)
-        for (size_t g = 0; g < c->made->coarse.groups; g++)
-            gn_coarse_gather(&c->made->coarse, g, c->r, c->free);
+        for (size_t g = 0; g < solver->made->coarse.groups; g++)
+            gn_coarse_gather(&solver->made->coarse, g, solver->r, solver->free);
 #pragma omp single
-        gn_coarse_solve(&c->made->coarse);
+        gn_coarse_solve(&solver->made->coarse);
 #pragma omp for schedule(static)
-        for (size_t k = 0; k < chunks_of(c); k++)
-            for (size_t p = k * CHUNK; p < end_of(c, k); p++) c->parts[k].rz += precondition(c, p);
+        for (size_t k = 0; k < chunks_of(solver); k++)
+            for (size_t p = k * CHUNK; p < end_of(solver, k); p++)
+                solver->parts[k].rz += precondition(solver, p);
     }
-    return add_up(c);
+    return add_up(solver);
 }
 
 /* p = z + factor p */
-static void turn(const cg *c, double factor) {
-#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
-    for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
+static void turn(const cg *solver, double factor) {
+#pragma omp parallel for num_threads(solver->threads)                                              \
+    schedule(static) if (solver->y.particles > CHUNK)
+    for (size_t k = 0; k < solver->n; k++) solver->p[k] = solver->z[k] + factor * solver->p[k];
 }
 
-/* A particle with a load that touches nothing. */
-static int32_t untouched(const cg *c) {
-    for (size_t p = 0; p < c->y.particles; p++) {
+/* Returns a particle with a load but without contacts. */
+static int32_t untouched(const cg *solver) {
+    for (size_t p = 0; p < solver->y.particles; p++) {
         bool loaded = false;
-        for (size_t a = 0; a < N; a++) loaded = loaded || c->r[N * p + a] != 0.0;
-        if (loaded && c->y.first[p] == c->y.first[p + 1])
-            return c->y.spectrum->assembly->particles->id[p];
+        for (size_t a = 0; a < N; a++) loaded = loaded || solver->r[N * p + a] != 0.0;
+        if (loaded && solver->y.first[p] == solver->y.first[p + 1])
+            return solver->y.spectrum->assembly->particles->id[p];
     }
     return -1;
 }
 
-/* Iterations without progress that are borne: what a load has to tell goes one particle further
- * with each, so some lengths of the specimen, in diameters. Motions that only the ground resists
- * may take for ever, as rounding has its say. */
-static int patience_of(const cg *c) {
-    const gn_particles *q = c->y.spectrum->assembly->particles;
+/* Returns the number of iterations without progress that are allowed. The effect of a load advances
+ * by one particle in each iteration, so that this is some lengths of the specimen in diameters.
+ * Motions that only the regularisation resists may never converge because of rounding. */
+static int patience_of(const cg *solver) {
+    const gn_particles *q = solver->y.spectrum->assembly->particles;
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     double radius = 0.0, length = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -391,20 +398,20 @@ static int patience_of(const cg *c) {
     return 100 + (int)fmin(2.0 * length / radius, (double)ITERATIONS_MOST);
 }
 
-static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
-    memset(u, 0, c->n * sizeof *u);
-    part now = go(c, 0.0, u);
+static void iterate(cg *solver, double tolerance, double *u, gn_equilibrium *found) {
+    memset(u, 0, solver->n * sizeof *u);
+    part now = go(solver, 0.0, u);
     const double first = now.left;
-    const int patience = patience_of(c);
+    const int patience = patience_of(solver);
     double least = first;
     int since = 0;
-    turn(c, 0.0);
+    turn(solver, 0.0);
     for (found->iterations = 0; now.left > tolerance * tolerance * first; found->iterations++) {
         if (since++ > patience || found->iterations == ITERATIONS_MOST) break;
-        double curvature = apply(c);
+        double curvature = apply(solver);
         if (!(curvature > 0.0)) break;
-        part next = go(c, now.rz / curvature, u);
-        turn(c, next.rz / now.rz);
+        part next = go(solver, now.rz / curvature, u);
+        turn(solver, next.rz / now.rz);
         now = next;
         if (now.left > 0.5 * least) continue;
         least = now.left;
@@ -415,32 +422,32 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
 
 /* --- what was made before --- */
 
-/* Whether a particle has come to touch something that the blocks do not know of. */
-static bool touches_more(const cg *c) {
-    const double *weight = c->made->weight;
-    for (size_t p = 0; p < c->y.particles; p++)
-        for (size_t a = 0; a < N && c->y.first[p] < c->y.first[p + 1]; a++)
-            if ((c->free[p] >> a & 1) && weight[N * p + a] == 0.0) return true;
+/* Tells whether a particle has contacts that the blocks do not include. */
+static bool touches_more(const cg *solver) {
+    const double *weight = solver->made->weight;
+    for (size_t p = 0; p < solver->y.particles; p++)
+        for (size_t a = 0; a < N && solver->y.first[p] < solver->y.first[p + 1]; a++)
+            if ((solver->free[p] >> a & 1) && weight[N * p + a] == 0.0) return true;
     return false;
 }
 
-/* Anew where it is another system, or may have become one: contacts open and slide. Drag, of which
- * the ground has a part, comes at another rate every time. */
-static gneiss_status make_preconditioner(cg *c, gneiss_error *error) {
-    gn_preconditioner *m = c->made;
-    const size_t n = c->y.particles;
-    bool good = m->particles == n && c->viscosity.drag == 0.0 && m->uses++ < USES;
-    if (good && !touches_more(c)) return GNEISS_OK;
+/* Rebuilds the preconditioner if the system changed or may have, since contacts open and slide.
+ * Drag, which is part of the diagonal, has another rate every time. */
+static gneiss_status make_preconditioner(cg *solver, gneiss_error *error) {
+    gn_preconditioner *m = solver->made;
+    const size_t n = solver->y.particles;
+    bool good = m->particles == n && solver->viscosity.drag == 0.0 && m->uses++ < USES;
+    if (good && !touches_more(solver)) return GNEISS_OK;
     gn_preconditioner_free(m);
     m->inverse = gn_alloc_array(n + 1, sizeof *m->inverse);
-    m->ground = gn_alloc_array(c->n + 1, sizeof *m->ground);
-    m->weight = gn_alloc_array(c->n + 1, sizeof *m->weight);
+    m->ground = gn_alloc_array(solver->n + 1, sizeof *m->ground);
+    m->weight = gn_alloc_array(solver->n + 1, sizeof *m->weight);
     if (!m->inverse || !m->ground || !m->weight)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                        n);
-    GN_TRY(gn_coarse_create(&m->coarse, n, c->y.spectrum->assembly->particles->pos, error));
-    make_blocks(c);
-    make_coarse(c);
+    GN_TRY(gn_coarse_create(&m->coarse, n, solver->y.spectrum->assembly->particles->pos, error));
+    make_blocks(solver);
+    make_coarse(solver);
     m->particles = n;
     return GNEISS_OK;
 }
@@ -451,7 +458,7 @@ gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity vis
     cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1,
             .viscosity = viscosity,
             .made = made};
-    *found = (gn_equilibrium){.loose = -1};
+    *found = (gn_equilibrium){.unsupported = -1};
     gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
     if (status == GNEISS_OK) status = allocate(&c, error);
     if (status == GNEISS_OK) {
@@ -460,8 +467,8 @@ gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity vis
     }
     if (status == GNEISS_OK) {
         for (size_t k = 0; k < c.n; k++) c.r[k] = c.free[k / N] >> k % N & 1 ? load[k] : 0.0;
-        found->loose = untouched(&c);
-        if (found->loose < 0) iterate(&c, tolerance, u, found);
+        found->unsupported = untouched(&c);
+        if (found->unsupported < 0) iterate(&c, tolerance, u, found);
     }
     free_cg(&c);
     return status;

@@ -1,4 +1,4 @@
-/* How heavy particles would have to be for a step to hold. */
+/* Masses at which a given step is stable. */
 #include "base/memory.h"
 #include "limit/springs.h"
 
@@ -6,22 +6,22 @@
 
 enum { PARTICLE_BLOCK = 256 };
 
-/* Blocks of springs that turn differ by as much. */
+/* Relative difference of blocks whose springs rotate. */
 static const double nearly = 1.0 + 1e-6;
 
-/* Over its own mass. Whoever needs no more is not looked at closely; with `more`, whoever needs no
- * more than it has. */
-static double needed(const gn_springs *y, size_t p, double tau, bool more) {
-    const gn_particles *q = y->spectrum->assembly->particles;
+/* Returns the needed mass over a particle's own. A particle that needs no more, or with `more` no
+ * more than it has, is not examined further. */
+static double needed(const gn_springs *system, size_t p, double tau, bool more) {
+    const gn_particles *q = system->spectrum->assembly->particles;
     double s[GN_DOFS_MAX * GN_DOFS_MAX], vector[GN_DOFS_MAX], most = 4.0 * tau * tau;
-    double own = q->own_share ? q->own_share[gn_springs_place(y, p)] : 1.0;
+    double own = q->own_share ? q->own_share[gn_springs_place(system, p)] : 1.0;
     gn_block m;
-    if (!gn_springs_can_move(y, (int32_t)p)) return 1.0;
-    gn_block_of(y, p, &m);
+    if (!gn_springs_can_move(system, (int32_t)p)) return 1.0;
+    gn_block_of(system, p, &m);
     double trace = gn_block_at(&m, tau, s);
     if (more && gn_block_below(m.n, s, nearly * most)) return 1.0;
     if (gn_block_upper(m.n, s, trace) <= own * most) return 1.0;
-    return fmax(1.0, gn_block_top(&m, tau, vector) / (own * most));
+    return fmax(1.0, gn_block_largest(&m, tau, vector) / (own * most));
 }
 
 static gneiss_status masses_of(const gn_spectrum *spectrum, double step, const uint8_t *inside,

@@ -1,5 +1,5 @@
-/* Whether a step is stable, without solving for the limit: most particles settle it by themselves.
- */
+/* Tests whether a step is stable without computing the limit: for most particles local estimates
+ * suffice. */
 #include "base/memory.h"
 #include "limit/springs.h"
 
@@ -8,23 +8,24 @@
 
 enum { DOFS_MAX = GN_DOFS_MAX };
 
-/* Adds the largest eigenvalue of one spring's block to the sums [2] of the particle: of stiffness
- * and of dashpots. */
-static void add_end(const gn_spectrum *spectrum, const gn_spring *s, bool second, double *sums) {
-    int32_t i = second ? s->j : s->i, other = second ? s->i : s->j;
+/* Adds the largest eigenvalue of one spring's block to the particle's sums [2] of stiffness and of
+ * dashpots. */
+static void add_end(const gn_spectrum *spectrum, const gn_spring *spring, bool second,
+                    double *sums) {
+    int32_t i = second ? spring->j : spring->i, other = second ? spring->i : spring->j;
     if (i < 0) return;
     const gn_particles *p = spectrum->assembly->particles;
-    double arm = second ? s->arm_j : s->arm_i, mass = p->vel[4 * (size_t)i + 3];
+    double arm = second ? spring->arm_j : spring->arm_i, mass = p->vel[4 * (size_t)i + 3];
     double inertia = p->spin ? p->spin[4 * (size_t)i + 3] : 0.0, turn = arm * arm * inertia;
     double factor = gn_spectrum_can_move(spectrum, other) ? 2.0 : 1.0;
-    double top = s->kn * mass, across = s->kt * (mass + turn) + s->bend * inertia;
-    if (s->twist * inertia > top) top = s->twist * inertia;
-    /* Not fmax, which would hide a NaN; a normal that is none has to be noticed as well. */
-    sums[2 * (size_t)i] += factor * (across > top ? across : top) + 0.0 * s->n[0];
-    sums[2 * (size_t)i + 1] += factor * s->cn * mass;
+    double top = spring->kn * mass, across = spring->kt * (mass + turn) + spring->bend * inertia;
+    if (spring->twist * inertia > top) top = spring->twist * inertia;
+    /* fmax would hide a NaN, and an undefined normal has to be detected as well. */
+    sums[2 * (size_t)i] += factor * (across > top ? across : top) + 0.0 * spring->n[0];
+    sums[2 * (size_t)i + 1] += factor * spring->cn * mass;
 }
 
-/* Whether contact k has an end among the marked particles, as far as that is cheaply told. */
+/* Tells whether contact k may have an end among the marked particles, by a cheap test. */
 static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *marked) {
     int32_t i, j;
     if (k >= gn_spring_pairs(spectrum)) return true;
@@ -32,7 +33,7 @@ static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *mark
     return marked[i] || marked[j];
 }
 
-/* Of the marked ones leaves those that the sums over their springs do not settle: the largest
+/* Keeps the marks of particles that sums over their springs do not prove stable: the largest
  * eigenvalue of a sum is at most the sum of the largest. */
 static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sums,
                             uint8_t *marked) {
@@ -52,22 +53,24 @@ static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sum
     return found;
 }
 
-/* By how much a particle's block is above the step, from above; 1: it is not. */
-static double block_over(const gn_springs *y, size_t p, double tau) {
+/* Returns an upper bound of the factor by which a particle's block is above the step; 1: it is
+ * not. */
+static double block_over(const gn_springs *system, size_t p, double tau) {
     double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     gn_block m;
-    if (y->first[p] == y->first[p + 1]) return 1.0; /* as all that sleep */
-    gn_block_of(y, p, &m);
+    if (system->first[p] == system->first[p + 1])
+        return 1.0; /* no springs, as for all dormant particles */
+    gn_block_of(system, p, &m);
     double trace = gn_block_at(&m, tau, s);
     if (trace <= most || gn_block_below(m.n, s, most)) return 1.0;
     return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 
-size_t gn_springs_above(const gn_springs *y, double tau, uint8_t *marked) {
+size_t gn_springs_mark_above(const gn_springs *system, double tau, uint8_t *marked) {
     size_t found = 0;
-    for (size_t p = 0; p < y->particles; p++) {
-        bool above = !(block_over(y, p, tau) <= 1.0);
-        marked[gn_springs_place(y, p)] = above;
+    for (size_t p = 0; p < system->particles; p++) {
+        bool above = !(block_over(system, p, tau) <= 1.0);
+        marked[gn_springs_place(system, p)] = above;
         found += above;
     }
     return found;
@@ -86,48 +89,48 @@ void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, ui
     }
 }
 
-/* The particle and its neighbours are to be looked at in the next round. */
-static void look_again(const gn_springs *y, size_t p, uint8_t *next) {
+/* Schedules the particle and its neighbours for the next round. */
+static void look_again(const gn_springs *system, size_t p, uint8_t *next) {
     next[p] = 1;
-    for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
-        const gn_spring *s = &y->spring[y->entry[e] / 2];
-        if (s->j >= 0) next[y->entry[e] & 1 ? s->i : s->j] = 1;
+    for (size_t e = system->first[p]; e < system->first[p + 1]; e++) {
+        const gn_spring *s = &system->spring[system->entry[e] / 2];
+        if (s->j >= 0) next[system->entry[e] & 1 ? s->i : s->j] = 1;
     }
 }
 
-/* One look at all that are due. For what is too far above, or has neighbours outside of the system,
- * there are no weights: it is marked in `left`, and looked at no more; without that false is
- * returned. */
-static bool settle_round(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
+/* Examines all scheduled particles once. A particle that is too far above, or has neighbours
+ * outside of the system, has no weights: it is marked in `left` and excluded; without `left` false
+ * is returned. */
+static bool settle_round(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
                          const uint8_t *due, uint8_t *next, uint8_t *left) {
-    for (size_t p = 0; p < y->particles; p++) {
+    for (size_t p = 0; p < system->particles; p++) {
         if (!due[p] || (left && left[p])) continue;
-        double over = block_over(y, p, tau);
+        double over = block_over(system, p, tau);
         if (over <= 1.0) continue;
-        if (!(over < 1.95) || marked[gn_springs_place(y, p)] == highest) {
+        if (!(over < 1.95) || marked[gn_springs_place(system, p)] == highest) {
             if (!left) return false;
             left[p] = 1;
             continue;
         }
-        y->weight[p] *= 1.02 * over / (2.0 - over);
-        look_again(y, p, next);
+        system->weight[p] *= 1.02 * over / (2.0 - over);
+        look_again(system, p, next);
     }
     return true;
 }
 
-bool gn_springs_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
-                       uint8_t *left) {
+bool gn_springs_find_weights(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest,
+                             uint8_t *left) {
     enum { ROUNDS = 24 };
-    size_t n = y->particles;
+    size_t n = system->particles;
     uint8_t *due = gn_alloc(n + 1), *next = gn_alloc(n + 1);
-    y->weight = gn_alloc_array(n + 1, sizeof *y->weight);
-    bool going = due && next && y->weight, settled = false;
+    system->weight = gn_alloc_array(n + 1, sizeof *system->weight);
+    bool going = due && next && system->weight, settled = false;
     for (size_t p = 0; going && p < n; p++) {
-        y->weight[p] = 1.0;
-        due[p] = marked[gn_springs_place(y, p)] == 1;
+        system->weight[p] = 1.0;
+        due[p] = marked[gn_springs_place(system, p)] == 1;
     }
     for (int round = 0; going && !settled && round < ROUNDS; round++) {
-        going = settle_round(y, tau, marked, highest, due, next, left);
+        going = settle_round(system, tau, marked, highest, due, next, left);
         settled = going && !memchr(next, 1, n);
         memcpy(due, next, n);
         memset(next, 0, n);
@@ -138,10 +141,10 @@ bool gn_springs_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t
     return left ? going : settled;
 }
 
-static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest) {
-    bool settled = gn_springs_settle(y, tau, marked, highest, NULL);
-    gn_free(y->weight);
-    y->weight = NULL;
+static bool weights_settle(gn_springs *system, double tau, const uint8_t *marked, uint8_t highest) {
+    bool settled = gn_springs_find_weights(system, tau, marked, highest, NULL);
+    gn_free(system->weight);
+    system->weight = NULL;
     return settled;
 }
 
@@ -149,48 +152,52 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
                                      gn_step_verdict *verdict, gneiss_error *error) {
     gn_springs y = {0};
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK) verdict->holds = !gn_springs_above(&y, 1.0 / step, marked);
+    if (status == GNEISS_OK) verdict->holds = !gn_springs_mark_above(&y, 1.0 / step, marked);
     gn_springs_free(&y);
     return status;
 }
 
-/* What is asked of the step, see gn_step_holds. */
+/* The question about the step, see gn_step_holds. */
 typedef struct inquiry {
     double step, tolerance;
     bool limit;
 } inquiry;
 
-/* By weights or, with a tolerance, by Lanczos. Without, and if the step does not hold, the largest
- * smaller one in steps of 3 % that does by weights, if that is more than what blocks alone say. */
-static gneiss_status judge_system(gn_springs *y, const inquiry *q, const uint8_t *marked,
-                                  uint8_t highest, gn_step_verdict *verdict, gneiss_error *error) {
-    const double step = q->step, tolerance = q->tolerance;
-    verdict->holds = weights_settle(y, 1.0 / step, marked, highest);
+/* Decides by weights or, with a tolerance, by Lanczos. Without a tolerance, if the step is not
+ * stable, it finds the largest smaller one in steps of 3 % that is by weights, if that is above the
+ * limit of single blocks. */
+static gneiss_status judge_system(gn_springs *system, const inquiry *question,
+                                  const uint8_t *marked, uint8_t highest, gn_step_verdict *verdict,
+                                  gneiss_error *error) {
+    const double step = question->step, tolerance = question->tolerance;
+    verdict->holds = weights_settle(system, 1.0 / step, marked, highest);
     if (verdict->holds) return GNEISS_OK;
     gn_step_limit limit;
-    GN_TRY(gn_springs_limits(y, tolerance, &limit, error));
+    GN_TRY(gn_springs_limits(system, tolerance, &limit, error));
     verdict->limit = tolerance > 0.0 ? limit.sharp : limit.bound;
     verdict->holds = verdict->limit >= step;
-    if (tolerance > 0.0 || !q->limit) return GNEISS_OK;
+    if (tolerance > 0.0 || !question->limit) return GNEISS_OK;
     for (double less = 0.97 * step; less > verdict->limit; less *= 0.97)
-        if (weights_settle(y, 1.0 / less, marked, highest)) verdict->limit = less;
+        if (weights_settle(system, 1.0 / less, marked, highest)) verdict->limit = less;
     return GNEISS_OK;
 }
 
-static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *q, double *sums,
+static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *question, double *sums,
                                 uint8_t *marked, gn_step_verdict *verdict, gneiss_error *error) {
     enum { LAYERS = 3 };
     gn_springs y = {0};
-    if (!leave_by_sums(spectrum, 1.0 / q->step, sums, marked)) return GNEISS_OK;
+    if (!leave_by_sums(spectrum, 1.0 / question->step, sums, marked)) return GNEISS_OK;
     verdict->holds =
-        q->step < INFINITY; /* else something resists, and that is all there is to it */
+        question->step <
+        INFINITY; /* otherwise some motion has a resistance, which is the full answer */
     if (!verdict->holds) return GNEISS_OK;
-    GN_TRY(judge_by_blocks(spectrum, q->step, marked, verdict, error));
+    GN_TRY(judge_by_blocks(spectrum, question->step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
     for (int layer = 1; layer <= LAYERS; layer++)
         gn_springs_mark_neighbours(spectrum, (uint8_t)layer, marked);
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK) status = judge_system(&y, q, marked, LAYERS + 1, verdict, error);
+    if (status == GNEISS_OK)
+        status = judge_system(&y, question, marked, LAYERS + 1, verdict, error);
     gn_springs_free(&y);
     return status;
 }
@@ -228,7 +235,7 @@ gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bo
     return held ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
 }
 
-void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
+void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
     const gn_assembly *a = spectrum->assembly;
     size_t contacts = gn_spring_count(spectrum), bonds = a->bonds ? a->bonds->soa.count : 0;
     const int32_t *id = a->particles->id;
@@ -244,18 +251,18 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
         uint64_t z = s.j < 0 ? i << 32 | UINT32_MAX : i < j ? i << 32 | j : j << 32 | i;
         if (s.j < 0 && a->wall_contacts && wall < a->wall_contacts->soa.count)
             z -= 1 + (uint64_t)a->wall_contacts->wall[wall];
-        else if (s.j < 0) /* of a surface: by how stiff it is and where it is */
-            z = gn_scramble(z) + bits +
+        else if (s.j < 0) /* a surface contact is identified by its stiffness and position */
+            z = gn_hash_place(z) + bits +
                 (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
                            256 * lround(4.0 * s.n[2]) + 4096);
-        if (a->particles->pressed) z = gn_scramble(z) + bits; /* stiffer than at the last look */
-        uint32_t mark = (uint32_t)(gn_scramble(z) >> 32);
+        if (a->particles->pressed) z = gn_hash_place(z) + bits; /* stiffer than at the last check */
+        uint32_t mark = (uint32_t)(gn_hash_place(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);
     }
 }
 
-size_t gn_step_turned(const gn_spectrum *spectrum, double most, uint8_t *turned) {
+size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned) {
     const gn_assembly *a = spectrum->assembly;
     const gn_contacts *lists[] = {a->bonds, a->pairs};
     size_t found = 0, k = 0;

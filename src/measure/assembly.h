@@ -1,4 +1,4 @@
-/* The geometry of a contact as the measures see it. Inside src/measure only. */
+/* The geometry of contacts for measures. Private to src/measure. */
 #ifndef GN_MEASURE_ASSEMBLY_H
 #define GN_MEASURE_ASSEMBLY_H
 
@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-/* From the centre of particle i to that of j, through the nearest image in a periodic box; z = 0 in
- * 2D. Returns its length. */
+/* Computes the vector from the centre of particle i to that of j, to the nearest image in a
+ * periodic box; z = 0 in 2D. Returns its length. */
 static inline double gn_assembly_branch(const gn_assembly *assembly, size_t i, size_t j,
                                         double l[3]) {
     const double *pos = assembly->particles->pos;
@@ -27,7 +27,7 @@ static inline bool gn_particle_removed(const gn_particles *particles, size_t p) 
     return particles->vel[4 * p + 3] == 0;
 }
 
-/* Volume of a sphere, area of a disc (unit thickness). */
+/* Returns the volume of a sphere, or the area of a disc (unit thickness). */
 static inline double gn_particle_volume(const gn_particles *particles, size_t p, int dimension) {
     return gn_ball_volume(dimension, particles->pos[4 * p + 3]);
 }

@@ -11,23 +11,23 @@
 #include <string.h>
 
 /* Qt splits the cells of points on a common sphere into simplices, Qbb scales the lifted
- * coordinate, Qc keeps points that fall on a facet out of the hull, Qz adds a point at infinity so
- * that points that are all on one sphere (a single lattice cell) do not lift to a plane, Q12
- * accepts the wide merged facets of lattices. Qhull is only asked for topology: volumes are
- * computed from the points themselves. */
+ * coordinate, Qc excludes points on a facet from the hull, Qz adds a point at infinity so that
+ * points that are all on one sphere (a single lattice cell) do not lift to a plane, Q12 accepts the
+ * wide merged facets of lattices. Qhull only provides topology: volumes are computed from the
+ * points themselves. */
 static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
 static char hull_command[] = "qhull FA";
-/* Qc keeps the points that fall on a facet, where U says how near that is. */
+/* Qc keeps the points that lie on a facet, within the tolerance of U. */
 static char faces_command[] = "qhull FA Qc U1e-9";
-/* The same where any triangles will do. */
+/* A command for any triangles of the hull. */
 static char triangles_command[] = "qhull FA Qt";
 static const double clear_of_faces = 1e-9;
 
-/* Below this height over extent the points count as lying on a plane: Qhull's own limit is
+/* Below this ratio of height to extent the points count as lying on a plane: Qhull's own limit is
  * round-off. */
 static const double flat_tolerance = 1e-9;
 
-/* One run of Qhull, its messages kept in memory instead of on the terminal. */
+/* One run of Qhull, whose messages are stored instead of printed. */
 typedef struct qhull_run {
     qhT *qh;
     FILE *messages;
@@ -35,33 +35,33 @@ typedef struct qhull_run {
     size_t text_size;
 } qhull_run;
 
-static gneiss_status qhull_open(qhull_run *s, gneiss_error *error) {
-    *s = (qhull_run){.qh = gn_alloc(sizeof(qhT))};
-    if (s->qh) s->messages = open_memstream(&s->text, &s->text_size);
-    if (s->messages) return GNEISS_OK;
-    gn_free(s->qh);
+static gneiss_status qhull_open(qhull_run *run, gneiss_error *error) {
+    *run = (qhull_run){.qh = gn_alloc(sizeof(qhT))};
+    if (run->qh) run->messages = open_memstream(&run->text, &run->text_size);
+    if (run->messages) return GNEISS_OK;
+    gn_free(run->qh);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a run of Qhull");
 }
 
-static void qhull_close(qhull_run *s) {
+static void qhull_close(qhull_run *run) {
     int kept, kept_bytes;
-    qh_freeqhull(s->qh, !qh_ALL);
-    qh_memfreeshort(s->qh, &kept, &kept_bytes);
-    fclose(s->messages);
-    free(s->text);
-    gn_free(s->qh);
+    qh_freeqhull(run->qh, !qh_ALL);
+    qh_memfreeshort(run->qh, &kept, &kept_bytes);
+    fclose(run->messages);
+    free(run->text);
+    gn_free(run->qh);
 }
 
-/* Runs `command`. Qhull leaves by longjmp into qh_new_qhull, which turns errors into a code. */
-static gneiss_status qhull_run_command(qhull_run *s, char *command, const double *points,
+/* Runs `command`. Qhull fails by longjmp into qh_new_qhull, which turns errors into a code. */
+static gneiss_status qhull_run_command(qhull_run *run, char *command, const double *points,
                                        size_t count, int dimension, gneiss_error *error) {
-    qh_zero(s->qh, s->messages);
+    qh_zero(run->qh, run->messages);
     /* The points are read only: no option used here scales or rotates them in place. */
-    int code = qh_new_qhull(s->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
-                            s->messages);
+    int code = qh_new_qhull(run->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
+                            run->messages);
     if (code == qh_ERRnone) return GNEISS_OK;
-    fflush(s->messages);
-    const char *text = s->text ? s->text : "";
+    fflush(run->messages);
+    const char *text = run->text ? run->text : "";
     while (*text == '\n') text++;
     gneiss_status status = code == qh_ERRmem ? GNEISS_ERROR_MEMORY : GNEISS_ERROR_INPUT;
     return gn_fail(error, status, "%s of %zu points in %dD failed with code %d: %.*s", command,
@@ -70,7 +70,8 @@ static gneiss_status qhull_run_command(qhull_run *s, char *command, const double
 
 /* --- points without volume --- */
 
-/* Takes the part along the `rank` unit directions out of `x`; the length of the rest. */
+/* Removes the components along the `rank` unit directions from `x`; returns the norm of the
+ * rest. */
 static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
     for (int k = 0; k < rank; k++) {
         double along = 0;
@@ -82,7 +83,7 @@ static double remainder_of(double x[3], int dimension, double direction[][3], in
     return sqrt(square);
 }
 
-/* Gram-Schmidt on the point farthest from the plane found so far. */
+/* Applies Gram-Schmidt to the point farthest from the plane found so far. */
 static bool is_flat(const double *points, size_t count, int dimension) {
     if (count < (size_t)dimension + 1) return true;
     double direction[3][3], extent = 0;
@@ -127,18 +128,18 @@ static gneiss_status normalised(const double *points, size_t count, int dimensio
 
 /* --- triangulation --- */
 
-static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
+static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *triangulation,
                                     gneiss_error *error) {
     facetT *facet;
     vertexT *vertex, **vertexp;
     size_t corners = (size_t)dimension + 1, count = 0;
     FORALLfacets count += !facet->upperdelaunay;
-    t->vertex = gn_alloc_array(count * corners, sizeof *t->vertex);
-    if (!t->vertex)
+    triangulation->vertex = gn_alloc_array(count * corners, sizeof *triangulation->vertex);
+    if (!triangulation->vertex)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu simplices", count);
     FORALLfacets {
         if (facet->upperdelaunay) continue;
-        int32_t *corner = t->vertex + t->count * corners;
+        int32_t *corner = triangulation->vertex + triangulation->count * corners;
         if (!facet->simplicial || qh_setsize(qh, facet->vertices) != dimension + 1)
             return gn_fail(error, GNEISS_ERROR_INTERNAL, "Qhull left a cell that is no simplex");
         size_t k = 0;
@@ -148,7 +149,7 @@ static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
             corner[0] = corner[1];
             corner[1] = first;
         }
-        t->count++;
+        triangulation->count++;
     }
     return GNEISS_OK;
 }
@@ -180,7 +181,7 @@ void gn_triangulation_free(gn_triangulation *triangulation) {
 
 /* --- hulls --- */
 
-/* Whether a neighbour of a facet lies clear of its plane. */
+/* Tells whether a neighbour of a facet is clearly outside of its plane. */
 static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     vertexT *vertex, **vertexp;
     realT above = -1.0;
@@ -192,7 +193,8 @@ static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     return true;
 }
 
-/* Whether a facet is a simplex with no other point on it, and its neighbours fall off from it. */
+/* Tells whether a facet is a simplex with no other point on it, and its neighbours are not in its
+ * plane. */
 static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     facetT *neighbor = NULL, **neighborp;
     bool clear = true;
@@ -202,7 +204,7 @@ static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     return clear;
 }
 
-static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulation *t,
+static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulation *triangulation,
                                 gneiss_error *error) {
     facetT *facet;
     vertexT *vertex, **vertexp;
@@ -213,17 +215,19 @@ static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulati
             any ? qh_setsize(qh, facet->vertices) == dimension : is_clear(qh, facet, dimension);
     }
     if (clear < count) return GNEISS_OK;
-    t->vertex = gn_alloc_array(count * (size_t)dimension, sizeof *t->vertex);
-    if (!t->vertex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
+    triangulation->vertex =
+        gn_alloc_array(count * (size_t)dimension, sizeof *triangulation->vertex);
+    if (!triangulation->vertex)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
     FORALLfacets {
-        int32_t *corner = t->vertex + t->count++ * (size_t)dimension;
+        int32_t *corner = triangulation->vertex + triangulation->count++ * (size_t)dimension;
         FOREACHvertex_(facet->vertices) *corner++ = qh_pointid(qh, vertex->point);
     }
     return GNEISS_OK;
 }
 
-/* m2 or m3 of the hull, and m or m2 of its surface (may be NULL), 0 of points on a line or plane;
- * its faces too where they are wanted. */
+/* Computes the volume or area of the hull, m2 or m3, and of its surface, m or m2 (may be NULL), 0
+ * for points on a line or plane; its faces too if they are requested. */
 static gneiss_status hull_of(const double *points, size_t count, int dimension, char *command,
                              gn_triangulation *faces, double *volume, double *surface,
                              gneiss_error *error) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Sums over the terms of one kind, picked by the kind's name in the manifest. */
+/* Sums over the terms of one kind, selected by the kind's name in the manifest. */
 #define PICK_STORED_STORED(value) +(value)
 #define PICK_STORED_INPUT(value)
 #define PICK_STORED_LOST(value)
@@ -20,7 +20,7 @@ double gn_energy_stored(const gn_energy *energy) {
 #undef X
 }
 
-double gn_energy_passed(const gn_energy *energy) {
+double gn_energy_throughput(const gn_energy *energy) {
 #define X(name, kind, text) PICK_INPUT_##kind(fabs(energy->name))
     double input = 0 GN_ENERGY_TERMS(X);
 #undef X
@@ -34,7 +34,7 @@ double gn_energy_passed(const gn_energy *energy) {
 }
 
 double gn_energy_scale(const gn_energy *energy) {
-    return fmax(energy->passed, gn_energy_passed(energy));
+    return fmax(energy->passed, gn_energy_throughput(energy));
 }
 
 double gn_energy_residual(const gn_energy *energy) {
@@ -49,13 +49,13 @@ double gn_energy_residual(const gn_energy *energy) {
     return scale > 0 ? unaccounted / scale : 0;
 }
 
-void gn_energy_figures(const gn_energy *e, gn_energy_figure figures[GN_ENERGY_FIGURES]) {
+void gn_energy_figures(const gn_energy *energy, gn_energy_figure figures[GN_ENERGY_FIGURES]) {
     static const char STORED[] = "stored", INPUT[] = "input", LOST[] = "lost";
-#define X(name, kind, text) {#name, "J", text, kind, e->name},
+#define X(name, kind, text) {#name, "J", text, kind, energy->name},
     const gn_energy_figure all[] = {
         GN_ENERGY_TERMS(X){"stored_at_start", "J", "stored energy at the start", NULL,
-                           e->stored_at_start},
-        {"residual", "1", GN_ENERGY_RESIDUAL_TEXT, NULL, gn_energy_residual(e)}};
+                           energy->stored_at_start},
+        {"residual", "1", GN_ENERGY_RESIDUAL_TEXT, NULL, gn_energy_residual(energy)}};
 #undef X
     _Static_assert(sizeof all / sizeof *all == GN_ENERGY_FIGURES, "all of them");
     memcpy(figures, all, sizeof all);

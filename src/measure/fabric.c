@@ -1,4 +1,4 @@
-/* Packing figures, damage of particles. */
+/* Packing figures and damage of particles. */
 #include "base/memory.h"
 #include "measure/assembly.h"
 #include "soa/bond_causes.h"
@@ -7,29 +7,30 @@
 
 /* --- packing figures --- */
 
-static void count_particles(const gn_assembly *assembly, double volume, gn_packing_figures *g) {
+static void count_particles(const gn_assembly *assembly, double volume,
+                            gn_packing_figures *figures) {
     const gn_particles *particles = assembly->particles;
     double sum = 0;
     for (size_t p = 0; p < particles->soa.count; p++) {
         if (gn_particle_removed(particles, p)) continue;
         double r = particles->pos[4 * p + 3];
-        if (g->particles == 0) g->radius_min = g->radius_max = r;
-        g->radius_min = fmin(g->radius_min, r);
-        g->radius_max = fmax(g->radius_max, r);
-        g->solid_volume += gn_particle_volume(particles, p, assembly->dimension);
-        g->particles++;
+        if (figures->particles == 0) figures->radius_min = figures->radius_max = r;
+        figures->radius_min = fmin(figures->radius_min, r);
+        figures->radius_max = fmax(figures->radius_max, r);
+        figures->solid_volume += gn_particle_volume(particles, p, assembly->dimension);
+        figures->particles++;
         sum += r;
     }
-    if (g->particles) g->radius_mean = sum / (double)g->particles;
-    g->porosity = volume > 0 ? 1 - g->solid_volume / volume : NAN;
+    if (figures->particles) figures->radius_mean = sum / (double)figures->particles;
+    figures->porosity = volume > 0 ? 1 - figures->solid_volume / volume : NAN;
 }
 
 static void count_overlap(const gn_particles *particles, size_t i, size_t j, double overlap,
-                          gn_packing_figures *g) {
-    if (overlap <= g->overlap_max) return;
-    g->overlap_max = overlap;
-    g->overlap_i = particles->id[i];
-    g->overlap_j = particles->id[j];
+                          gn_packing_figures *figures) {
+    if (overlap <= figures->overlap_max) return;
+    figures->overlap_max = overlap;
+    figures->overlap_i = particles->id[i];
+    figures->overlap_j = particles->id[j];
 }
 
 void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_t pair_count,
@@ -45,7 +46,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
         double reach = particles->pos[4 * i + 3] + particles->pos[4 * j + 3];
         if (length - reach > tolerance * reach) continue;
         g.contacts++;
-        /* Coincident centres count as a contact without a direction. */
+        /* Coincident centres count as a contact without direction. */
         for (int a = 0; a < 9 && length > 0; a++)
             g.fabric[a] += l[a / 3] * l[a % 3] / (length * length);
         if (length >= reach) continue;
@@ -62,8 +63,8 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
 
 /* --- damage --- */
 
-/* Rojek et al. (2012), eq. 60. A bond that left with its other particle was no damage to this one.
- */
+/* Rojek et al. (2012), eq. 60. A bond that left with its other particle is no damage to this
+ * one. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {
     memset(damage, 0, particles->soa.count * sizeof *damage);
     if (!particles->bonds0) return;

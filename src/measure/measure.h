@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-/* What carries force in a state. Any list may be empty (count 0); `walls` may be NULL. */
+/* The force-carrying parts of a state. Any list may be empty (count 0); `walls` may be NULL. */
 typedef struct gn_assembly {
     int dimension; /* 2 or 3 */
     const gn_particles *particles;
@@ -18,16 +18,16 @@ typedef struct gn_assembly {
     const double *wall_normals;            /* [walls][4], unit, pointing to the particles */
     bool periodic;
     double period[3];  /* m, with `periodic` */
-    size_t wall_count; /* gn_wall_contacts.wall from here on is a facet */
+    size_t wall_count; /* larger values of gn_wall_contacts.wall are facets */
 } gn_assembly;
 
 /* --- strain (Bagi 1996) --- */
 
-/* The volume average of the displacement gradient over a Delaunay triangulation of the reference
- * centres is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The weights of inner
- * particles vanish (divergence theorem), so a reading costs only the surface particles. In a bonded
- * body only particles with more bonds at the start than dimensions count, unless fewer than half
- * of all have them. */
+/* A strain gauge. The volume average of the displacement gradient over a Delaunay triangulation of
+ * the reference centres is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The
+ * weights of inner particles vanish (divergence theorem), so that a reading costs only the surface
+ * particles. In a bonded body only particles with more initial bonds than dimensions count, unless
+ * fewer than half of all have them. */
 typedef struct gn_strain_gauge {
     size_t count;
     int32_t *id;    /* [count] particle ids with a non-zero weight */
@@ -35,42 +35,42 @@ typedef struct gn_strain_gauge {
     double volume;  /* of the triangulation, m3 (m2 in 2D, per unit thickness) */
 } gn_strain_gauge;
 
-/* Who counts in it at the start: counts[p] 1 or 0, [particles]. */
+/* Selects the particles that count initially: counts[p] 1 or 0, [particles]. */
 void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_t *counts);
 
 /* Triangulates `particles->start` of those that count. Fewer than dimension + 1 particles or all on
  * a plane (line): count 0 and GNEISS_OK, readings are then NaN. */
 gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *counts,
                                  int dimension, gn_strain_gauge *gauge, gneiss_error *error);
-/* The same in a tenth of the time where a triangulation would be needed, as for lattices: by
- * another surface through the outer particles, which reads a uniform gradient as exactly. */
-gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+/* Makes such a gauge in a tenth of the time where a triangulation would be needed, as for lattices:
+ * by another surface through the outer particles, which reads a uniform gradient as exactly. */
+gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error);
-/* Of those that count at the start. */
+/* Makes a gauge of the particles that count initially. */
 gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
                                      gn_strain_gauge *gauge, gneiss_error *error);
 void gn_strain_gauge_free(gn_strain_gauge *gauge);
 
-/* Displacement gradient g[3*a + b] = <du_a/dx_b>, a, b = x y z; `index_of_id[id]` is the particle's
- * present place (negative: removed, its last displacement counts as zero). NaN with an empty gauge.
- */
+/* Computes the displacement gradient g[3*a + b] = <du_a/dx_b>, a, b = x y z; `index_of_id[id]` is
+ * the particle's present place (negative: removed, its last displacement counts as zero). NaN with
+ * an empty gauge. */
 void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *particles,
                           const int32_t *index_of_id, double gradient[9]);
 
-/* The strain of a displacement gradient that a rotation does not change: U - 1 with U^2 = F^T F, F
- * = 1 + g (Biot 1965). Of small gradients it is the symmetric part. */
+/* Computes the strain of a displacement gradient that is invariant to rotation: U - 1 with U^2 =
+ * F^T F, F = 1 + g (Biot 1965). For small gradients it is the symmetric part. */
 void gn_strain_of(const double gradient[9], double strain[9]);
 
 /* --- stress --- */
 
-/* sigma[3*a + b] = (1/V) sum_c f_a l_b, symmetrised by nothing: f on the first particle, l = x_j -
- * x_i, and for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit
+/* sigma[3*a + b] = (1/V) sum_c f_a l_b, not symmetrised: f on the first particle, l = x_j - x_i,
+ * and for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit
  * thickness in 2D). */
 void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]);
 
-/* The same per particle: sum over its contacts of the force on it times the vector from its centre
- * to the contact point, over V_p/(1 - porosity). `sigma` [count][6]: xx yy zz xy yz xz, symmetric
- * part, in the particles' present order. */
+/* Computes the stress per particle: the sum over its contacts of the force on it times the vector
+ * from its centre to the contact point, over V_p/(1 - porosity). `sigma` [count][6]: xx yy zz xy yz
+ * xz, symmetric part, in the particles' present order. */
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma);
 
 /* --- packing --- */
@@ -88,19 +88,19 @@ typedef struct gn_packing_figures {
     int32_t overlap_i, overlap_j; /* ids of the pair with the largest overlap, -1: none */
 } gn_packing_figures;
 
-/* `pairs` [pair_count][2]: candidate pairs (present indices) that include every pair within
- * tolerance. `volume` 0: unknown. */
+/* Computes packing figures. `pairs` [pair_count][2] are candidate pairs (present indices) that
+ * include every pair within tolerance. `volume` 0: unknown. */
 void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_t pair_count,
                         double tolerance, double volume, gn_packing_figures *figures);
 
-/* Volume (2D: area) of the convex hull of the particles, spheres or discs, which is that of the
- * specimen when the scene gives none, to some 1e-4, however they are turned. Also the extent
- * (largest and smallest coordinate including radii) along each axis. */
+/* Computes the volume (2D: area) of the convex hull of the particles, spheres or discs, to some
+ * 1e-4 for any rotation; it is the specimen's volume if the scene gives none. Also computes the
+ * extent (largest and smallest coordinate including radii) along each axis. */
 gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
                               double lower[3], double upper[3], gneiss_error *error);
 
-/* Damage D = 1 - bonds now / bonds at the start per particle (Rojek et al. 2012, eq. 60), 0 for
- * particles that had no bonds; those that left with removed particles count as if they were there.
+/* Computes damage D = 1 - bonds now / bonds at the start per particle (Rojek et al. 2012, eq. 60),
+ * 0 for particles that had no bonds; bonds that left with removed particles count as intact.
  * `damage` [count]. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage);
 

@@ -1,4 +1,4 @@
-/* The hull about a packing, and its extent. */
+/* The hull of a packing, and its extent. */
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "measure/assembly.h"
@@ -25,7 +25,7 @@ static void packing_extent(const gn_particles *particles, double lower[3], doubl
 /* --- what lies inside --- */
 
 /* Qhull takes seconds for the points of 1e5 spheres, nearly all of which are well inside:
- * half-spaces n.x <= offset whose intersection lies within the hull tell these beforehand. */
+ * half-spaces n.x <= offset whose intersection lies within the hull exclude these beforehand. */
 enum { LOOKS = 96, FACES_MOST = 2 * LOOKS, BLOCK = 256 };
 
 typedef struct half_spaces {
@@ -33,8 +33,8 @@ typedef struct half_spaces {
     double normal[FACES_MOST][3], offset[FACES_MOST];
 } half_spaces;
 
-/* Directions all about: a spiral over the sphere (Gonzalez 2010, lattice of Fibonacci), or equal
- * angles. */
+/* Evenly distributed directions: a spiral over the sphere (Gonzalez 2010, lattice of Fibonacci), or
+ * equal angles. */
 static void look(int dimension, int k, double direction[3]) {
     const double golden = M_PI * (3 - sqrt(5));
     double turn = dimension == 3 ? golden * k : 2 * M_PI * k / LOOKS;
@@ -44,37 +44,38 @@ static void look(int dimension, int k, double direction[3]) {
     direction[2] = z;
 }
 
-/* The particle that is farthest in a direction. */
-static size_t farthest(const gn_particles *q, const double n[3]) {
+/* Returns the particle that is farthest in a direction. */
+static size_t farthest(const gn_particles *particles, const double n[3]) {
     size_t found = 0;
     double most = -INFINITY;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        const double *x = q->pos + 4 * p;
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        const double *x = particles->pos + 4 * p;
         double reach = n[0] * x[0] + n[1] * x[1] + n[2] * x[2];
-        if (reach > most && !gn_particle_removed(q, p)) most = reach, found = p;
+        if (reach > most && !gn_particle_removed(particles, p)) most = reach, found = p;
     }
     return found;
 }
 
-/* Centres of outer particles, each drawn towards the middle by another small part, so that no four
- * of them lie in a plane, as those of a lattice do. */
-static void outer_points(const gn_particles *q, int dimension, const double middle[3],
+/* Computes centres of outer particles, each moved towards the middle by another small amount, so
+ * that no four of them lie in a plane, as those of a lattice do. */
+static void outer_points(const gn_particles *particles, int dimension, const double middle[3],
                          double *points) {
     const double most = 1e-2, golden = 0.6180339887498949;
     for (int k = 0; k < LOOKS; k++) {
         double direction[3], whole, part = most * (0.1 + modf(golden * (k + 1), &whole));
         look(dimension, k, direction);
-        const double *x = q->pos + 4 * farthest(q, direction);
+        const double *x = particles->pos + 4 * farthest(particles, direction);
         for (int a = 0; a < dimension; a++)
             points[k * dimension + a] = x[a] + part * (middle[a] - x[a]);
     }
 }
 
-/* Of the face through these corners, away from the middle. False: it has no area. */
+/* Computes the half-space of the face through these corners, away from the middle; returns false if
+ * it has no area. */
 static bool half_space_of(const double *points, const int32_t *corner, int dimension,
-                          const double middle[3], half_spaces *s) {
+                          const double middle[3], half_spaces *spaces) {
     const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
-    double *n = s->normal[s->count], e[3] = {0}, f[3] = {0, 0, 1};
+    double *n = spaces->normal[spaces->count], e[3] = {0}, f[3] = {0, 0, 1};
     for (int a = 0; a < dimension; a++) {
         e[a] = y[a] - x[a];
         if (dimension == 3) f[a] = points[corner[2] * dimension + a] - x[a];
@@ -90,39 +91,40 @@ static bool half_space_of(const double *points, const int32_t *corner, int dimen
         height += n[a] * (x[a] - middle[a]);
     }
     for (int a = 0; a < 3; a++) n[a] = height < 0 ? -n[a] : n[a];
-    s->offset[s->count++] = height < 0 ? -offset : offset;
+    spaces->offset[spaces->count++] = height < 0 ? -offset : offset;
     return true;
 }
 
-/* None where there are too few particles for it to matter, or where no body is found. */
-static void inner_body(const gn_particles *q, int dimension, const double lower[3],
-                       const double upper[3], half_spaces *s) {
+/* Computes a body inside the hull; none if there are too few particles for it to matter, or if no
+ * body is found. */
+static void inner_body(const gn_particles *particles, int dimension, const double lower[3],
+                       const double upper[3], half_spaces *spaces) {
     const size_t few = 1000;
     double points[LOOKS * 3], middle[3], volume;
     gn_triangulation faces;
-    s->count = 0;
-    if (q->soa.count < few) return;
+    spaces->count = 0;
+    if (particles->soa.count < few) return;
     for (int a = 0; a < 3; a++) middle[a] = 0.5 * (lower[a] + upper[a]);
-    outer_points(q, dimension, middle, points);
+    outer_points(particles, dimension, middle, points);
     if (gn_hull_faces(points, LOOKS, dimension, &faces, &volume, NULL) != GNEISS_OK) return;
     bool whole = faces.count > 0 && faces.count <= FACES_MOST;
     for (size_t f = 0; whole && f < faces.count; f++)
-        whole = half_space_of(points, faces.vertex + f * (size_t)dimension, dimension, middle, s);
-    if (!whole) s->count = 0;
+        whole =
+            half_space_of(points, faces.vertex + f * (size_t)dimension, dimension, middle, spaces);
+    if (!whole) spaces->count = 0;
     gn_triangulation_free(&faces);
 }
 
-/* Which of up to BLOCK particles lie with all of their surface inside. What is no number does not.
- */
-static void find_inside(const double *pos, size_t count, const half_spaces *s, double margin,
+/* Finds which of up to BLOCK particles lie inside with all of their surface. NaN does not. */
+static void find_inside(const double *pos, size_t count, const half_spaces *spaces, double margin,
                         int32_t inside[BLOCK]) {
     double x[4][BLOCK];
     for (size_t p = 0; p < count; p++) {
         for (int a = 0; a < 4; a++) x[a][p] = pos[4 * p + a];
-        inside[p] = s->count > 0;
+        inside[p] = spaces->count > 0;
     }
-    for (size_t f = 0; f < s->count; f++) {
-        const double *n = s->normal[f], limit = s->offset[f] - margin;
+    for (size_t f = 0; f < spaces->count; f++) {
+        const double *n = spaces->normal[f], limit = spaces->offset[f] - margin;
         for (size_t p = 0; p < count; p++)
             inside[p] &= n[0] * x[0][p] + n[1] * x[1][p] + n[2] * x[2][p] + x[3][p] <= limit;
     }
@@ -130,35 +132,35 @@ static void find_inside(const double *pos, size_t count, const half_spaces *s, d
 
 /* --- the core of the hull --- */
 
-/* [count] particles that may touch the hull; NULL: no memory. */
-static int32_t *outer_particles(const gn_particles *q, int dimension, const double lower[3],
+/* Returns the [count] particles that may touch the hull; NULL: no memory. */
+static int32_t *outer_particles(const gn_particles *particles, int dimension, const double lower[3],
                                 const double upper[3], size_t *count) {
     const double rounding = 1e-9;
-    int32_t inside[BLOCK], *outer = gn_alloc_array(q->soa.count + 1, sizeof *outer);
+    int32_t inside[BLOCK], *outer = gn_alloc_array(particles->soa.count + 1, sizeof *outer);
     half_spaces s;
     double extent = 0;
     *count = 0;
     if (!outer) return NULL;
     for (int a = 0; a < 3; a++) extent = fmax(extent, fmax(fabs(lower[a]), fabs(upper[a])));
-    inner_body(q, dimension, lower, upper, &s);
-    for (size_t first = 0; first < q->soa.count; first += BLOCK) {
-        size_t n = q->soa.count - first < BLOCK ? q->soa.count - first : BLOCK;
-        find_inside(q->pos + 4 * first, n, &s, rounding * extent, inside);
+    inner_body(particles, dimension, lower, upper, &s);
+    for (size_t first = 0; first < particles->soa.count; first += BLOCK) {
+        size_t n = particles->soa.count - first < BLOCK ? particles->soa.count - first : BLOCK;
+        find_inside(particles->pos + 4 * first, n, &s, rounding * extent, inside);
         for (size_t p = 0; p < n; p++)
-            if (!inside[p] && !gn_particle_removed(q, first + p))
+            if (!inside[p] && !gn_particle_removed(particles, first + p))
                 outer[(*count)++] = (int32_t)(first + p);
     }
     return outer;
 }
 
-/* Outer particles without the smallest radius r of all. The hull of balls is that of these, with a
- * ball of radius r added (Minkowski), and Steiner's formula gives its volume,
+/* Outer particles, with radii reduced by the smallest one, r. The hull of the balls is the
+ * Minkowski sum of their hull and a ball of radius r, and Steiner's formula gives its volume,
  *
  *   V = V' + S' r + M' r^2 + 4/3 pi r^3,     in 2D  A = A' + L' r + pi r^2,
  *
  * with S' the surface and M' the integral of the mean curvature, which is that of the reach h'(n) =
- * max(n.x + r_i - r) over all directions n (Schneider 2014, Convex Bodies, 4.2 and 5.3). Of equal
- * radii the hull of what is left is a polytope. */
+ * max(n.x + r_i - r) over all directions n (Schneider 2014, Convex Bodies, 4.2 and 5.3). For equal
+ * radii the reduced hull is a polytope. */
 typedef struct core {
     size_t count;
     double radius; /* r */
@@ -166,42 +168,42 @@ typedef struct core {
     double *x[3], *rest; /* [count] from the middle; r_i - r */
 } core;
 
-static void core_free(core *c) {
-    for (int a = 0; a < 3; a++) gn_free(c->x[a]);
-    gn_free(c->rest);
+static void core_free(core *inner) {
+    for (int a = 0; a < 3; a++) gn_free(inner->x[a]);
+    gn_free(inner->rest);
 }
 
-static gneiss_status make_core(const gn_particles *q, const int32_t *outer, size_t count,
-                               const double lower[3], const double upper[3], core *c,
+static gneiss_status make_core(const gn_particles *particles, const int32_t *outer, size_t count,
+                               const double lower[3], const double upper[3], core *inner,
                                gneiss_error *error) {
-    *c = (core){
+    *inner = (core){
         .count = count, .radius = INFINITY, .rest = gn_alloc_array(count + 1, sizeof(double))};
-    bool held = c->rest;
+    bool held = inner->rest;
     for (int a = 0; a < 3; a++) {
-        c->middle[a] = 0.5 * (lower[a] + upper[a]);
-        c->x[a] = gn_alloc_array(count + 1, sizeof *c->x[a]);
-        held = held && c->x[a];
+        inner->middle[a] = 0.5 * (lower[a] + upper[a]);
+        inner->x[a] = gn_alloc_array(count + 1, sizeof *inner->x[a]);
+        held = held && inner->x[a];
     }
     if (!held)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
                        count);
     for (size_t o = 0; o < count; o++)
-        c->radius = fmin(c->radius, q->pos[4 * (size_t)outer[o] + 3]);
+        inner->radius = fmin(inner->radius, particles->pos[4 * (size_t)outer[o] + 3]);
     for (size_t o = 0; o < count; o++) {
-        const double *x = q->pos + 4 * (size_t)outer[o];
-        for (int a = 0; a < 3; a++) c->x[a][o] = x[a] - c->middle[a];
-        c->rest[o] = x[3] - c->radius;
+        const double *x = particles->pos + 4 * (size_t)outer[o];
+        for (int a = 0; a < 3; a++) inner->x[a][o] = x[a] - inner->middle[a];
+        inner->rest[o] = x[3] - inner->radius;
     }
     return GNEISS_OK;
 }
 
-/* h'(n), and h'(-n) where it is wanted. */
-static double reach_of(const core *c, const double n[3], double *back) {
+/* Computes h'(n), and h'(-n) if requested. */
+static double reach_of(const core *inner, const double n[3], double *back) {
     double most = -INFINITY, behind = -INFINITY;
-    for (size_t k = 0; k < c->count; k++) {
-        const double d = n[0] * c->x[0][k] + n[1] * c->x[1][k] + n[2] * c->x[2][k];
-        most = d + c->rest[k] > most ? d + c->rest[k] : most;
-        behind = c->rest[k] - d > behind ? c->rest[k] - d : behind;
+    for (size_t k = 0; k < inner->count; k++) {
+        const double d = n[0] * inner->x[0][k] + n[1] * inner->x[1][k] + n[2] * inner->x[2][k];
+        most = d + inner->rest[k] > most ? d + inner->rest[k] : most;
+        behind = inner->rest[k] - d > behind ? inner->rest[k] - d : behind;
     }
     if (back) *back = behind;
     return most;
@@ -209,15 +211,15 @@ static double reach_of(const core *c, const double n[3], double *back) {
 
 enum { AXES = 2048 };
 
-/* The integral of h' over all directions; exact for what is the same on both sides of the middle
- * and for a shift. */
-static double curvature_of(const core *c) {
+/* Returns the integral of h' over all directions, which is exact for centrally symmetric bodies and
+ * for a shift. */
+static double curvature_of(const core *inner) {
     const double golden = M_PI * (3 - sqrt(5));
     double sum = 0;
     for (int k = 0; k < AXES; k++) {
         const double z = (k + 0.5) / AXES, across = sqrt(1 - z * z), turn = golden * k;
         const double n[3] = {across * cos(turn), across * sin(turn), z};
-        double back, most = reach_of(c, n, &back);
+        double back, most = reach_of(inner, n, &back);
         sum += most + back;
     }
     return 4 * M_PI * sum / (2 * AXES);
@@ -230,34 +232,37 @@ typedef struct cloud {
     size_t count, room;
 } cloud;
 
-static gneiss_status add_point(cloud *p, const double x[3], int dimension, gneiss_error *error) {
-    if (p->count == p->room) {
-        const size_t room = 2 * p->room + 64, width = (size_t)dimension * sizeof *p->x;
+static gneiss_status add_point(cloud *points, const double x[3], int dimension,
+                               gneiss_error *error) {
+    if (points->count == points->room) {
+        const size_t room = 2 * points->room + 64, width = (size_t)dimension * sizeof *points->x;
         double *more = gn_alloc_array(room, width);
         if (!more) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu points", room);
-        if (p->count) memcpy(more, p->x, p->count * width);
-        gn_free(p->x);
-        p->x = more;
-        p->room = room;
+        if (points->count) memcpy(more, points->x, points->count * width);
+        gn_free(points->x);
+        points->x = more;
+        points->room = room;
     }
-    memcpy(p->x + p->count++ * (size_t)dimension, x, (size_t)dimension * sizeof *x);
+    memcpy(points->x + points->count++ * (size_t)dimension, x, (size_t)dimension * sizeof *x);
     return GNEISS_OK;
 }
 
-/* The point of the core that is farthest in a direction. */
-static gneiss_status add_farthest(const core *c, const double n[3], int dimension, cloud *p,
-                                  gneiss_error *error) {
-    const double reach = reach_of(c, n, NULL);
+/* Adds the point of the core that is farthest in a direction. */
+static gneiss_status add_farthest(const core *inner, const double n[3], int dimension,
+                                  cloud *points, gneiss_error *error) {
+    const double reach = reach_of(inner, n, NULL);
     size_t at = 0;
-    while (at + 1 < c->count &&
-           n[0] * c->x[0][at] + n[1] * c->x[1][at] + n[2] * c->x[2][at] + c->rest[at] < reach)
+    while (at + 1 < inner->count && n[0] * inner->x[0][at] + n[1] * inner->x[1][at] +
+                                            n[2] * inner->x[2][at] + inner->rest[at] <
+                                        reach)
         at++;
-    const double x[3] = {c->x[0][at] + c->rest[at] * n[0], c->x[1][at] + c->rest[at] * n[1],
-                         c->x[2][at] + c->rest[at] * n[2]};
-    return add_point(p, x, dimension, error);
+    const double x[3] = {inner->x[0][at] + inner->rest[at] * n[0],
+                         inner->x[1][at] + inner->rest[at] * n[1],
+                         inner->x[2][at] + inner->rest[at] * n[2]};
+    return add_point(points, x, dimension, error);
 }
 
-/* Area (2D: length) and outward normal of a face; the hull has the place `inside` in it. */
+/* Computes the area (2D: length) and outward normal of a face; `inside` is a point in the hull. */
 static double face_of(const double *points, const int32_t *corner, int dimension,
                       const double inside[3], double n[3], double *offset) {
     const double *x = points + corner[0] * dimension, *y = points + corner[1] * dimension;
@@ -277,101 +282,105 @@ static double face_of(const double *points, const int32_t *corner, int dimension
     return dimension == 3 ? 0.5 * size : size;
 }
 
-/* Adds the farthest points over faces that the core stands out of by more than `gap`; *missing: sum
- * of areas times how far it stands out. */
-static gneiss_status refine(const core *c, int dimension, double gap, const gn_triangulation *faces,
-                            cloud *p, bool *more, double *missing, gneiss_error *error) {
-    const size_t known = p->count;
+/* Adds the farthest points over faces beyond which the core extends by more than `gap`; *missing:
+ * sum of areas times these distances. */
+static gneiss_status refine(const core *inner, int dimension, double gap,
+                            const gn_triangulation *faces, cloud *points, bool *more,
+                            double *missing, gneiss_error *error) {
+    const size_t known = points->count;
     *missing = 0;
     double inside[3] = {0};
     for (size_t k = 0; k < known; k++)
         for (int a = 0; a < dimension; a++)
-            inside[a] += p->x[k * (size_t)dimension + (size_t)a] / (double)known;
+            inside[a] += points->x[k * (size_t)dimension + (size_t)a] / (double)known;
     *more = false;
     for (size_t f = 0; f < faces->count; f++) {
         double n[3], offset;
         const int32_t *corner = faces->vertex + f * (size_t)dimension;
-        const double area = face_of(p->x, corner, dimension, inside, n, &offset);
-        const double out = area > 0 ? reach_of(c, n, NULL) - offset : 0;
+        const double area = face_of(points->x, corner, dimension, inside, n, &offset);
+        const double out = area > 0 ? reach_of(inner, n, NULL) - offset : 0;
         *missing += area * fmax(out, 0);
         if (!(out > gap)) continue;
-        GN_TRY(add_farthest(c, n, dimension, p, error));
+        GN_TRY(add_farthest(inner, n, dimension, points, error));
         *more = true;
     }
     return GNEISS_OK;
 }
 
-/* A flat core has two sides. Its normal is the direction in which it extends least. */
-static gneiss_status measure_flat(const core *c, int dimension, double *surface,
+/* Measures a flat core, which has two sides. Its normal is the direction in which it extends
+ * least. */
+static gneiss_status measure_flat(const core *inner, int dimension, double *surface,
                                   gneiss_error *error) {
     double matrix[9] = {0}, mean[3] = {0}, values[3], axes[9], area = 0;
-    double *flat = gn_alloc_array(c->count + 1, 2 * sizeof *flat);
+    double *flat = gn_alloc_array(inner->count + 1, 2 * sizeof *flat);
     if (!flat) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a flat hull");
-    for (size_t k = 0; k < c->count; k++)
-        for (int a = 0; a < 3; a++) mean[a] += c->x[a][k] / (double)c->count;
-    for (size_t k = 0; k < c->count; k++)
+    for (size_t k = 0; k < inner->count; k++)
+        for (int a = 0; a < 3; a++) mean[a] += inner->x[a][k] / (double)inner->count;
+    for (size_t k = 0; k < inner->count; k++)
         for (int a = 0; a < 9; a++)
-            matrix[a] += (c->x[a / 3][k] - mean[a / 3]) * (c->x[a % 3][k] - mean[a % 3]);
+            matrix[a] += (inner->x[a / 3][k] - mean[a / 3]) * (inner->x[a % 3][k] - mean[a % 3]);
     gn_eigen_symmetric(3, matrix, values, axes);
-    for (size_t k = 0; k < c->count; k++)
+    for (size_t k = 0; k < inner->count; k++)
         for (int b = 0; b < 2; b++) {
             flat[2 * k + (size_t)b] = 0;
-            for (int a = 0; a < 3; a++) flat[2 * k + (size_t)b] += axes[3 * b + a] * c->x[a][k];
+            for (int a = 0; a < 3; a++) flat[2 * k + (size_t)b] += axes[3 * b + a] * inner->x[a][k];
         }
-    double back, along = reach_of(c, axes, &back);
+    double back, along = reach_of(inner, axes, &back);
     gneiss_status status = GNEISS_OK;
-    if (dimension == 3) status = gn_hull_volume(flat, c->count, 2, &area, error);
+    if (dimension == 3) status = gn_hull_volume(flat, inner->count, 2, &area, error);
     *surface = dimension == 3 ? 2 * area : 2 * (along + back);
     gn_free(flat);
     return status;
 }
 
-/* Of the volume of all: what faces times how far the core stands out of them may come to, of balls
- * and of a polytope. Between faces and a ball there is 3/4 of that where triangles are equilateral,
- * 2/3 on a cylinder (and in the plane), which is added. */
+/* Relative to the volume: tolerance of the sum of faces times the distance by which the core
+ * extends beyond them, for balls and for a polytope. Between faces and a ball there is 3/4 of that
+ * for equilateral triangles and 2/3 on a cylinder (and in 2D), which is added. */
 static const double of_balls = 5e-4, of_polytope = 1e-7, between = 2.0 / 3.0;
 enum { ROUNDS = 12, POINTS_MOST = 200000 };
 
-/* The hull of points of the core, which grows until no face of it is farther inside of the core
- * than what a share of the volume over the whole surface comes to. */
-static gneiss_status measure_core(const core *c, int dimension, cloud *p, double *volume,
+/* Computes the hull of points of the core, which grows until the core extends beyond no face by
+ * more than the tolerance of the volume over the whole surface. */
+static gneiss_status measure_core(const core *inner, int dimension, cloud *points, double *volume,
                                   double *surface, gneiss_error *error) {
-    const double r = c->radius;
+    const double r = inner->radius;
     double most = 0;
     bool more = true;
-    for (size_t k = 0; k < c->count; k++) most = fmax(most, c->rest[k]);
+    for (size_t k = 0; k < inner->count; k++) most = fmax(most, inner->rest[k]);
     const double wanted = most > 1e-9 * r ? of_balls : of_polytope;
     for (int k = 0; k < LOOKS; k++) {
         double n[3];
         look(dimension, k, n);
-        GN_TRY(add_farthest(c, n, dimension, p, error));
+        GN_TRY(add_farthest(inner, n, dimension, points, error));
     }
     for (int round = 0; more; round++) {
         gn_triangulation faces;
         double missing = 0;
-        GN_TRY(gn_hull_measure(p->x, p->count, dimension, &faces, volume, surface, error));
+        GN_TRY(
+            gn_hull_measure(points->x, points->count, dimension, &faces, volume, surface, error));
         const double all = *volume + *surface * r, rounded = 1e-9 * (r + cbrt(*volume));
         const double gap = *surface > 0 ? fmax(wanted * all / *surface, rounded) : 0;
-        gneiss_status status = refine(c, dimension, gap, &faces, p, &more, &missing, error);
+        gneiss_status status =
+            refine(inner, dimension, gap, &faces, points, &more, &missing, error);
         gn_triangulation_free(&faces);
         GN_TRY(status);
-        more = more && round < ROUNDS && p->count < POINTS_MOST;
+        more = more && round < ROUNDS && points->count < POINTS_MOST;
         if (!more) *volume += most > 0 ? between * missing : 0;
     }
-    return *volume > 0 ? GNEISS_OK : measure_flat(c, dimension, surface, error);
+    return *volume > 0 ? GNEISS_OK : measure_flat(inner, dimension, surface, error);
 }
 
-static gneiss_status measure_hull(const core *c, int dimension, double *volume,
+static gneiss_status measure_hull(const core *inner, int dimension, double *volume,
                                   gneiss_error *error) {
     cloud points = {0};
-    const double r = c->radius;
+    const double r = inner->radius;
     double surface = 0;
     *volume = 0;
-    if (!c->count) return GNEISS_OK;
-    gneiss_status status = measure_core(c, dimension, &points, volume, &surface, error);
+    if (!inner->count) return GNEISS_OK;
+    gneiss_status status = measure_core(inner, dimension, &points, volume, &surface, error);
     gn_free(points.x);
     if (dimension == 3)
-        *volume += r * (surface + r * (curvature_of(c) + 4.0 / 3.0 * M_PI * r));
+        *volume += r * (surface + r * (curvature_of(inner) + 4.0 / 3.0 * M_PI * r));
     else
         *volume += r * (surface + M_PI * r);
     return status;

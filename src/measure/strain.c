@@ -19,13 +19,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How well the simplices must fill the hull: far above round-off, far below what would show in a
- * strain. */
+/* Relative tolerance of the simplices' volume against that of the hull: far above round-off, far
+ * below what would affect a strain. */
 static const double tiling_tolerance = 1e-9;
 
 typedef struct face {
     int32_t corner[3]; /* ascending; 2D: the third is 0 */
-    int32_t sign;      /* +1: ascending corners turn outwards, -1: inwards */
+    int32_t sign;      /* +1: ascending corners are oriented outward, -1: inward */
 } face;
 
 typedef struct numbered {
@@ -44,10 +44,10 @@ static int compare_faces(const void *a, const void *b) {
     return (x->sign > y->sign) - (x->sign < y->sign);
 }
 
-/* In a bonded body a particle with few bonds hangs in it loosely (on two bonds it swings like a
- * pendulum): how it moves is no strain of the body, but on the surface it would count like its
- * neighbours. Without those on three bonds as well, Poisson's ratio of like specimens scatters by
- * 1 % in place of 10 % (docs/evidence/packing.md). */
+/* Tells whether a particle is held firmly. With two bonds it swings like a pendulum: its motion is
+ * no strain of the body, but on the surface it would count like its neighbours. Without those on
+ * three bonds as well, Poisson's ratio of like specimens scatters by 1 % instead of 10 %
+ * (docs/evidence/packing.md). */
 static bool is_held(const gn_particles *particles, size_t p, int dimension) {
     return !particles->bonds0 || particles->bonds0[p] > dimension;
 }
@@ -59,11 +59,12 @@ void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_
         counts[p] = is_held(particles, p, dimension);
         held += counts[p];
     }
-    if (2 * held < count) memset(counts, 1, count); /* hardly a bonded body */
+    if (2 * held < count) memset(counts, 1, count); /* almost without bonds */
 }
 
-/* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
- * depends on the order of its points, and the order of the particles on the run so far. */
+/* Collects the initial centres in the order of the ids, relative to the first one: the
+ * triangulation of a lattice depends on the order of its points, and the order of the particles on
+ * the history of the run. */
 static gneiss_status reference_points(const gn_particles *particles, const uint8_t *counts,
                                       int dimension, double **points, numbered **order,
                                       size_t *used, gneiss_error *error) {
@@ -84,7 +85,7 @@ static gneiss_status reference_points(const gn_particles *particles, const uint8
     return GNEISS_OK;
 }
 
-/* d! times the signed volume of a simplex. */
+/* Returns d! times the signed volume of a simplex. */
 static double simplex_volume(const double *points, const int32_t *corner, int dimension) {
     double e[3][3];
     for (int k = 0; k < dimension; k++)
@@ -97,8 +98,8 @@ static double simplex_volume(const double *points, const int32_t *corner, int di
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
-/* Area vector of a face seen from the side where its corners turn counter-clockwise; 2D: the edge
- * turned by -90 degrees, outward for a counter-clockwise outline. */
+/* Computes the area vector of a face seen from the side on which its corners are counter-clockwise;
+ * 2D: the edge rotated by -90 degrees, outward for a counter-clockwise outline. */
 static void area_vector(const double *points, const int32_t *corner, int dimension,
                         double area[3]) {
     const double *p = points + (size_t)corner[0] * dimension;
@@ -117,7 +118,7 @@ static void area_vector(const double *points, const int32_t *corner, int dimensi
     area[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
 }
 
-/* Sorts the corners of a face and keeps count of the exchanges in its sign. */
+/* Sorts the corners of a face; its sign changes with every exchange. */
 static face sorted_face(const int32_t *corner, int dimension, int32_t sign) {
     face f = {.sign = sign};
     for (int k = 0; k < dimension; k++) f.corner[k] = corner[k];
@@ -131,22 +132,23 @@ static face sorted_face(const int32_t *corner, int dimension, int32_t sign) {
     return f;
 }
 
-/* Where the faces with each lowest corner begin once they are sorted by it, [points + 1]. */
+/* Computes where the faces with each lowest corner begin after sorting, [points + 1]. */
 static void count_faces(const face *list, size_t all, size_t points, size_t *start) {
     memset(start, 0, (points + 1) * sizeof *start);
     for (size_t f = 0; f < all; f++) start[list[f].corner[0] + 1]++;
     for (size_t p = 0; p < points; p++) start[p + 1] += start[p];
 }
 
-/* Sorted into `sorted`: by the lowest corner with counters, the few of each corner one by one. */
+/* Sorts into `sorted`: by the lowest corner with counters, then the few of each corner by
+ * insertion. */
 static void sort_faces(const face *list, size_t all, size_t points, size_t *start, face *sorted) {
     count_faces(list, all, points, start);
     for (size_t f = 0; f < all; f++) sorted[start[list[f].corner[0]]++] = list[f];
-    for (size_t p = 0, begin = 0; p < points; begin = start[p++]) /* where they end, by now */
+    for (size_t p = 0, begin = 0; p < points; begin = start[p++]) /* start[p] is now the end */
         qsort(sorted + begin, start[p] - begin, sizeof *sorted, compare_faces);
 }
 
-/* Takes out pairs of opposite sign; how many are left. */
+/* Removes pairs of opposite sign; returns the number of the rest. */
 static size_t cancel_faces(face *list, size_t all) {
     size_t kept = 0;
     for (size_t f = 0; f < all; f++) {
@@ -160,31 +162,31 @@ static size_t cancel_faces(face *list, size_t all) {
     return kept;
 }
 
-/* All faces of all simplices. `turn` is their common orientation. The face of a positive simplex
- * 0..d opposite to corner k has the remaining corners, in their order, turned outwards by (-1)^k.
- */
-static void list_faces(const gn_triangulation *t, int32_t turn, face *list) {
-    size_t corners = (size_t)t->dimension + 1;
-    for (size_t s = 0; s < t->count; s++)
+/* Lists all faces of all simplices. `turn` is their common orientation. The face of a positive
+ * simplex 0..d opposite to corner k has the remaining corners, in their order, oriented outward by
+ * (-1)^k. */
+static void list_faces(const gn_triangulation *triangulation, int32_t turn, face *list) {
+    size_t corners = (size_t)triangulation->dimension + 1;
+    for (size_t s = 0; s < triangulation->count; s++)
         for (size_t k = 0; k < corners; k++) {
             int32_t rest[3] = {0}, n = 0;
             for (size_t m = 0; m < corners; m++)
-                if (m != k) rest[n++] = t->vertex[s * corners + m];
+                if (m != k) rest[n++] = triangulation->vertex[s * corners + m];
             int32_t outward = k % 2 ? -1 : 1;
-            list[s * corners + k] = sorted_face(rest, t->dimension, outward * turn);
+            list[s * corners + k] = sorted_face(rest, triangulation->dimension, outward * turn);
         }
 }
 
-/* The faces of simplices over so many points, sorted, with pairs of opposite sign taken out;
- * `count` of them are left. */
-static gneiss_status outer_faces(const gn_triangulation *t, size_t points, int32_t turn,
+/* Computes the faces of simplices over `points` points, sorted, without pairs of opposite sign;
+ * `count` of them remain. */
+static gneiss_status outer_faces(const gn_triangulation *triangulation, size_t points, int32_t turn,
                                  face **faces, size_t *count, gneiss_error *error) {
-    size_t all = t->count * ((size_t)t->dimension + 1);
+    size_t all = triangulation->count * ((size_t)triangulation->dimension + 1);
     face *list = gn_alloc_array(all, sizeof *list), *sorted = gn_alloc_array(all, sizeof *sorted);
     size_t *start = gn_alloc_array(points + 1, sizeof *start);
     bool room = list && sorted && start;
     if (room) {
-        list_faces(t, turn, list);
+        list_faces(triangulation, turn, list);
         sort_faces(list, all, points, start, sorted);
         *count = cancel_faces(sorted, all);
         *faces = sorted;
@@ -196,7 +198,8 @@ static gneiss_status outer_faces(const gn_triangulation *t, size_t points, int32
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", all);
 }
 
-/* Adds the faces to the weights [points][3]; the volume they enclose by the divergence theorem. */
+/* Adds the faces to the weights [points][3]; returns the volume they enclose by the divergence
+ * theorem. */
 static double add_faces(const face *faces, size_t count, const double *points, int dimension,
                         double *weight) {
     double volume = 0;
@@ -216,22 +219,23 @@ static double add_faces(const face *faces, size_t count, const double *points, i
     return volume;
 }
 
-/* The simplices must fill the hull once: no holes, no overlaps. */
-static gneiss_status check_tiling(const gn_triangulation *t, const double *points, size_t count,
-                                  double enclosed, gneiss_error *error) {
+/* Checks that the simplices fill the hull once, without holes and overlaps. */
+static gneiss_status check_tiling(const gn_triangulation *triangulation, const double *points,
+                                  size_t count, double enclosed, gneiss_error *error) {
     double hull, filled = 0;
-    GN_TRY(gn_hull_volume(points, count, t->dimension, &hull, error));
-    for (size_t s = 0; s < t->count; s++)
-        filled +=
-            fabs(simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension)) /
-            (t->dimension == 3 ? 6 : 2);
+    GN_TRY(gn_hull_volume(points, count, triangulation->dimension, &hull, error));
+    for (size_t s = 0; s < triangulation->count; s++)
+        filled += fabs(simplex_volume(
+                      points, triangulation->vertex + s * (size_t)(triangulation->dimension + 1),
+                      triangulation->dimension)) /
+                  (triangulation->dimension == 3 ? 6 : 2);
     if (fabs(filled - hull) <= tiling_tolerance * hull &&
         fabs(enclosed - hull) <= tiling_tolerance * hull)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INTERNAL,
                    "the %zu simplices of %zu points should fill their hull of %.17g: their volumes "
                    "add up to %.17g and their outside encloses %.17g",
-                   t->count, count, hull, filled, enclosed);
+                   triangulation->count, count, hull, filled, enclosed);
 }
 
 static gneiss_status take_weights(const double *weight, size_t count, const numbered *order,
@@ -254,27 +258,31 @@ static gneiss_status take_weights(const double *weight, size_t count, const numb
     return GNEISS_OK;
 }
 
-/* +1 or -1: the sign of the summed volume, the same way round for all simplices. */
-static int32_t common_turn(const gn_triangulation *t, const double *points) {
+/* Returns +1 or -1, the sign of the summed volume, which is common to all simplices. */
+static int32_t common_turn(const gn_triangulation *triangulation, const double *points) {
     double sum = 0;
-    for (size_t s = 0; s < t->count; s++)
-        sum += simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension);
+    for (size_t s = 0; s < triangulation->count; s++)
+        sum += simplex_volume(points,
+                              triangulation->vertex + s * (size_t)(triangulation->dimension + 1),
+                              triangulation->dimension);
     return sum < 0 ? -1 : 1;
 }
 
-static gneiss_status gauge_fill(const gn_triangulation *t, const double *points, size_t count,
-                                const numbered *order, gn_strain_gauge *gauge,
+static gneiss_status gauge_fill(const gn_triangulation *triangulation, const double *points,
+                                size_t count, const numbered *order, gn_strain_gauge *gauge,
                                 gneiss_error *error) {
     face *faces = NULL;
     size_t face_count = 0;
-    GN_TRY(outer_faces(t, count, common_turn(t, points), &faces, &face_count, error));
+    GN_TRY(outer_faces(triangulation, count, common_turn(triangulation, points), &faces,
+                       &face_count, error));
     double *weight = gn_alloc_array(3 * count, sizeof *weight);
     gneiss_status status = GNEISS_OK;
     if (!weight)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
     else
-        gauge->volume = add_faces(faces, face_count, points, t->dimension, weight);
-    if (status == GNEISS_OK) status = check_tiling(t, points, count, gauge->volume, error);
+        gauge->volume = add_faces(faces, face_count, points, triangulation->dimension, weight);
+    if (status == GNEISS_OK)
+        status = check_tiling(triangulation, points, count, gauge->volume, error);
     if (status == GNEISS_OK) status = take_weights(weight, count, order, gauge, error);
     gn_free(weight);
     gn_free(faces);
@@ -283,7 +291,7 @@ static gneiss_status gauge_fill(const gn_triangulation *t, const double *points,
 
 /* --- by the hull --- */
 
-/* Seen from outside; `inside` is a point of the hull. */
+/* Returns the orientation seen from outside; `inside` is a point of the hull. */
 static int32_t outward(const double *points, const int32_t *corner, int dimension,
                        const double inside[3]) {
     double area[3], along = 0.0;
@@ -293,8 +301,8 @@ static int32_t outward(const double *points, const int32_t *corner, int dimensio
     return along < 0.0 ? -1 : 1;
 }
 
-/* Weights of the faces of the hull of `shown`, with the points at their own places, in the order in
- * which those of a triangulation come. */
+/* Computes weights of the faces of the hull of `shown`, with the original positions of the points,
+ * in the order of those of a triangulation. */
 static gneiss_status weigh_hull(const gn_triangulation *hull, const double *shown,
                                 const double *points, size_t count, double *weight, double *volume,
                                 gneiss_error *error) {
@@ -314,8 +322,8 @@ static gneiss_status weigh_hull(const gn_triangulation *hull, const double *show
     return GNEISS_OK;
 }
 
-/* Where the outside of the triangulation is the hull beyond doubt, its faces give the same weights
- * in a small part of the time. *found: whether they do; else a triangulation has to tell. */
+/* If the outside of the triangulation is certainly the hull, its faces give the same weights in a
+ * small fraction of the time. *found tells whether they do; otherwise a triangulation is needed. */
 static gneiss_status gauge_by_hull(const double *points, size_t count, int dimension,
                                    const numbered *order, gn_strain_gauge *gauge, bool *found,
                                    gneiss_error *error) {
@@ -336,10 +344,10 @@ static gneiss_status gauge_by_hull(const double *points, size_t count, int dimen
     return status;
 }
 
-/* Points of flat faces moved inwards by this share of what they are from the middle, over the
- * extent, squared: faces are then vaulted, as by a paraboloid, whose hull has all points of a face
- * for corners, in the triangles that a Delaunay triangulation of the face has. And by this share at
- * random, where a lattice leaves the choice. */
+/* Points of flat faces move inward by this fraction of their squared distance from the middle over
+ * the extent: faces are then vaulted like a paraboloid, whose hull has all points of a face as
+ * corners, in the triangles of a Delaunay triangulation of the face. A further random fraction
+ * resolves the ambiguity of lattices. */
 static const double vault = 0.01, vault_random = 1e-6;
 
 static double *vaulted(const double *points, size_t count, int dimension, const numbered *order) {
@@ -362,7 +370,7 @@ static double *vaulted(const double *points, size_t count, int dimension, const 
     return shown;
 }
 
-/* What encloses all: areas of faces that cover a closed surface add up to nothing. */
+/* Tells whether a surface is closed: the areas of its faces then add up to zero. */
 static bool is_closed(const double *weight, size_t count) {
     double sum[3] = {0}, size = 0.0;
     for (size_t k = 0; k < 3 * count; k++) {
@@ -372,9 +380,9 @@ static bool is_closed(const double *weight, size_t count) {
     return fabs(sum[0]) + fabs(sum[1]) + fabs(sum[2]) <= tiling_tolerance * size;
 }
 
-/* Of lattices as well, in a tenth of the time of their triangulation: by the hull of the points
- * with flat faces vaulted, as any closed surface with particles for corners will do. *found:
- * whether there is one. */
+/* Makes a gauge also for lattices, in a tenth of the time of their triangulation, by the hull of
+ * the points with flat faces vaulted; any closed surface with particles as corners serves. *found
+ * tells whether there is one. */
 static gneiss_status gauge_by_vault(const double *points, size_t count, int dimension,
                                     const numbered *order, gn_strain_gauge *gauge, bool *found,
                                     gneiss_error *error) {
@@ -397,7 +405,7 @@ static gneiss_status gauge_by_vault(const double *points, size_t count, int dime
     return status;
 }
 
-/* Lattices with more particles have no triangulation. */
+/* Lattices with more particles are not triangulated. */
 static const size_t triangulated_most = 50000;
 
 static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *counts, int dimension,
@@ -413,7 +421,7 @@ static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *coun
     bool found = false;
     if (status == GNEISS_OK)
         status = gauge_by_hull(points, count, dimension, order, gauge, &found, error);
-    /* A triangulation takes 1.9 kB and 0.1 ms for each particle. */
+    /* A triangulation takes 1.9 kB and 0.1 ms per particle. */
     if (status == GNEISS_OK && !found && (soon || count > triangulated_most))
         status = gauge_by_vault(points, count, dimension, order, gauge, &found, error);
     if (status == GNEISS_OK && !found)
@@ -435,7 +443,7 @@ gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *c
     return gauge_of(particles, counts, dimension, false, gauge, error);
 }
 
-gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+gneiss_status gn_strain_gauge_fast(const gn_particles *particles, const uint8_t *counts,
                                    int dimension, gn_strain_gauge *gauge, gneiss_error *error) {
     return gauge_of(particles, counts, dimension, true, gauge, error);
 }
@@ -471,8 +479,8 @@ void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *part
     }
 }
 
-/* By the eigenvalues e of F^T F - 1 = g + g^T + g^T g, so that small strains lose no digits: those
- * of U - 1 are e/(1 + sqrt(1 + e)). */
+/* Uses the eigenvalues e of F^T F - 1 = g + g^T + g^T g, so that small strains lose no digits:
+ * those of U - 1 are e/(1 + sqrt(1 + e)). */
 void gn_strain_of(const double g[9], double strain[9]) {
     double twice[9], value[3], vector[9];
     for (int k = 0; k < 9; k++) strain[k] = isfinite(g[k]) ? 0.0 : NAN;

@@ -16,7 +16,7 @@ static contact contact_at(const gn_assembly *assembly, const gn_contacts *list, 
     const double *row = gn_contacts_row(list) + c * (size_t)gn_contacts_row_width(list);
     for (int a = 0; a < assembly->dimension; a++) x.f[a] = row[a];
     x.length = gn_assembly_branch(assembly, x.i, x.j, x.l);
-    /* Coincident centres have no normal and their force no arm. */
+    /* Coincident centres have no normal, and the arm of their force is zero. */
     for (int a = 0; a < 3; a++) x.n[a] = x.length > 0 ? x.l[a] / x.length : 0;
     return x;
 }
@@ -26,8 +26,8 @@ static void add_outer(double sigma[9], const double f[3], const double l[3]) {
         for (int b = 0; b < 3; b++) sigma[3 * a + b] += f[a] * l[b];
 }
 
-/* Force on the particle and the vector from its centre to the wall. The overlap is left out of the
- * arm: walls are stiff and their distance is not part of an assembly. */
+/* Computes the force on the particle and the vector from its centre to the wall. The overlap is not
+ * part of the arm: walls are stiff and their distance is not part of an assembly. */
 static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], double l[3]) {
     const gn_wall_contacts *list = assembly->wall_contacts;
     const double *x = assembly->particles->pos + 4 * (size_t)list->i[c];
@@ -72,13 +72,13 @@ static void add_symmetric(double sigma[6], const double f[3], const double n[3],
     sigma[5] += 0.5 * arm * (f[0] * n[2] + f[2] * n[0]);
 }
 
-/* The contact point lies half the gap outside each particle. Force and normal both change sign from
- * the first particle to the second. */
-static void add_pair(const gn_assembly *assembly, const contact *x, double *sigma) {
+/* Adds the contributions of a contact. Its point is half the gap outside of each particle. Force
+ * and normal both change sign from the first particle to the second. */
+static void add_pair(const gn_assembly *assembly, const contact *one, double *sigma) {
     const double *pos = assembly->particles->pos;
-    double ri = pos[4 * x->i + 3], rj = pos[4 * x->j + 3], gap = x->length - ri - rj;
-    add_symmetric(sigma + 6 * x->i, x->f, x->n, ri + 0.5 * gap);
-    add_symmetric(sigma + 6 * x->j, x->f, x->n, rj + 0.5 * gap);
+    double ri = pos[4 * one->i + 3], rj = pos[4 * one->j + 3], gap = one->length - ri - rj;
+    add_symmetric(sigma + 6 * one->i, one->f, one->n, ri + 0.5 * gap);
+    add_symmetric(sigma + 6 * one->j, one->f, one->n, rj + 0.5 * gap);
 }
 
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma) {

@@ -10,7 +10,7 @@ static double middle_of(const gn_box *box, int axis) {
     return 0.5 * (box->lower[axis] + box->upper[axis]);
 }
 
-/* The box of items, and the axis along which their middles are farthest apart. */
+/* Computes the box of items, and the axis along which their centres extend farthest. */
 static gn_box bounds_of(const gn_box *box, const int32_t *item, size_t count, int *axis) {
     gn_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, middles = all;
     for (size_t i = 0; i < count; i++)
@@ -28,7 +28,7 @@ static gn_box bounds_of(const gn_box *box, const int32_t *item, size_t count, in
     return all;
 }
 
-/* Quickselect (Hoare 1961): item[place] has the rank `place`, what is before it is not above it. */
+/* Quickselect (Hoare 1961): item[place] has the rank `place`; earlier items are not above it. */
 static void put_at(const gn_box *box, int axis, int32_t *item, size_t count, size_t place) {
     size_t low = 0, high = count - 1;
     while (low < high) {

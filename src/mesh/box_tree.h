@@ -1,4 +1,4 @@
-/* A tree of boxes: which of them come near a box. */
+/* A bounding box tree for queries near a box. */
 #ifndef GN_MESH_BOX_TREE_H
 #define GN_MESH_BOX_TREE_H
 
@@ -23,12 +23,12 @@ typedef struct gn_box_tree {
     int32_t *item; /* [boxes] */
 } gn_box_tree;
 
-/* In n log n. False: no memory. */
+/* Builds a tree in n log n; returns false without memory. */
 bool gn_box_tree_build(const gn_box *box, size_t count, gn_box_tree *tree);
 void gn_box_tree_free(gn_box_tree *tree);
 
-/* Calls `visit` for the items of leaves that come within `reach` of the box, among them all items
- * that do, until it returns true. */
+/* Calls `visit` for the items of all leaves within `reach` of the box, which include all items
+ * within reach, until it returns true. */
 typedef bool gn_box_visit(void *context, int32_t item);
 void gn_box_tree_near(const gn_box_tree *tree, const gn_box *box, double reach, gn_box_visit *visit,
                       void *context);

@@ -23,7 +23,7 @@ bool gn_is_geometry(const char *path) {
     return false;
 }
 
-/* The last line of a log that is not blank; "" when there is none. */
+/* Copies the last line of a log that is not blank; "" if there is none. */
 static void last_line(const char *log, char *line, size_t size) {
     char text[512];
     *line = '\0';
@@ -48,13 +48,13 @@ static int spawn(char *const arguments[], const char *log, pid_t *child) {
     return code;
 }
 
-/* The script that is merged behind the geometry: elements are linear, whatever the geometry asks
- * for. An option of the command line would not do, as the geometry is read after it. */
+/* The script that is merged after the geometry, so that elements are linear for any geometry. An
+ * option of the command line would be overridden, as the geometry is read after it. */
 static const char linear[] = "Mesh.ElementOrder = 1;\n";
 
 enum { ARGUMENTS = 10 };
 
-/* posix_spawnp takes strings that it may not change, but not as const. */
+/* posix_spawnp does not modify the strings, but does not declare them const. */
 static void arguments_of(const char *path, int dimension, const char *out, const char *order,
                          char *arguments[ARGUMENTS]) {
     char *const all[ARGUMENTS] = {"gmsh",        dimension == 3 ? "-3" : "-2",
@@ -89,15 +89,16 @@ static gneiss_status run_gmsh(const char *path, int dimension, const char *out, 
         return gn_fail(error, GNEISS_ERROR_IO, "gmsh could not be started: %s", strerror(code));
     while (waitpid(child, &state, 0) < 0)
         if (errno != EINTR)
-            return gn_fail(error, GNEISS_ERROR_IO, "gmsh was lost: %s", strerror(errno));
+            return gn_fail(error, GNEISS_ERROR_IO, "the end of gmsh could not be awaited: %s",
+                           strerror(errno));
     if (WIFEXITED(state) && WEXITSTATUS(state) == 0 && access(out, R_OK) == 0) return GNEISS_OK;
     char said[300];
     last_line(log, said, sizeof said);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: gmsh made no mesh of it: %s", path,
-                   *said ? said : "it said nothing");
+                   *said ? said : "it gave no reason");
 }
 
-/* Messages about the mesh name the geometry: the mesh itself is gone when they are read. */
+/* Messages about the mesh name the geometry, since the mesh is deleted before they are read. */
 static gneiss_status read_made(const char *path, const char *out, double scale, gn_mesh *mesh,
                                gneiss_error *error) {
     char text[GNEISS_MESSAGE_SIZE];

@@ -62,7 +62,7 @@ gneiss_status gn_h5_put_mesh(gn_h5 *file, const char *name, const gn_mesh *from,
 
 /* --- reading --- */
 
-/* An array of the file; *rows is told. */
+/* Reads an array of the file and the number of its rows. */
 static gneiss_status get(const gn_h5 *file, const char *group, const char *kind, const char *what,
                          gn_type type, size_t components, size_t *rows, void **data,
                          gneiss_error *error) {

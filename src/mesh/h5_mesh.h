@@ -5,10 +5,10 @@
 #include "io/h5.h"
 #include "mesh/mesh.h"
 
-/* Nodes, elements and groups of a mesh under group `name`. */
+/* Writes nodes, elements and groups of a mesh under group `name`. */
 gneiss_status gn_h5_put_mesh(gn_h5 *file, const char *name, const gn_mesh *from,
                              gneiss_error *error);
-/* The same back; indices are checked. On failure *mesh is empty. */
+/* Reads such a mesh; indices are checked. On failure *mesh is empty. */
 gneiss_status gn_h5_get_mesh(const gn_h5 *file, const char *name, gn_mesh *mesh,
                              gneiss_error *error);
 

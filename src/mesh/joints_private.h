@@ -1,4 +1,4 @@
-/* Elements, their faces and what bounds them. Private to joints*.c. */
+/* Elements, their faces and their boundary. Private to joints*.c. */
 #ifndef GN_MESH_JOINTS_PRIVATE_H
 #define GN_MESH_JOINTS_PRIVATE_H
 
@@ -16,37 +16,38 @@ typedef struct gn_joint_search {
     gn_mesh_joints *joints;
 
     size_t face_count;
-    int32_t *owner;     /* [faces] element */
-    int8_t *side, *use; /* [faces] local face, negative - 1 where the element is on the other side;
-                           elements that have it */
-    int32_t *part;      /* [nodes] parent in the tree of nodes that elements join */
+    int32_t *owner; /* [faces] element */
+    /* [faces] local face, as negative - 1 if the element is on the other side; number of its
+     * elements */
+    int8_t *side, *use;
+    int32_t *part; /* [nodes] parent in the tree of nodes connected by elements */
 
-    size_t facet_count;   /* faces of one element */
+    size_t facet_count;   /* faces of one element only */
     int32_t *facet;       /* [facets][3] nodes */
     int32_t *facet_owner; /* [facets] element */
     gn_box *box;          /* [facets] */
     gn_box_tree tree;
-    double extent;   /* m, longest side of the box about the mesh */
-    double shortest; /* m, edge of a facet */
+    double extent;   /* m, longest side of the bounding box of the mesh */
+    double shortest; /* m, shortest edge of a facet */
 } gn_joint_search;
 
-static inline const double *gn_joint_place(const gn_joint_search *s, int32_t node) {
-    return s->mesh->node + 3 * (size_t)node;
+static inline const double *gn_joint_place(const gn_joint_search *search, int32_t node) {
+    return search->mesh->node + 3 * (size_t)node;
 }
 
-static inline const int32_t *gn_joint_nodes(const gn_joint_search *s, size_t element) {
-    return s->solids->node + (size_t)s->solids->nodes * element;
+static inline const int32_t *gn_joint_nodes(const gn_joint_search *search, size_t element) {
+    return search->solids->node + (size_t)search->solids->nodes * element;
 }
 
-/* The root of a node's part. */
-int32_t gn_joint_part(const gn_joint_search *s, int32_t node);
+/* Returns the root of a node's part. */
+int32_t gn_joint_part(const gn_joint_search *search, int32_t node);
 
 /* Fails with "NAME: expected ..., found ...; the first is at PLACE". */
-gneiss_status gn_joint_refuse(const gn_joint_search *s, const double at[3], const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+gneiss_status gn_joint_refuse(const gn_joint_search *search, const double at[3], const char *format,
+                              ...) __attribute__((format(printf, 3, 4)));
 
-/* joints_touch.c: elements over each other; nodes at one place, nodes on sides. */
-gneiss_status gn_joints_check_overlap(gn_joint_search *s);
-gneiss_status gn_joints_check_touch(gn_joint_search *s);
+/* joints_touch.c: overlapping elements; coincident nodes, nodes on sides. */
+gneiss_status gn_joints_check_overlap(gn_joint_search *search);
+gneiss_status gn_joints_check_touch(gn_joint_search *search);
 
 #endif

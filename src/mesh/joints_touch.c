@@ -1,4 +1,4 @@
-/* Elements that lie over each other, and parts that touch without sharing nodes. */
+/* Overlapping elements, and parts that touch without shared nodes. */
 #include "mesh/joints_private.h"
 
 #include "base/memory.h"
@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the extent: what coordinates that were written with six or seven digits are off by. Not more
- * than that part of the shortest edge for nodes at one place. */
+/* Fraction of the extent by which coordinates written with six or seven digits are in error. For
+ * coincident nodes the tolerance is at most that fraction of the shortest edge. */
 static const double digits = 1e-6, edge_part = 1e-3;
 
 /* ---- over each other ---- */
@@ -19,11 +19,12 @@ typedef struct overlap_search {
     int32_t found; /* facet; -1: none yet */
 } overlap_search;
 
-/* Tells whether the axis shows facet and element apart, or in touch within the tolerance. */
-static bool apart(const overlap_search *o, const int32_t *facet, const double axis[3], double scale,
-                  double tolerance) {
-    const gn_joint_search *s = o->s;
-    const int32_t *node = gn_joint_nodes(s, o->element);
+/* Tells whether the axis separates facet and element, or shows them in touch within the
+ * tolerance. */
+static bool apart(const overlap_search *search, const int32_t *facet, const double axis[3],
+                  double scale, double tolerance) {
+    const gn_joint_search *s = search->s;
+    const int32_t *node = gn_joint_nodes(s, search->element);
     const double *from = gn_joint_place(s, facet[0]);
     const double length = sqrt(gn_mesh_dot(axis, axis));
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, v[3];
@@ -38,47 +39,50 @@ static bool apart(const overlap_search *o, const int32_t *facet, const double ax
     return fmin(high[0] - low[1], high[1] - low[0]) <= tolerance * length;
 }
 
-/* The edges of a face or element; returns their number. */
-static int edges_of(const gn_joint_search *s, const int32_t *node, int count, double edge[6][3]) {
+/* Lists the edges of a face or element; returns their number. */
+static int edges_of(const gn_joint_search *search, const int32_t *node, int count,
+                    double edge[6][3]) {
     int edges = 0;
     for (int k = 1; k < count; k++)
         for (int m = 0; m < k; m++)
-            gn_mesh_between(gn_joint_place(s, node[m]), gn_joint_place(s, node[k]), edge[edges++]);
+            gn_mesh_between(gn_joint_place(search, node[m]), gn_joint_place(search, node[k]),
+                            edge[edges++]);
     return edges;
 }
 
-/* Separating axes (Gottschalk, Lin and Manocha 1996): convex bodies are apart when a normal of one
- * of them, or in space a product of their edges, shows it. */
-static bool apart_in_plane(const overlap_search *o, const int32_t *facet, double tolerance) {
+/* Separating axes (Gottschalk, Lin and Manocha 1996): convex bodies are separate if a normal of one
+ * of them, or in space a cross product of their edges, separates them. */
+static bool apart_in_plane(const overlap_search *search, const int32_t *facet, double tolerance) {
     double edge[6][3];
     for (int of = 0; of < 2; of++) {
-        int count = of ? edges_of(o->s, gn_joint_nodes(o->s, o->element), 3, edge)
-                       : edges_of(o->s, facet, 2, edge);
+        int count = of ? edges_of(search->s, gn_joint_nodes(search->s, search->element), 3, edge)
+                       : edges_of(search->s, facet, 2, edge);
         for (int k = 0; k < count; k++) {
             const double normal[3] = {-edge[k][1], edge[k][0], 0.0};
-            if (apart(o, facet, normal, 0.0, tolerance)) return true;
+            if (apart(search, facet, normal, 0.0, tolerance)) return true;
         }
     }
     return false;
 }
 
-static bool apart_in_space(const overlap_search *o, const int32_t *facet, double tolerance) {
+static bool apart_in_space(const overlap_search *search, const int32_t *facet, double tolerance) {
     static const int sides[5][2] = {{0, 1}, {0, 1}, {0, 3}, {1, 3}, {2, 4}};
     double own[6][3], other[6][3], axis[3];
-    const int own_count = edges_of(o->s, facet, 3, own),
-              other_count = edges_of(o->s, gn_joint_nodes(o->s, o->element), 4, other);
-    /* Edges of an element in the order 01 02 12 03 13 23: two of each face. */
+    const int own_count = edges_of(search->s, facet, 3, own),
+              other_count =
+                  edges_of(search->s, gn_joint_nodes(search->s, search->element), 4, other);
+    /* Edges of an element in the order 01 02 12 03 13 23: each face has two of these five. */
     for (int k = 0; k < 5; k++) {
         const double *u = k ? other[sides[k][0]] : own[0], *v = k ? other[sides[k][1]] : own[1];
         gn_mesh_cross(u, v, axis);
-        if (apart(o, facet, axis, sqrt(gn_mesh_dot(u, u) * gn_mesh_dot(v, v)), tolerance))
+        if (apart(search, facet, axis, sqrt(gn_mesh_dot(u, u) * gn_mesh_dot(v, v)), tolerance))
             return true;
     }
     for (int k = 0; k < own_count; k++)
         for (int m = 0; m < other_count; m++) {
             const double *u = own[k], *v = other[m];
             gn_mesh_cross(u, v, axis);
-            if (apart(o, facet, axis, sqrt(gn_mesh_dot(u, u) * gn_mesh_dot(v, v)), tolerance))
+            if (apart(search, facet, axis, sqrt(gn_mesh_dot(u, u) * gn_mesh_dot(v, v)), tolerance))
                 return true;
         }
     return false;
@@ -101,37 +105,38 @@ static bool visit_overlap(void *context, int32_t item) {
     return true;
 }
 
-static gn_box box_of(const gn_joint_search *s, size_t element) {
-    const int32_t *node = gn_joint_nodes(s, element);
+static gn_box box_of(const gn_joint_search *search, size_t element) {
+    const int32_t *node = gn_joint_nodes(search, element);
     gn_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int k = 0; k <= s->dimension; k++)
+    for (int k = 0; k <= search->dimension; k++)
         for (int a = 0; a < 3; a++) {
-            box.lower[a] = fmin(box.lower[a], gn_joint_place(s, node[k])[a]);
-            box.upper[a] = fmax(box.upper[a], gn_joint_place(s, node[k])[a]);
+            box.lower[a] = fmin(box.lower[a], gn_joint_place(search, node[k])[a]);
+            box.upper[a] = fmax(box.upper[a], gn_joint_place(search, node[k])[a]);
         }
     return box;
 }
 
-/* Where elements lie over each other, somewhere the boundary of the mesh goes through one. */
-gneiss_status gn_joints_check_overlap(gn_joint_search *s) {
+/* If elements overlap, the boundary of the mesh intersects an element somewhere. */
+gneiss_status gn_joints_check_overlap(gn_joint_search *search) {
     size_t count = 0, first = 0;
     int32_t facet = -1;
-    for (size_t e = 0; e < s->solids->count; e++) {
-        overlap_search o = {.s = s, .element = e, .box = box_of(s, e), .found = -1};
-        gn_box_tree_near(&s->tree, &o.box, 0.0, visit_overlap, &o);
+    for (size_t e = 0; e < search->solids->count; e++) {
+        overlap_search o = {.s = search, .element = e, .box = box_of(search, e), .found = -1};
+        gn_box_tree_near(&search->tree, &o.box, 0.0, visit_overlap, &o);
         if (o.found < 0) continue;
         if (!count++) first = e, facet = o.found;
     }
     if (!count) return GNEISS_OK;
     double at[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k < s->dimension; k++)
+    for (int k = 0; k < search->dimension; k++)
         for (int a = 0; a < 3; a++)
-            at[a] += gn_joint_place(s, s->facet[3 * (size_t)facet + (size_t)k])[a] / s->dimension;
-    return gn_joint_refuse(s, at,
+            at[a] += gn_joint_place(search, search->facet[3 * (size_t)facet + (size_t)k])[a] /
+                     search->dimension;
+    return gn_joint_refuse(search, at,
                            "expected elements beside each other, found %zu of %zu that others lie "
                            "over: what two parts fill would count double in mass and stiffness; "
                            "the first is number %zu, which number %d goes into",
-                           count, s->solids->count, first + 1, s->facet_owner[facet] + 1);
+                           count, search->solids->count, first + 1, search->facet_owner[facet] + 1);
 }
 
 /* ---- touching ---- */
@@ -142,8 +147,8 @@ typedef struct touch_search {
     const gn_joint_search *s;
     int32_t node;
     double reach;
-    touch_kind own, across; /* of the node's part; of another part */
-    bool first;             /* of those at its place */
+    touch_kind own, across; /* for the node's part; for other parts */
+    bool first;             /* the first of the nodes at its position */
 } touch_search;
 
 static double distance2(const double *x, const double *y) {
@@ -152,16 +157,16 @@ static double distance2(const double *x, const double *y) {
     return gn_mesh_dot(v, v);
 }
 
-/* Tells whether x is within reach of a facet, away from its corners. */
-static bool on_facet(const gn_joint_search *s, const int32_t *facet, const double *x,
+/* Tells whether x is within the tolerance of a facet, away from its corners. */
+static bool on_facet(const gn_joint_search *search, const int32_t *facet, const double *x,
                      double reach) {
-    const double *corner = gn_joint_place(s, facet[0]);
+    const double *corner = gn_joint_place(search, facet[0]);
     double v[3], edge[3][3], normal[3], inward[3];
-    for (int k = 0; k < s->dimension; k++)
-        gn_mesh_between(gn_joint_place(s, facet[k]),
-                        gn_joint_place(s, facet[(k + 1) % s->dimension]), edge[k]);
+    for (int k = 0; k < search->dimension; k++)
+        gn_mesh_between(gn_joint_place(search, facet[k]),
+                        gn_joint_place(search, facet[(k + 1) % search->dimension]), edge[k]);
     gn_mesh_between(corner, x, v);
-    if (s->dimension == 2) {
+    if (search->dimension == 2) {
         const double length = sqrt(gn_mesh_dot(edge[0], edge[0])), along = gn_mesh_dot(v, edge[0]);
         const double off = fabs(edge[0][0] * v[1] - edge[0][1] * v[0]);
         return along >= 0.0 && along <= length * length && off <= reach * length;
@@ -170,7 +175,7 @@ static bool on_facet(const gn_joint_search *s, const int32_t *facet, const doubl
     const double area = sqrt(gn_mesh_dot(normal, normal));
     if (!(area > 0.0) || fabs(gn_mesh_dot(normal, v)) > reach * area) return false;
     for (int k = 0; k < 3; k++) {
-        gn_mesh_between(gn_joint_place(s, facet[k]), x, v);
+        gn_mesh_between(gn_joint_place(search, facet[k]), x, v);
         gn_mesh_cross(normal, edge[k], inward);
         if (gn_mesh_dot(inward, v) < -reach * area * sqrt(gn_mesh_dot(edge[k], edge[k])))
             return false;
@@ -198,7 +203,7 @@ static bool visit_touch(void *context, int32_t item) {
     return false;
 }
 
-/* Of parts that touch. */
+/* Counts of touching parts. */
 typedef struct touch_count {
     size_t nodes, sides;
     double node_at[3], side_at[3];
@@ -208,48 +213,49 @@ static void count_at(size_t *count, double at[3], const double *x) {
     if (!(*count)++) memcpy(at, x, 3 * sizeof *at);
 }
 
-static void count_touch(gn_joint_search *s, int32_t node, double reach, touch_count *across) {
-    const double *x = gn_joint_place(s, node);
-    touch_search t = {.s = s, .node = node, .reach = reach, .first = true};
+static void count_touch(gn_joint_search *search, int32_t node, double reach, touch_count *across) {
+    const double *x = gn_joint_place(search, node);
+    touch_search t = {.s = search, .node = node, .reach = reach, .first = true};
     gn_box box;
     memcpy(box.lower, x, sizeof box.lower);
     memcpy(box.upper, x, sizeof box.upper);
-    gn_box_tree_near(&s->tree, &box, reach, visit_touch, &t);
+    gn_box_tree_near(&search->tree, &box, reach, visit_touch, &t);
     if (t.across == TOUCH_NODE && t.first) count_at(&across->nodes, across->node_at, x);
     if (t.across == TOUCH_SIDE) count_at(&across->sides, across->side_at, x);
     if (t.across != TOUCH_NONE) return;
-    if (t.own == TOUCH_NODE && t.first) count_at(&s->joints->together, s->joints->together_at, x);
-    if (t.own == TOUCH_SIDE) count_at(&s->joints->hanging, s->joints->hanging_at, x);
+    if (t.own == TOUCH_NODE && t.first)
+        count_at(&search->joints->together, search->joints->together_at, x);
+    if (t.own == TOUCH_SIDE) count_at(&search->joints->hanging, search->joints->hanging_at, x);
 }
 
-gneiss_status gn_joints_check_touch(gn_joint_search *s) {
+gneiss_status gn_joints_check_touch(gn_joint_search *search) {
     static const char advice[] =
         "no force goes through there: merge the nodes (gmsh: Coherence "
         "Mesh, or BooleanFragments before it meshes), or move the parts away";
-    const double reach = fmin(digits * s->extent, edge_part * s->shortest);
-    bool *seen = gn_alloc_array(s->mesh->node_count + 1, sizeof *seen);
+    const double reach = fmin(digits * search->extent, edge_part * search->shortest);
+    bool *seen = gn_alloc_array(search->mesh->node_count + 1, sizeof *seen);
     touch_count across = {0};
     if (!seen)
-        return gn_fail(s->error, GNEISS_ERROR_MEMORY, "%s: no memory to look at %zu nodes", s->name,
-                       s->mesh->node_count);
-    for (size_t k = 0; k < 3 * s->facet_count; k++) {
-        int32_t node = s->facet[k];
-        if ((int)(k % 3) >= s->dimension || seen[node]) continue;
+        return gn_fail(search->error, GNEISS_ERROR_MEMORY, "%s: no memory to look at %zu nodes",
+                       search->name, search->mesh->node_count);
+    for (size_t k = 0; k < 3 * search->facet_count; k++) {
+        int32_t node = search->facet[k];
+        if ((int)(k % 3) >= search->dimension || seen[node]) continue;
         seen[node] = true;
-        count_touch(s, node, reach, &across);
+        count_touch(search, node, reach, &across);
     }
     gn_free(seen);
     if (across.nodes)
-        return gn_joint_refuse(s, across.node_at,
+        return gn_joint_refuse(search, across.node_at,
                                "expected parts that share the nodes where they touch, found %zu "
                                "parts with two nodes at one place in %zu places, not joined (%s); "
                                "the first is",
-                               s->joints->parts, across.nodes, advice);
+                               search->joints->parts, across.nodes, advice);
     if (across.sides)
-        return gn_joint_refuse(s, across.side_at,
+        return gn_joint_refuse(search, across.side_at,
                                "expected parts that share the nodes where they touch, found %zu "
                                "parts with %zu hanging nodes, on a side of an element of another "
                                "part, not joined (%s); the first is",
-                               s->joints->parts, across.sides, advice);
+                               search->joints->parts, across.sides, advice);
     return GNEISS_OK;
 }

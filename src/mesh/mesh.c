@@ -9,7 +9,7 @@ typedef struct gn_mesh_slot {
     int64_t held; /* value + 1, 0: free */
 } gn_mesh_slot;
 
-/* Finaliser of MurmurHash3 (Appleby, 2011) over both halves. */
+/* The finaliser of MurmurHash3 (Appleby, 2011) over both halves. */
 static uint64_t mix(gn_mesh_key key) {
     uint64_t h = key.a * UINT64_C(0x9e3779b97f4a7c15) + key.b;
     h = (h ^ (h >> 33)) * UINT64_C(0xff51afd7ed558ccd);

@@ -9,14 +9,14 @@
 
 enum { GN_MESH_NAME_SIZE = 64 };
 
-/* A physical group: `tag` > 0 as in the file, `name` "" when it has none. */
+/* A physical group: `tag` > 0 as in the file, `name` "" if it has none. */
 typedef struct gn_mesh_group {
     int dimension; /* of its elements: 0, 1, 2, 3 */
     int32_t tag;
     char name[GN_MESH_NAME_SIZE];
 } gn_mesh_group;
 
-/* That an element belongs to one more group than the one in gn_mesh_elements.group. */
+/* Membership of an element in a group other than that in gn_mesh_elements.group. */
 typedef struct gn_mesh_membership {
     size_t element;
     int32_t group;
@@ -27,15 +27,15 @@ typedef struct gn_mesh_elements {
     size_t count;
     int nodes;      /* per element: 1 point, 2 line, 3 triangle, 4 tetrahedron */
     int32_t *node;  /* [count][nodes]; gn_alloc'ed, as all below */
-    int32_t *group; /* [count]: tag of the first physical group, 0: none */
+    int32_t *group; /* [count] tag of the first physical group, 0: none */
     size_t also_count;
-    gn_mesh_membership *also; /* the further groups, elements ascending; NULL when there are none */
+    gn_mesh_membership *also; /* further groups, sorted by element; NULL if there are none */
 } gn_mesh_elements;
 
 typedef struct gn_mesh {
     size_t node_count;
     double *node;            /* [node_count][3], m; gn_alloc'ed */
-    gn_mesh_elements points; /* only those of groups */
+    gn_mesh_elements points; /* only points that belong to groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* by dimension, then tag; gn_alloc'ed */
@@ -43,36 +43,35 @@ typedef struct gn_mesh {
 } gn_mesh;
 
 /* Reads a gmsh .msh file, format 2.2 or 4.1, text or binary. Linear lines, triangles and tetrahedra
- * are kept, points when they belong to a group; every other element is refused by name
- * (quadrangles, second order,
- * ...). Elements that are named again for a further group become one with all its groups; a solid
- * that is merely repeated stays twice. Nodes that no element uses are kept. `scale` multiplies
- * coordinates. A negative physical tag (reversed orientation) turns the element and is stored
- * positive, so that both formats of one mesh read alike. Unknown sections are skipped. All errors
- * of content are GNEISS_ERROR_INPUT with file:line:column (text) or file, section and byte
- * (binary): expected, found. On failure *mesh is empty. */
+ * are kept, points if they belong to a group; every other element is refused by name (quadrangles,
+ * second order, ...). Elements that are repeated for a further group become one with all its
+ * groups; a solid element that is merely repeated is kept twice. Nodes that no element uses are
+ * kept. `scale` multiplies coordinates. A negative physical tag (reversed orientation) reverses the
+ * element and is stored positive, so that both formats of one mesh read alike. Unknown sections are
+ * skipped. All errors of content are GNEISS_ERROR_INPUT with file:line:column (text) or file,
+ * section and byte (binary): expected, found. On failure *mesh is empty. */
 gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gneiss_error *error);
 
-/* Reads an STL file, text or binary, into nodes and triangles: corners nearer than 1e-6 of the
+/* Reads an STL file, text or binary, into nodes and triangles. Corners closer than 1e-6 of the
  * surface's extent (longest side of its box) are welded to the first of them (grid hash, so that
- * the time is linear), triangles that the weld makes degenerate are dropped. The file's normals are
- * not used. Errors as above. */
+ * the time is linear); triangles that become degenerate by that are dropped. The file's normals are
+ * not used. Errors are those of gn_mesh_read_msh. */
 gneiss_status gn_mesh_read_stl(const char *path, double scale, gn_mesh *mesh, gneiss_error *error);
 
-/* Checks that the triangles are a closed surface (every edge in exactly two triangles), turns all
- * of them the same way round with the normals outward (several bodies and cavities: a component
- * inside an odd number of others bounds a cavity, normals into it), and gives the enclosed volume
- * [m3]. GNEISS_ERROR_INPUT names the open or overfull edge by the coordinates of its ends and says
- * how many there are. `name` stands for the mesh in messages. Surfaces that cut each other are not
- * looked for. */
+/* Checks that the triangles are a closed surface (every edge in exactly two triangles), orients all
+ * of them with the normals outward (several bodies and cavities: a component inside an odd number
+ * of others bounds a cavity, with normals into it), and computes the enclosed volume [m3].
+ * GNEISS_ERROR_INPUT gives the coordinates of the first edge in one or more than two triangles, and
+ * the number of such edges. `name` is that of the mesh in messages. Intersecting surfaces are not
+ * detected. */
 gneiss_status gn_mesh_close_surface(gn_mesh *mesh, const char *name, double *volume,
                                     gneiss_error *error);
 
-/* The boundary of the tetrahedra as triangles with the normals outward (3D), of the triangles as
- * lines with the domain on the left (2D, all z equal); takes the place of `triangles` (`lines`). A
- * boundary face that was among those keeps its groups. Elements turned inside out are turned.
- * GNEISS_ERROR_INPUT without such elements, or with one of no volume, a face in more than two
- * elements, or two elements on the same side of a face; *mesh keeps its faces then. */
+/* Computes the boundary of the tetrahedra as triangles with the normals outward (3D), or of the
+ * triangles as lines with the domain on the left (2D, all z equal), and replaces `triangles`
+ * (`lines`) by it. A boundary face that was among those keeps its groups. Inverted elements are
+ * reversed. GNEISS_ERROR_INPUT without such elements, or for one without volume, a face in more
+ * than two elements, or two elements on the same side of a face; *mesh then keeps its faces. */
 gneiss_status gn_mesh_boundary(gn_mesh *mesh, int dimension, const char *name, gneiss_error *error);
 
 void gn_mesh_free(gn_mesh *mesh);

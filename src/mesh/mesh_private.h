@@ -1,5 +1,5 @@
-/* What the mesh readers share: a file held in memory with a place in it, a table of keys, a mesh
- * that grows. */
+/* Tools of the mesh readers: a file in memory with a reading position, a hash table, a growing
+ * mesh. */
 #ifndef GN_MESH_MESH_PRIVATE_H
 #define GN_MESH_MESH_PRIVATE_H
 
@@ -7,20 +7,20 @@
 
 #include <stdbool.h>
 
-/* A file in memory; [at, end) is what remains of the section that is being read. */
+/* A file in memory; [at, end) is the rest of the section that is being read. */
 typedef struct gn_mesh_source {
     const char *path;
     gneiss_error *error;
     double scale;
-    unsigned char *bytes; /* a zero stands behind the last */
+    unsigned char *bytes; /* followed by a zero byte */
     size_t size;
     size_t at, end;
     const char *section; /* for messages, "" before the first */
     bool binary;         /* the fields are binary, not text */
-    bool by_offset;      /* messages tell bytes, not lines */
+    bool by_offset;      /* messages give bytes, not lines */
 } gn_mesh_source;
 
-/* Opens and reads the whole file; checks `scale`. Close in any case. */
+/* Opens and reads the whole file; checks `scale`. It must be closed also on failure. */
 gneiss_status gn_mesh_source_open(gn_mesh_source *in, const char *path, double scale,
                                   gneiss_error *error);
 void gn_mesh_source_close(gn_mesh_source *in);
@@ -30,7 +30,7 @@ gneiss_status gn_mesh_refuse(const gn_mesh_source *in, size_t at, const char *fo
     __attribute__((format(printf, 3, 4)));
 gneiss_status gn_mesh_no_memory(const gn_mesh_source *in);
 
-/* Up to 40 printable characters of what stands at `at`, to the next blank. */
+/* Up to 40 printable characters of the text at `at`, up to the next blank. */
 typedef struct gn_mesh_shown {
     char text[48];
 } gn_mesh_shown;
@@ -39,27 +39,27 @@ gn_mesh_shown gn_mesh_show(const gn_mesh_source *in, size_t at);
 bool gn_mesh_is_blank(unsigned char c); /* within a line */
 bool gn_mesh_is_space(unsigned char c); /* blank or end of a line */
 
-/* Rows of fields. In text a row stands in one line and rows are separated by any white space; in
- * binary there is nothing between them. */
+/* Advances to the next row of fields. In text a row is within a line and rows are separated by any
+ * white space; binary rows are contiguous. */
 void gn_mesh_next_row(gn_mesh_source *in);
-/* Where the next field of this line begins, for messages about its value. */
+/* Returns the offset of the next field of this line, for messages about its value. */
 size_t gn_mesh_field_start(gn_mesh_source *in);
-/* Text: the next field of this line. `what` is named when there is none. */
+/* Text: takes the next field of this line. `what` names it in messages. */
 gneiss_status gn_mesh_take_field(gn_mesh_source *in, const char *what, size_t *start,
                                  size_t *length);
-/* An integer of `width` bytes (4 or 8, binary) in [least, most]. */
+/* Takes an integer of `width` bytes (4 or 8, binary) in [least, most]. */
 gneiss_status gn_mesh_take_integer(gn_mesh_source *in, const char *what, size_t width,
                                    int64_t least, int64_t most, int64_t *value);
-/* A finite number times the scale. */
+/* Takes three finite numbers and multiplies them by the scale. */
 gneiss_status gn_mesh_take_coordinates(gn_mesh_source *in, double x[3]);
 gneiss_status gn_mesh_skip_numbers(gn_mesh_source *in, const char *what, size_t count);
-/* Refuses a count that the rest of the section cannot hold: nothing is allocated on the word of a
- * header alone. Bytes that one takes at least. */
+/* Refuses a count that the rest of the section cannot hold, so that no memory is allocated for a
+ * false header. An item has at least `bytes` bytes. */
 gneiss_status gn_mesh_check_count(const gn_mesh_source *in, const char *what, int64_t count,
                                   size_t text_bytes, size_t binary_bytes);
 gneiss_status gn_mesh_end_section(gn_mesh_source *in);
 
-/* Open addressing from 128-bit keys to values >= 0. Zeroed: empty. */
+/* A hash table with open addressing from 128-bit keys to values >= 0. Zeroed: empty. */
 typedef struct gn_mesh_key {
     uint64_t a, b;
 } gn_mesh_key;
@@ -68,18 +68,18 @@ typedef struct gn_mesh_table {
     struct gn_mesh_slot *slot;
 } gn_mesh_table;
 
-/* *held is the value that the key has now: the new one, or the one it had before. False: no memory.
- */
+/* Adds a value unless the key has one; *held is the value that the key then has. Returns false
+ * without memory. */
 bool gn_mesh_table_add(gn_mesh_table *table, gn_mesh_key key, int64_t value, int64_t *held);
 int64_t gn_mesh_table_find(const gn_mesh_table *table, gn_mesh_key key); /* -1: not there */
 void gn_mesh_table_free(gn_mesh_table *table);
-/* The same for every order and sense of `count` (2 or 3) nodes. */
+/* Returns a key that is the same for every order of `count` (2 or 3) nodes. */
 gn_mesh_key gn_mesh_face_key(const int32_t *node, int count);
-/* The same of 1 to 4 nodes. */
+/* Returns a key that is the same for every order of 1 to 4 nodes. */
 gn_mesh_key gn_mesh_element_key(const int32_t *node, int count);
 
-/* Room for `need` items of `size` bytes, at least doubled; keeps the first `used`. False: no
- * memory. */
+/* Makes room for `need` items of `size` bytes, at least doubling it; keeps the first `used`.
+ * Returns false without memory. */
 bool gn_mesh_grow(void **block, size_t *capacity, size_t used, size_t need, size_t size);
 
 /* A list of elements and the room it has. */
@@ -87,7 +87,7 @@ typedef struct gn_mesh_list {
     gn_mesh_elements *elements;
     size_t capacity, group_capacity, also_capacity;
 } gn_mesh_list;
-/* Appends an element with its groups (tags > 0). False: no memory. */
+/* Appends an element with its groups (tags > 0). Returns false without memory. */
 bool gn_mesh_add_element(gn_mesh_list *list, const int32_t *node, const int32_t *groups,
                          size_t group_count);
 bool gn_mesh_add_membership(gn_mesh_list *list, size_t element, int32_t group);
@@ -97,7 +97,7 @@ void gn_mesh_elements_free(gn_mesh_elements *elements);
 gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name, gn_mesh *mesh,
                            gneiss_error *error);
 
-/* The two formats of the bodies of $Nodes and $Elements. */
+/* The state of a reader of both formats of $Nodes and $Elements. */
 typedef struct gn_msh {
     gn_mesh_source in;
     gn_mesh *mesh;
@@ -113,7 +113,7 @@ typedef struct gn_msh {
 gneiss_status gn_msh_read_entities(gn_msh *msh);
 gneiss_status gn_msh_read_nodes(gn_msh *msh);
 gneiss_status gn_msh_read_elements(gn_msh *msh);
-/* msh_doubles.c: elements with the same nodes become one, in all their groups. */
+/* msh_doubles.c: merges elements with the same nodes into one with all their groups. */
 gneiss_status gn_msh_merge_doubles(gn_msh *msh);
 
 static inline void gn_mesh_between(const double *from, const double *to, double out[3]) {

@@ -1,5 +1,5 @@
-/* gmsh .msh: the sections, the header, the names of the groups. Format: Gmsh reference manual,
- * "MSH file format" (4.1) and "Legacy formats" (2.2). */
+/* gmsh .msh: sections, header, names of groups. Format: Gmsh reference manual, "MSH file format"
+ * (4.1) and "Legacy formats" (2.2). */
 #define _GNU_SOURCE /* memmem */
 #include "mesh/mesh_private.h"
 
@@ -16,7 +16,8 @@ enum { FORMAT, NAMES, ENTITIES, NODES, ELEMENTS, PARTITIONED, SECTIONS, SECTION_
 static const char *const section_name[SECTIONS] = {
     "$MeshFormat", "$PhysicalNames", "$Entities", "$Nodes", "$Elements", "$PartitionedEntities"};
 
-/* Content is [begin, end); `header` is where the name stands, SIZE_MAX: no such section. */
+/* A section: its content is [begin, end); `header` is the offset of the name, SIZE_MAX: no such
+ * section. */
 typedef struct section {
     size_t header, begin, end;
 } section;
@@ -25,7 +26,7 @@ static bool is_letter(unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
-/* $Name and the rest of its line; leaves `at` behind the line. */
+/* Reads $Name and the rest of its line; leaves `at` after the line. */
 static gneiss_status take_header(gn_mesh_source *in, char name[SECTION_NAME_SIZE]) {
     size_t start = in->at, length = 1;
     if (in->bytes[start] != '$')
@@ -58,7 +59,7 @@ static gneiss_status refuse_format_1(const gn_mesh_source *in, const char *name,
                           name);
 }
 
-/* Where $EndName stands; the content of unknown or binary sections says nothing of its length. */
+/* Finds $EndName: the length of unknown or binary sections is not known otherwise. */
 static gneiss_status find_end(gn_mesh_source *in, const char *name, section *found) {
     char mark[SECTION_NAME_SIZE];
     size_t length = (size_t)snprintf(mark, sizeof mark, "$End%s", name + 1);
@@ -77,7 +78,7 @@ static gneiss_status find_end(gn_mesh_source *in, const char *name, section *fou
                           name);
 }
 
-/* Sections may stand in any order: all are found before one is read. */
+/* Finds all sections before one is read, since they may come in any order. */
 static gneiss_status find_sections(gn_mesh_source *in, section found[SECTIONS]) {
     for (int s = 0; s < SECTIONS; s++) found[s].header = SIZE_MAX;
     for (;;) {
@@ -144,7 +145,7 @@ static gneiss_status check_byte_order(gn_mesh_source *in) {
     return GNEISS_OK;
 }
 
-/* From the first quote to the last one of the line. */
+/* Reads from the first quote to the last one of the line. */
 static gneiss_status take_name(gn_mesh_source *in, char name[GN_MESH_NAME_SIZE]) {
     size_t start = gn_mesh_field_start(in), last = start;
     if (start == in->end || in->bytes[start] != '"')
@@ -224,7 +225,7 @@ static int by_dimension_and_tag(const void *a, const void *b) {
     return (p->tag > q->tag) - (p->tag < q->tag);
 }
 
-/* Groups without a name are known by their elements alone. */
+/* Groups without a name are found by their elements alone. */
 static gneiss_status add_unnamed_groups(gn_msh *msh, group_set *set) {
     bool is_new;
     for (int d = 0; d <= 3; d++) {
@@ -288,7 +289,7 @@ gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gn
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (status == GNEISS_OK && !plain) status = gn_mesh_no_memory(&msh.in);
     if (status == GNEISS_OK) {
-        locale_t before = uselocale(plain); /* the program around may have set a decimal comma */
+        locale_t before = uselocale(plain); /* the calling program may have set a decimal comma */
         status = read_sections(&msh, &set);
         uselocale(before);
     }

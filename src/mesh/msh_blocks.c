@@ -45,7 +45,7 @@ static const char *element_name(int64_t type) {
     return known ? names[type] : "unknown element";
 }
 
-/* -1: not one of those that are kept or skipped. */
+/* Returns the dimension; -1: the type is neither kept nor skipped. */
 static int element_dimension(int64_t type) {
     switch (type) {
     case MSH_POINT:
@@ -84,7 +84,7 @@ static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
     return msh->mesh->node ? GNEISS_OK : gn_mesh_no_memory(in);
 }
 
-/* The tag of node number `index`, base 0. */
+/* Reads the tag of node number `index`, base 0. */
 static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
     gn_mesh_source *in = &msh->in;
     int64_t tag, held;
@@ -100,7 +100,7 @@ static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
     return GNEISS_OK;
 }
 
-/* The count of format 2.2 is a line of text in binary files too. */
+/* Reads a count; in format 2.2 it is a line of text even in binary files. */
 static gneiss_status take_count_line(gn_mesh_source *in, const char *what, int64_t *count) {
     bool binary = in->binary;
     in->binary = false;
@@ -151,7 +151,7 @@ static gneiss_status read_node_block(gn_msh *msh, int64_t total) {
     return GNEISS_OK;
 }
 
-/* blocks, total, least and greatest tag; of the last two nothing depends. */
+/* Reads number of blocks, total, least and greatest tag; the last two are not used. */
 static gneiss_status take_block_header(gn_mesh_source *in, const char *what, int64_t *blocks,
                                        int64_t *total) {
     int64_t ignored;
@@ -249,7 +249,7 @@ gneiss_status gn_msh_read_entities(gn_msh *msh) {
     return gn_mesh_end_section(in);
 }
 
-/* Nodes as indices; `node` has room for 4. */
+/* Reads nodes as indices; `node` has room for 4. */
 static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension, int32_t node[4]) {
     gn_mesh_source *in = &msh->in;
     for (int k = 0; k <= dimension; k++) {
@@ -271,7 +271,7 @@ static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension
     return GNEISS_OK;
 }
 
-/* Tags and nodes of one element of format 2.2. */
+/* Reads tags and nodes of one element of format 2.2. */
 static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
     gn_mesh_source *in = &msh->in;
     int64_t group = 0, other;
@@ -296,7 +296,7 @@ static gneiss_status read_text_element_2(gn_msh *msh) {
     return read_element_2(msh, element_dimension(type), tags);
 }
 
-/* A run of elements of one type; reduces *left. */
+/* Reads a run of elements of one type; reduces *left. */
 static gneiss_status read_binary_run_2(gn_msh *msh, int64_t *left) {
     gn_mesh_source *in = &msh->in;
     int64_t type, count, tags, number;
@@ -323,7 +323,7 @@ static gneiss_status read_elements_2(gn_msh *msh) {
     return GNEISS_OK;
 }
 
-/* The groups of the elements of an entity, and whether they stand the other way round. */
+/* The groups of an entity's elements, and whether these are reversed. */
 typedef struct entity_groups {
     const int32_t *tag;
     size_t count;
@@ -349,7 +349,7 @@ static gneiss_status find_groups(const gn_msh *msh, size_t at, int64_t dimension
 }
 
 static void reverse(int32_t *node, int64_t dimension) {
-    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair that gmsh swaps */
+    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair that gmsh exchanges */
     int32_t swap = node[a];
     node[a] = node[b];
     node[b] = swap;

@@ -1,4 +1,4 @@
-/* STL, text and binary: corners of triangles; the weld makes a mesh of them. */
+/* STL, text and binary: corners of triangles, welded to a mesh. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -11,7 +11,7 @@
 enum { HEADER_BYTES = 84, FACET_BYTES = 50, FACET_CORNERS = 9 };
 
 typedef struct soup {
-    double *corner; /* [count][3], three to a triangle */
+    double *corner; /* [count][3], three per triangle */
     size_t count, capacity;
 } soup;
 
@@ -28,7 +28,7 @@ static gneiss_status read_binary(gn_mesh_source *in, soup *out) {
     out->corner = gn_alloc_array(triangles, FACET_CORNERS * sizeof *out->corner);
     if (!out->corner) return gn_mesh_no_memory(in);
     for (size_t t = 0; t < triangles; t++) {
-        size_t at = HEADER_BYTES + t * FACET_BYTES + 12; /* behind the normal */
+        size_t at = HEADER_BYTES + t * FACET_BYTES + 12; /* after the normal */
         for (size_t k = 0; k < FACET_CORNERS; k++) {
             uint32_t bits = little_endian(in->bytes + at + 4 * k);
             float value;
@@ -51,7 +51,7 @@ static bool is_word(const gn_mesh_source *in, size_t start, size_t length, const
            strncasecmp((const char *)in->bytes + start, word, length) == 0;
 }
 
-/* The words stand in this order; lines do not matter. */
+/* Reads words in this order; line breaks do not matter. */
 static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, size_t count) {
     for (size_t k = 0; k < count; k++) {
         size_t start, length;
@@ -64,7 +64,7 @@ static gneiss_status expect_words(gn_mesh_source *in, const char *const *words, 
     return GNEISS_OK;
 }
 
-/* Behind the word "facet". Normals are not read: some programs write nan into them. */
+/* Reads a facet after the word "facet". Normals are skipped: some programs write nan. */
 static gneiss_status read_facet(gn_mesh_source *in, soup *out) {
     static const char *const normal[] = {"normal"}, *const loop[] = {"outer", "loop"},
                              *const vertex[] = {"vertex"}, *const end[] = {"endloop", "endfacet"};
@@ -88,7 +88,7 @@ static void skip_line(gn_mesh_source *in) {
     while (in->at < in->end && in->bytes[in->at] != '\n' && in->bytes[in->at] != '\r') in->at++;
 }
 
-/* solid [name] facet ... endsolid [name], as often as the file likes. */
+/* Reads any number of solids: solid [name] facet ... endsolid [name]. */
 static gneiss_status read_text(gn_mesh_source *in, soup *out) {
     static const char *const solid[] = {"solid"};
     for (gn_mesh_next_row(in); in->at < in->end; gn_mesh_next_row(in)) {
@@ -112,8 +112,8 @@ static gneiss_status read_text(gn_mesh_source *in, soup *out) {
     return GNEISS_OK;
 }
 
-/* Binary headers may begin with "solid" too, so the size decides: four characters of a text, read
- * as a count, ask for a file of more than 7 GB. */
+/* Binary headers may begin with "solid" too, so that the size decides: four characters of a text,
+ * read as a count, would imply a file of more than 7 GB. */
 static gneiss_status read_corners(gn_mesh_source *in, soup *out) {
     bool has_count = in->size >= HEADER_BYTES;
     uint64_t count = has_count ? little_endian(in->bytes + 80) : 0;
@@ -145,7 +145,7 @@ gneiss_status gn_mesh_read_stl(const char *path, double scale, gn_mesh *mesh, gn
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (status == GNEISS_OK && !plain) status = gn_mesh_no_memory(&in);
     if (status == GNEISS_OK) {
-        locale_t before = uselocale(plain); /* the program around may have set a decimal comma */
+        locale_t before = uselocale(plain); /* the calling program may have set a decimal comma */
         status = read_corners(&in, &read);
         uselocale(before);
     }

@@ -1,4 +1,4 @@
-/* Corners of triangles that stand apart become nodes that triangles share. */
+/* Welding: coincident corners of triangles become shared nodes. */
 #include "mesh/mesh_private.h"
 
 #include "base/memory.h"
@@ -7,18 +7,19 @@
 #include <string.h>
 
 static const double weld_distance = 1e-6; /* of the longest side of the box */
-static const double cell_size = 8.0;      /* in weld distances: a corner is near one or two cells */
+/* in weld distances: the reach of a corner covers one or two cells */
+static const double cell_size = 8.0;
 
 typedef struct weld {
     double origin[3];
     double reach, cell; /* m */
     double *node;       /* [count][3] */
-    int32_t *next;      /* [count] the next node in the same cell, -1: last */
+    int32_t *next;      /* [count] the next node in the same cell, -1: none */
     size_t count;
     gn_mesh_table cells; /* cell -> its first node */
 } weld;
 
-static gneiss_status measure(weld *w, const double *corner, size_t count, const char *name,
+static gneiss_status measure(weld *welding, const double *corner, size_t count, const char *name,
                              gneiss_error *error) {
     double extent = 0.0;
     for (int d = 0; d < 3; d++) {
@@ -27,80 +28,80 @@ static gneiss_status measure(weld *w, const double *corner, size_t count, const 
             least = fmin(least, corner[3 * k + (size_t)d]);
             most = fmax(most, corner[3 * k + (size_t)d]);
         }
-        w->origin[d] = least;
+        welding->origin[d] = least;
         extent = fmax(extent, most - least);
     }
-    w->reach = weld_distance * extent;
-    w->cell = cell_size * w->reach;
-    /* Products of lengths must neither overflow nor vanish. */
+    welding->reach = weld_distance * extent;
+    welding->cell = cell_size * welding->reach;
+    /* Products of lengths must neither overflow nor underflow. */
     if (extent > 1e-60 && extent < 1e60) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a surface with an extent of 1e-60 to 1e60 m, found %g m", name,
                    extent);
 }
 
-static int64_t cell_index(const weld *w, double x, int d) {
-    return (int64_t)floor((x - w->origin[d]) / w->cell);
+static int64_t cell_index(const weld *welding, double x, int d) {
+    return (int64_t)floor((x - welding->origin[d]) / welding->cell);
 }
 
 static gn_mesh_key cell_key(const int64_t cell[3]) {
     return (gn_mesh_key){(uint64_t)cell[0] << 32 ^ (uint64_t)cell[1], (uint64_t)cell[2]};
 }
 
-/* The earliest node within reach, -1: none. Its cell is one of those that a cube of the reach
- * around x touches. */
-static int64_t find_node(const weld *w, const double x[3]) {
+/* Finds the earliest node within reach, -1 if there is none, in the cells that a cube of the reach
+ * around x intersects. */
+static int64_t find_node(const weld *welding, const double x[3]) {
     int64_t lower[3], upper[3], cell[3], found = -1;
     for (int d = 0; d < 3; d++) {
-        lower[d] = cell_index(w, x[d] - w->reach, d);
-        upper[d] = cell_index(w, x[d] + w->reach, d);
+        lower[d] = cell_index(welding, x[d] - welding->reach, d);
+        upper[d] = cell_index(welding, x[d] + welding->reach, d);
     }
     for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++)
         for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++)
             for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
-                int64_t k = gn_mesh_table_find(&w->cells, cell_key(cell));
-                for (; k >= 0; k = w->next[k]) {
+                int64_t k = gn_mesh_table_find(&welding->cells, cell_key(cell));
+                for (; k >= 0; k = welding->next[k]) {
                     double apart[3];
-                    gn_mesh_between(w->node + 3 * k, x, apart);
-                    bool near = gn_mesh_dot(apart, apart) <= w->reach * w->reach;
+                    gn_mesh_between(welding->node + 3 * k, x, apart);
+                    bool near = gn_mesh_dot(apart, apart) <= welding->reach * welding->reach;
                     if (near && (found < 0 || k < found)) found = k;
                 }
             }
     return found;
 }
 
-/* False: no memory. */
-static bool add_node(weld *w, const double x[3]) {
-    int64_t cell[3], first, k = (int64_t)w->count;
+/* Adds a node; returns false without memory. */
+static bool add_node(weld *welding, const double x[3]) {
+    int64_t cell[3], first, k = (int64_t)welding->count;
     for (int d = 0; d < 3; d++) {
-        w->node[3 * k + d] = x[d];
-        cell[d] = cell_index(w, x[d], d);
+        welding->node[3 * k + d] = x[d];
+        cell[d] = cell_index(welding, x[d], d);
     }
-    if (!gn_mesh_table_add(&w->cells, cell_key(cell), k, &first)) return false;
-    w->next[k] = -1;
-    if (first != k) { /* behind the first, which the table goes on naming */
-        w->next[k] = w->next[first];
-        w->next[first] = (int32_t)k;
+    if (!gn_mesh_table_add(&welding->cells, cell_key(cell), k, &first)) return false;
+    welding->next[k] = -1;
+    if (first != k) { /* inserted after the first, to which the table refers */
+        welding->next[k] = welding->next[first];
+        welding->next[first] = (int32_t)k;
     }
-    w->count++;
+    welding->count++;
     return true;
 }
 
-/* Nodes [count] of the corners. False: no memory. */
-static bool weld_corners(weld *w, const double *corner, size_t count, int32_t *node) {
+/* Finds the nodes [count] of the corners; returns false without memory. */
+static bool weld_corners(weld *welding, const double *corner, size_t count, int32_t *node) {
     for (size_t k = 0; k < count; k++) {
-        int64_t found = find_node(w, corner + 3 * k);
+        int64_t found = find_node(welding, corner + 3 * k);
         if (found < 0) {
-            found = (int64_t)w->count;
-            if (!add_node(w, corner + 3 * k)) return false;
+            found = (int64_t)welding->count;
+            if (!add_node(welding, corner + 3 * k)) return false;
         }
         node[k] = (int32_t)found;
     }
     return true;
 }
 
-/* Triangles with three different nodes, in place; nodes that only dropped ones used go too. */
-static size_t drop_degenerate(weld *w, int32_t *node, size_t triangles) {
+/* Removes triangles without three different nodes, and the nodes that only they used, in place. */
+static size_t drop_degenerate(weld *welding, int32_t *node, size_t triangles) {
     size_t kept = 0, used = 0;
     for (size_t t = 0; t < triangles; t++) {
         int32_t a = node[3 * t], b = node[3 * t + 1], c = node[3 * t + 2];
@@ -110,16 +111,16 @@ static size_t drop_degenerate(weld *w, int32_t *node, size_t triangles) {
         node[3 * kept + 2] = c;
         kept++;
     }
-    int32_t *renumbered = w->next; /* the chains have served */
-    for (size_t k = 0; k < w->count; k++) renumbered[k] = -1;
+    int32_t *renumbered = welding->next; /* the chains are no longer needed */
+    for (size_t k = 0; k < welding->count; k++) renumbered[k] = -1;
     for (size_t k = 0; k < 3 * kept; k++) renumbered[node[k]] = 0;
-    for (size_t k = 0; k < w->count; k++) {
+    for (size_t k = 0; k < welding->count; k++) {
         if (renumbered[k] < 0) continue;
-        for (size_t d = 0; d < 3; d++) w->node[3 * used + d] = w->node[3 * k + d];
+        for (size_t d = 0; d < 3; d++) welding->node[3 * used + d] = welding->node[3 * k + d];
         renumbered[k] = (int32_t)used++;
     }
     for (size_t k = 0; k < 3 * kept; k++) node[k] = renumbered[node[k]];
-    w->count = used;
+    welding->count = used;
     return kept;
 }
 

@@ -15,7 +15,7 @@ static int by_key(const void *a, const void *b) {
     return (x->id > y->id) - (x->id < y->id);
 }
 
-/* Spreads the low `bits` bits of v so that there are `gap` zero bits between neighbours. */
+/* Spreads the low `bits` bits of v, with `gap` zero bits between neighbouring ones. */
 static uint64_t spread(uint64_t v, int bits, int gap) {
     uint64_t r = 0;
     for (int b = 0; b < bits; b++) r |= (v >> b & 1) << (b * (gap + 1));

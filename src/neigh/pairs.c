@@ -16,7 +16,8 @@ typedef struct grid {
     size_t count;      /* particles */
     int32_t *start;    /* [cells + 1] */
     int32_t *particle; /* [count] by cell, ascending within a cell */
-    double *column[4]; /* [count] their x, y, z and r, so that a cell is tested in vectors */
+    /* [count] x, y, z and r of these particles, so that a cell is tested in vectors */
+    double *column[4];
 } grid;
 
 typedef struct search {
@@ -34,13 +35,13 @@ typedef struct bucket {
     int32_t (*pair)[2];
 } bucket;
 
-static bool removed(const gn_particles *p, size_t k) {
-    return p->vel[4 * k + 3] == 0.0;
+static bool removed(const gn_particles *particles, size_t k) {
+    return particles->vel[4 * k + 3] == 0.0;
 }
 
-/* Opposite ones, which are the same place. */
-static bool has_sides(const gn_pair_query *q, int a) {
-    return q->periodic && a < q->dimension && q->period[a] > 0.0;
+/* Tells whether the box has two sides across axis a, which are the same plane. */
+static bool has_sides(const gn_pair_query *query, int a) {
+    return query->periodic && a < query->dimension && query->period[a] > 0.0;
 }
 
 static int level_of(double radius_max, double radius) {
@@ -48,35 +49,35 @@ static int level_of(double radius_max, double radius) {
     return level < 0 ? 0 : level < MAX_LEVELS ? level : MAX_LEVELS - 1;
 }
 
-static void bounding_box(search *s) {
-    const gn_particles *p = s->query->particles;
+static void bounding_box(search *state) {
+    const gn_particles *p = state->query->particles;
     double upper[3];
     for (int a = 0; a < 3; a++) {
-        s->lower[a] = INFINITY;
+        state->lower[a] = INFINITY;
         upper[a] = -INFINITY;
     }
-    s->radius_max = 0.0;
+    state->radius_max = 0.0;
     for (size_t k = 0; k < p->soa.count; k++) {
         if (removed(p, k)) continue;
-        s->radius_max = fmax(s->radius_max, p->pos[4 * k + 3]);
+        state->radius_max = fmax(state->radius_max, p->pos[4 * k + 3]);
         for (int a = 0; a < 3; a++) {
-            s->lower[a] = fmin(s->lower[a], p->pos[4 * k + a]);
+            state->lower[a] = fmin(state->lower[a], p->pos[4 * k + a]);
             upper[a] = fmax(upper[a], p->pos[4 * k + a]);
         }
     }
     for (int a = 0; a < 3; a++) {
-        s->extent[a] = upper[a] - s->lower[a];
-        if (has_sides(s->query, a)) s->extent[a] = s->query->period[a];
+        state->extent[a] = upper[a] - state->lower[a];
+        if (has_sides(state->query, a)) state->extent[a] = state->query->period[a];
     }
 }
 
-static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *error) {
-    const gn_pair_query *q = s->query;
+static gneiss_status size_grid(search *state, grid *cells, double radius, gneiss_error *error) {
+    const gn_pair_query *q = state->query;
     double reach = 2.0 * radius * (1.0 + q->range) + q->margin;
     double total = 1.0;
     for (int a = 0; a < 3; a++) {
-        g->cells[a] = 1;
-        g->cell[a] = fmax(s->extent[a], reach);
+        cells->cells[a] = 1;
+        cells->cell[a] = fmax(state->extent[a], reach);
         if (a == 2 && q->dimension == 2) continue;
         if (has_sides(q, a) && q->period[a] < 2.0 * reach)
             return gn_fail(
@@ -84,44 +85,45 @@ static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *
                 "periodic box: expected a length of at least %g m along %c (twice the reach of "
                 "the largest particles), found %g m",
                 2.0 * reach, "xyz"[a], q -> period[a]);
-        total *= fmax(1.0, floor(s->extent[a] / reach));
+        total *= fmax(1.0, floor(state->extent[a] / reach));
     }
-    /* A few large cells do no harm; more cells than particles waste memory. */
-    double limit = 2.0 * (double)g->count + 64.0;
+    /* A few large cells do no harm, but more cells than particles waste memory. */
+    double limit = 2.0 * (double)cells->count + 64.0;
     double widen = total > limit ? pow(total / limit, 1.0 / q->dimension) : 1.0;
     for (int a = 0; a < q->dimension; a++) {
-        double n = fmax(1.0, floor(s->extent[a] / (reach * widen)));
-        g->cells[a] = (int64_t)n;
-        g->cell[a] = n > 1.0 ? s->extent[a] / n : g->cell[a];
+        double n = fmax(1.0, floor(state->extent[a] / (reach * widen)));
+        cells->cells[a] = (int64_t)n;
+        cells->cell[a] = n > 1.0 ? state->extent[a] / n : cells->cell[a];
     }
     return GNEISS_OK;
 }
 
-static int64_t cell_along(const search *s, const grid *g, const double *x, int a) {
-    double c = floor((x[a] - s->lower[a]) / g->cell[a]);
-    int64_t n = g->cells[a];
-    if (has_sides(s->query, a)) {
+static int64_t cell_along(const search *state, const grid *cells, const double *x, int a) {
+    double c = floor((x[a] - state->lower[a]) / cells->cell[a]);
+    int64_t n = cells->cells[a];
+    if (has_sides(state->query, a)) {
         int64_t k = (int64_t)c % n;
         return k < 0 ? k + n : k;
     }
     return c < 0.0 ? 0 : c >= (double)n ? n - 1 : (int64_t)c;
 }
 
-static int64_t cell_index(const grid *g, const int64_t c[3]) {
-    return (c[2] * g->cells[1] + c[1]) * g->cells[0] + c[0];
+static int64_t cell_index(const grid *cells, const int64_t c[3]) {
+    return (c[2] * cells->cells[1] + c[1]) * cells->cells[0] + c[0];
 }
 
-/* Position moved by whole periods so that all lie within one period of each other. */
-static void inside_box(const search *s, const double *x, double out[4]) {
+/* Wraps a position into the box, so that all positions lie within one period of each other. */
+static void inside_box(const search *state, const double *x, double out[4]) {
     memcpy(out, x, 4 * sizeof *out);
-    for (int a = 0; a < s->query->dimension; a++)
-        if (has_sides(s->query, a))
-            out[a] -= s->query->period[a] * floor((x[a] - s->lower[a]) / s->query->period[a]);
+    for (int a = 0; a < state->query->dimension; a++)
+        if (has_sides(state->query, a))
+            out[a] -=
+                state->query->period[a] * floor((x[a] - state->lower[a]) / state->query->period[a]);
 }
 
-static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
-    const gn_particles *p = s->query->particles;
-    grid *g = &s->grids[level];
+static gneiss_status fill_grid(search *state, int level, gneiss_error *error) {
+    const gn_particles *p = state->query->particles;
+    grid *g = &state->grids[level];
     size_t cells = (size_t)(g->cells[0] * g->cells[1] * g->cells[2]);
     g->start = gn_alloc_array(cells + 2, sizeof *g->start);
     g->particle = gn_alloc_array(g->count + 1, sizeof *g->particle);
@@ -134,36 +136,37 @@ static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a grid of %zu cells", cells);
     }
     for (size_t k = 0; k < p->soa.count; k++) {
-        if (s->level[k] != level) continue;
+        if (state->level[k] != level) continue;
         const double *x = p->pos + 4 * k;
-        int64_t c[3] = {cell_along(s, g, x, 0), cell_along(s, g, x, 1), cell_along(s, g, x, 2)};
+        int64_t c[3] = {cell_along(state, g, x, 0), cell_along(state, g, x, 1),
+                        cell_along(state, g, x, 2)};
         home[k] = (int32_t)cell_index(g, c);
         g->start[home[k] + 2]++;
     }
     for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
     for (size_t k = 0; k < p->soa.count; k++) {
-        if (s->level[k] != level) continue;
+        if (state->level[k] != level) continue;
         int32_t place = g->start[home[k] + 1]++;
         g->particle[place] = (int32_t)k;
         double x[4];
-        inside_box(s, p->pos + 4 * k, x);
+        inside_box(state, p->pos + 4 * k, x);
         for (int a = 0; a < 4; a++) g->column[a][place] = x[a];
     }
     gn_free(home);
     return GNEISS_OK;
 }
 
-static bool bucket_push(bucket *b, int32_t i, int32_t j) {
-    if (b->count == b->capacity) {
-        size_t capacity = b->capacity ? 2 * b->capacity : 4096;
-        void *grown = realloc(b->pair, capacity * sizeof *b->pair);
+static bool bucket_push(bucket *found, int32_t i, int32_t j) {
+    if (found->count == found->capacity) {
+        size_t capacity = found->capacity ? 2 * found->capacity : 4096;
+        void *grown = realloc(found->pair, capacity * sizeof *found->pair);
         if (!grown) return false;
-        b->pair = grown;
-        b->capacity = capacity;
+        found->pair = grown;
+        found->capacity = capacity;
     }
-    b->pair[b->count][0] = i < j ? i : j;
-    b->pair[b->count][1] = i < j ? j : i;
-    b->count++;
+    found->pair[found->count][0] = i < j ? i : j;
+    found->pair[found->count][1] = i < j ? j : i;
+    found->count++;
     return true;
 }
 
@@ -174,15 +177,16 @@ static inline double wrapped(double d, double period) {
     return d < -0.5 * period ? d + period : d;
 }
 
-/* Squared distance less squared reach from x to places [begin, begin + count); a pair is near where
- * it is not positive. */
-static void test_batch(const gn_pair_query *q, const grid *g, const double *restrict x,
+/* Computes the squared distance minus the squared reach from x for places [begin, begin + count). A
+ * pair is near where that is not positive. */
+static void test_batch(const gn_pair_query *query, const grid *cells, const double *restrict x,
                        int32_t begin, int32_t count, double *restrict excess) {
-    const double *restrict cx = g->column[0] + begin, *restrict cy = g->column[1] + begin;
-    const double *restrict cz = g->column[2] + begin, *restrict cr = g->column[3] + begin;
-    const double stretch = 1.0 + q->range, margin = q->margin, x0 = x[0], x1 = x[1], x2 = x[2];
+    const double *restrict cx = cells->column[0] + begin, *restrict cy = cells->column[1] + begin;
+    const double *restrict cz = cells->column[2] + begin, *restrict cr = cells->column[3] + begin;
+    const double stretch = 1.0 + query->range, margin = query->margin, x0 = x[0], x1 = x[1],
+                 x2 = x[2];
     const double own = x[3];
-    if (!q->periodic) {
+    if (!query->periodic) {
         for (int32_t e = 0; e < count; e++) {
             double dx = cx[e] - x0, dy = cy[e] - x1, dz = cz[e] - x2;
             double reach = (cr[e] + own) * stretch + margin;
@@ -191,7 +195,7 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
         return;
     }
     double period[3];
-    for (int a = 0; a < 3; a++) period[a] = has_sides(q, a) ? q->period[a] : INFINITY;
+    for (int a = 0; a < 3; a++) period[a] = has_sides(query, a) ? query->period[a] : INFINITY;
     const double px = period[0], py = period[1], pz = period[2];
     for (int32_t e = 0; e < count; e++) {
         double dx = wrapped(cx[e] - x0, px), dy = wrapped(cy[e] - x1, py);
@@ -200,11 +204,11 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
     }
 }
 
-/* First and number of cells to visit along an axis around cell c. */
-static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first,
+/* Finds the first cell and the number of cells to visit along an axis around cell c. */
+static void cell_span(const search *state, const grid *cells, int64_t c, int a, int64_t *first,
                       int *count) {
-    int64_t n = g->cells[a];
-    if (has_sides(s->query, a)) {
+    int64_t n = cells->cells[a];
+    if (has_sides(state->query, a)) {
         *first = n >= 3 ? (c + n - 1) % n : 0;
         *count = n >= 3 ? 3 : (int)n;
         return;
@@ -214,17 +218,17 @@ static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t 
     *count = (int)(last - *first + 1);
 }
 
-/* Partners of particle k among places [begin, end) of a grid. */
-static bool search_places(const search *s, size_t k, const grid *g, int32_t begin, int32_t end,
-                          bool own_level, bucket *out) {
+/* Finds the partners of particle k among places [begin, end) of a grid. */
+static bool search_places(const search *state, size_t k, const grid *cells, int32_t begin,
+                          int32_t end, bool own_level, bucket *out) {
     double x[4], excess[BATCH];
-    inside_box(s, s->query->particles->pos + 4 * k, x);
+    inside_box(state, state->query->particles->pos + 4 * k, x);
     for (int32_t b = begin; b < end; b += BATCH) {
         int32_t count = end - b < BATCH ? end - b : BATCH;
-        test_batch(s->query, g, x, b, count, excess);
+        test_batch(state->query, cells, x, b, count, excess);
         for (int32_t e = 0; e < count; e++) {
             if (excess[e] > 0.0) continue;
-            int32_t other = g->particle[b + e];
+            int32_t other = cells->particle[b + e];
             if (own_level && other <= (int32_t)k) continue;
             if (!bucket_push(out, (int32_t)k, other)) return false;
         }
@@ -232,16 +236,17 @@ static bool search_places(const search *s, size_t k, const grid *g, int32_t begi
     return true;
 }
 
-/* Partners of particle k in one grid: in its own level those behind it, in coarser levels all.
- * Cells that follow each other along x are one stretch of places, unless the box wraps round
- * between them. */
-static bool search_level(const search *s, size_t k, int level, bucket *out) {
-    const grid *g = &s->grids[level];
-    const double *x = s->query->particles->pos + 4 * k;
-    bool own = level == s->level[k];
+/* Finds the partners of particle k in one grid: in its own level those after it, in coarser levels
+ * all. Consecutive cells along x are one range of places, unless the box wraps round between
+ * them. */
+static bool search_level(const search *state, size_t k, int level, bucket *out) {
+    const grid *g = &state->grids[level];
+    const double *x = state->query->particles->pos + 4 * k;
+    bool own = level == state->level[k];
     int64_t first[3];
     int count[3];
-    for (int a = 0; a < 3; a++) cell_span(s, g, cell_along(s, g, x, a), a, &first[a], &count[a]);
+    for (int a = 0; a < 3; a++)
+        cell_span(state, g, cell_along(state, g, x, a), a, &first[a], &count[a]);
     bool wraps = first[0] + count[0] > g->cells[0];
     int stretches = wraps ? count[0] : 1, width = wraps ? 1 : count[0];
     for (int cz = 0; cz < count[2]; cz++)
@@ -250,22 +255,22 @@ static bool search_level(const search *s, size_t k, int level, bucket *out) {
                 int64_t c[3] = {(first[0] + cx) % g->cells[0], (first[1] + cy) % g->cells[1],
                                 (first[2] + cz) % g->cells[2]};
                 int64_t cell = cell_index(g, c);
-                if (!search_places(s, k, g, g->start[cell], g->start[cell + width], own, out))
+                if (!search_places(state, k, g, g->start[cell], g->start[cell + width], own, out))
                     return false;
             }
     return true;
 }
 
-static bool search_range(const search *s, size_t begin, size_t end, bucket *out) {
+static bool search_range(const search *state, size_t begin, size_t end, bucket *out) {
     for (size_t k = begin; k < end; k++) {
-        if (s->level[k] >= MAX_LEVELS) continue;
-        for (int level = s->level[k]; level >= 0; level--)
-            if (s->grids[level].count && !search_level(s, k, level, out)) return false;
+        if (state->level[k] >= MAX_LEVELS) continue;
+        for (int level = state->level[k]; level >= 0; level--)
+            if (state->grids[level].count && !search_level(state, k, level, out)) return false;
     }
     return true;
 }
 
-/* Rows are short and nearly sorted: insertion beats a call of qsort. */
+/* Rows are short and nearly sorted: insertion sort is faster than a call of qsort. */
 static void sort_row(int32_t (*pair)[2], int32_t count) {
     for (int32_t k = 1; k < count; k++) {
         int32_t second = pair[k][1], m = k;
@@ -274,13 +279,13 @@ static void sort_row(int32_t (*pair)[2], int32_t count) {
     }
 }
 
-/* Counting sort by the first index, then each short row by the second: the order no longer tells
- * which thread found a pair. */
+/* Sorts pairs by the first index (counting sort), then each short row by the second, so that the
+ * order does not depend on which thread found a pair. */
 static gneiss_status merge_buckets(const bucket *buckets, int count, size_t particles,
                                    gn_pair_list *list, gneiss_error *error) {
     size_t total = 0;
     for (int b = 0; b < count; b++) total += buckets[b].count;
-    if (total > INT32_MAX / 2 - 64) /* 2 contact + side is a number too */
+    if (total > INT32_MAX / 2 - 64) /* 2 contact + side must be a number too */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%zu pairs are more than the engine can number",
                        total);
     int32_t *start = gn_alloc_array(particles + 2, sizeof *start);
@@ -304,35 +309,35 @@ static gneiss_status merge_buckets(const bucket *buckets, int count, size_t part
     return GNEISS_OK;
 }
 
-static gneiss_status assign_levels(search *s, gneiss_error *error) {
-    const gn_particles *p = s->query->particles;
-    s->level = gn_alloc(p->soa.count + 1);
-    if (!s->level) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle levels");
+static gneiss_status assign_levels(search *state, gneiss_error *error) {
+    const gn_particles *p = state->query->particles;
+    state->level = gn_alloc(p->soa.count + 1);
+    if (!state->level) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle levels");
     double largest[MAX_LEVELS] = {0};
     for (size_t k = 0; k < p->soa.count; k++) {
-        s->level[k] = MAX_LEVELS; /* removed */
+        state->level[k] = MAX_LEVELS; /* removed */
         if (removed(p, k)) continue;
-        int level = level_of(s->radius_max, p->pos[4 * k + 3]);
-        s->level[k] = (uint8_t)level;
-        s->grids[level].count++;
+        int level = level_of(state->radius_max, p->pos[4 * k + 3]);
+        state->level[k] = (uint8_t)level;
+        state->grids[level].count++;
         largest[level] = fmax(largest[level], p->pos[4 * k + 3]);
     }
     for (int level = 0; level < MAX_LEVELS; level++) {
-        if (!s->grids[level].count) continue;
-        GN_TRY(size_grid(s, &s->grids[level], largest[level], error));
-        GN_TRY(fill_grid(s, level, error));
+        if (!state->grids[level].count) continue;
+        GN_TRY(size_grid(state, &state->grids[level], largest[level], error));
+        GN_TRY(fill_grid(state, level, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status search_all(const search *s, bucket *buckets, int threads,
+static gneiss_status search_all(const search *state, bucket *buckets, int threads,
                                 gneiss_error *error) {
-    size_t n = s->query->particles->soa.count;
+    size_t n = state->query->particles->soa.count;
     bool complete = true;
 #pragma omp parallel num_threads(threads) reduction(&& : complete)
     {
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
-        complete = search_range(s, n * t / of, n * (t + 1) / of, &buckets[t]);
+        complete = search_range(state, n * t / of, n * (t + 1) / of, &buckets[t]);
     }
     return complete ? GNEISS_OK
                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair list");

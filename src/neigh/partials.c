@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Things with two to four particles each, of width 8 only with two. */
+/* Items with two to four particles each; a width of 8 occurs only with two. */
 typedef struct partial_items {
     const char *name; /* for messages */
     size_t count;
@@ -13,11 +13,11 @@ typedef struct partial_items {
     bool single;              /* rows in single precision */
 } partial_items;
 
-/* Numbers the particles of each block in the order in which its contacts name them: neighbours in
- * the list become neighbours in the rows. */
+/* The particles of each block in the order in which its contacts refer to them: neighbours in the
+ * list become neighbours in the rows. */
 typedef struct numbering {
-    int32_t *particle; /* [blocks][members length] who has a row */
-    int32_t *count;    /* [blocks] */
+    int32_t *particle; /* [blocks][members length] the particle of each row */
+    int32_t *count;    /* [blocks] rows */
 } numbering;
 
 static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *rows,
@@ -29,35 +29,36 @@ static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *ro
     return (uint16_t)(seen[particle] * width);
 }
 
-static inline __attribute__((always_inline)) void number_members(const partial_items *items,
-                                                                 size_t members, size_t block,
-                                                                 int32_t *seen, const numbering *n,
-                                                                 gn_partials *q) {
-    size_t begin = block * q->length, end = begin + q->length;
+static inline __attribute__((always_inline)) void
+number_members(const partial_items *items, size_t members, size_t block, int32_t *seen,
+               const numbering *numbers, gn_partials *partials) {
+    size_t begin = block * partials->length, end = begin + partials->length;
     if (end > items->count) end = items->count;
-    int32_t *rows = n->particle + block * members * q->length, count = 0;
+    int32_t *rows = numbers->particle + block * members * partials->length, count = 0;
     for (size_t c = begin; c < end; c++)
         for (size_t m = 0; m < members; m++)
-            q->place[members * c + m] = place_of(items->member[m][c], q->width, seen, rows, &count);
+            partials->place[members * c + m] =
+                place_of(items->member[m][c], partials->width, seen, rows, &count);
     for (int32_t k = 0; k < count; k++) seen[rows[k]] = -1;
-    n->count[block] = count;
+    numbers->count[block] = count;
 }
 
-/* Contacts, whose lists are made often, have a loop of their own. */
+/* Contact lists are rebuilt often, so that contacts have a specialised loop. */
 static void number_block(const partial_items *items, size_t block, int32_t *seen,
-                         const numbering *n, gn_partials *q) {
+                         const numbering *numbers, gn_partials *partials) {
     if (items->members == 2)
-        number_members(items, 2, block, seen, n, q);
+        number_members(items, 2, block, seen, numbers, partials);
     else
-        number_members(items, (size_t)items->members, block, seen, n, q);
+        number_members(items, (size_t)items->members, block, seen, numbers, partials);
 }
 
 _Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places of contacts fit in 16 bits");
 _Static_assert(4 * GN_CONTACT_BLOCK * 4 <= UINT16_MAX + 1, "places of elements fit in 16 bits");
 
-/* Every thread marks particles in an array of its own; false without memory. */
+/* Numbers all blocks; every thread marks particles in its own array. Returns false without
+ * memory. */
 static bool number_blocks(const partial_items *items, size_t particles, int threads,
-                          const numbering *n, gn_partials *q) {
+                          const numbering *numbers, gn_partials *partials) {
     bool held = true;
 #pragma omp parallel num_threads(threads)
     {
@@ -68,61 +69,67 @@ static bool number_blocks(const partial_items *items, size_t particles, int thre
         }
         for (size_t p = 0; seen && p < particles; p++) seen[p] = -1;
 #pragma omp for schedule(static)
-        for (size_t b = 0; b < q->blocks; b++)
-            if (seen) number_block(items, b, seen, n, q);
+        for (size_t b = 0; b < partials->blocks; b++)
+            if (seen) number_block(items, b, seen, numbers, partials);
         gn_free(seen);
     }
     return held;
 }
 
-/* Beyond the last row: particle 0. */
-static void name_rows(const numbering *n, size_t members, gn_partials *q) {
-    int32_t *next = q->particle;
-    for (size_t b = 0; b < q->blocks; next += n->count[b++])
-        memcpy(next, n->particle + b * members * q->length, (size_t)n->count[b] * sizeof *next);
+/* Lists the particle of each row; the entry beyond the last row is particle 0. */
+static void name_rows(const numbering *numbers, size_t members, gn_partials *partials) {
+    int32_t *next = partials->particle;
+    for (size_t b = 0; b < partials->blocks; next += numbers->count[b++])
+        memcpy(next, numbers->particle + b * members * partials->length,
+               (size_t)numbers->count[b] * sizeof *next);
 }
 
-static bool make_touched(size_t particle_blocks, gn_partials *q) {
+static bool make_touched(size_t particle_blocks, gn_partials *partials) {
     for (int end = 0; end < 2; end++) {
-        q->touched[end] = gn_alloc_array(particle_blocks + 1, sizeof *q->touched[end]);
-        if (!q->touched[end]) return false;
-        for (size_t p = 0; p < particle_blocks; p++) q->touched[end][p] = end ? -1 : INT32_MAX;
+        partials->touched[end] =
+            gn_alloc_array(particle_blocks + 1, sizeof *partials->touched[end]);
+        if (!partials->touched[end]) return false;
+        for (size_t p = 0; p < particle_blocks; p++)
+            partials->touched[end][p] = end ? -1 : INT32_MAX;
     }
     return true;
 }
 
-/* Contact blocks come in ascending order. */
-static void touch(gn_partials *q, int32_t particle, size_t contact_block) {
+/* Extends the range of contact blocks of a particle's block; contact blocks come in ascending
+ * order. */
+static void touch(gn_partials *partials, int32_t particle, size_t contact_block) {
     size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
-    if (q->touched[1][p] < 0) q->touched[0][p] = (int32_t)contact_block;
-    q->touched[1][p] = (int32_t)contact_block;
+    if (partials->touched[1][p] < 0) partials->touched[0][p] = (int32_t)contact_block;
+    partials->touched[1][p] = (int32_t)contact_block;
 }
 
-/* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
-static bool sort_shares(size_t particles, gn_partials *q) {
-    const int32_t rows = q->first[q->blocks];
+/* Sorts shares by particle (counting sort, stable: rows of a particle stay in block order). */
+static bool sort_shares(size_t particles, gn_partials *partials) {
+    const int32_t rows = partials->first[partials->blocks];
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     int32_t *next = gn_alloc_array(particles + 2, sizeof *next);
-    q->start = gn_alloc_array(particle_blocks + 1, sizeof *q->start);
-    q->share = gn_alloc_array((size_t)rows + 1, sizeof *q->share);
-    bool held = next && q->start && q->share && make_touched(particle_blocks, q);
-    for (int32_t r = 0; held && r < rows; r++) next[q->particle[r] + 1]++;
+    partials->start = gn_alloc_array(particle_blocks + 1, sizeof *partials->start);
+    partials->share = gn_alloc_array((size_t)rows + 1, sizeof *partials->share);
+    bool held =
+        next && partials->start && partials->share && make_touched(particle_blocks, partials);
+    for (int32_t r = 0; held && r < rows; r++) next[partials->particle[r] + 1]++;
     for (size_t p = 1; held && p <= particles; p++) next[p] += next[p - 1];
     for (size_t b = 0; held && b <= particle_blocks; b++) {
         size_t p = b * GN_PARTICLE_BLOCK;
-        q->start[b] = next[p < particles ? p : particles];
+        partials->start[b] = next[p < particles ? p : particles];
     }
-    for (size_t b = 0; held && b < q->blocks; b++)
-        for (int32_t r = q->first[b]; r < q->first[b + 1]; r++) {
-            int32_t p = q->particle[r];
-            q->share[next[p]++] = (gn_share){p, r};
-            touch(q, p, b);
+    for (size_t b = 0; held && b < partials->blocks; b++)
+        for (int32_t r = partials->first[b]; r < partials->first[b + 1]; r++) {
+            int32_t p = partials->particle[r];
+            partials->share[next[p]++] = (gn_share){p, r};
+            touch(partials, p, b);
         }
     gn_free(next);
     return held;
 }
 
-/* Long blocks have fewer rows in all; short lists still want several blocks to share out. */
+/* Long blocks have fewer rows in total, but short lists need several blocks to distribute over
+ * threads. */
 static size_t block_length(size_t count) {
     enum { BLOCKS_WANTED = 48 };
     size_t length = GN_CONTACT_BLOCK_LEAST;

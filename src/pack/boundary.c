@@ -7,20 +7,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Adds to the pieces; *held false: no memory. */
+/* Output of the cutting functions; *held becomes false without memory. */
 typedef struct cutter {
     gn_boundary_pieces *pieces;
     double size;
     bool held;
 } cutter;
 
-static void add(cutter *c, const double point[3], const double area[3]) {
-    gn_boundary_pieces *p = c->pieces;
-    if (!c->held) return;
+static void add(cutter *output, const double point[3], const double area[3]) {
+    gn_boundary_pieces *p = output->pieces;
+    if (!output->held) return;
     if (p->count == p->capacity) {
         size_t capacity = p->capacity ? 2 * p->capacity : 1024;
         gn_piece_of_boundary *more = gn_alloc_array(capacity, sizeof *more);
-        c->held = more != NULL;
+        output->held = more != NULL;
         if (!more) return;
         if (p->count) memcpy(more, p->piece, p->count * sizeof *more);
         gn_free(p->piece);
@@ -32,17 +32,17 @@ static void add(cutter *c, const double point[3], const double area[3]) {
     memcpy(piece->area, area, sizeof piece->area);
 }
 
-static int64_t parts(const cutter *c, double length) {
-    return (int64_t)fmax(1.0, ceil(length / c->size));
+static int64_t parts(const cutter *output, double length) {
+    return (int64_t)fmax(1.0, ceil(length / output->size));
 }
 
 static double length3(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
-/* A parallelogram with the sides u and v, u x v outward. */
-static void add_face(cutter *c, const double corner[3], const double u[3], const double v[3]) {
-    const int64_t n = parts(c, length3(u)), m = parts(c, length3(v));
+/* Adds a parallelogram with the sides u and v, u x v outward. */
+static void add_face(cutter *output, const double corner[3], const double u[3], const double v[3]) {
+    const int64_t n = parts(output, length3(u)), m = parts(output, length3(v));
     double area[3], point[3];
     gn_cross3(u, v, area);
     for (int a = 0; a < 3; a++) area[a] /= (double)n * (double)m;
@@ -50,29 +50,29 @@ static void add_face(cutter *c, const double corner[3], const double u[3], const
         for (int64_t i = 0; i < n; i++) {
             double s = ((double)i + 0.5) / (double)n, t = ((double)j + 0.5) / (double)m;
             for (int a = 0; a < 3; a++) point[a] = corner[a] + s * u[a] + t * v[a];
-            add(c, point, area);
+            add(output, point, area);
         }
 }
 
-/* From one point to another with the body on the left. */
-static void add_edge(cutter *c, const double from[2], const double to[2]) {
+/* Adds an edge from one point to another with the body on its left. */
+static void add_edge(cutter *output, const double from[2], const double to[2]) {
     double u[2] = {to[0] - from[0], to[1] - from[1]};
-    const int64_t n = parts(c, hypot(u[0], u[1]));
+    const int64_t n = parts(output, hypot(u[0], u[1]));
     for (int64_t k = 0; k < n; k++) {
         double s = ((double)k + 0.5) / (double)n;
-        add(c, (const double[3]){from[0] + s * u[0], from[1] + s * u[1], 0.0},
+        add(output, (const double[3]){from[0] + s * u[0], from[1] + s * u[1], 0.0},
             (const double[3]){u[1] / (double)n, -u[0] / (double)n, 0.0});
     }
 }
 
-/* A triangle, its corners round the outward normal: cut into m^2 alike. */
-static void add_triangle(cutter *c, const double *x[3]) {
+/* Adds a triangle, counter-clockwise about the outward normal, cut into m^2 equal ones. */
+static void add_triangle(cutter *output, const double *x[3]) {
     double u[3], v[3], area[3], point[3];
     for (int a = 0; a < 3; a++) {
         u[a] = x[1][a] - x[0][a];
         v[a] = x[2][a] - x[0][a];
     }
-    const int64_t m = parts(c, fmax(length3(u), length3(v)));
+    const int64_t m = parts(output, fmax(length3(u), length3(v)));
     gn_cross3(u, v, area);
     for (int a = 0; a < 3; a++) area[a] *= 0.5 / ((double)m * (double)m);
     for (int64_t i = 0; i < m; i++)
@@ -81,13 +81,13 @@ static void add_triangle(cutter *c, const double *x[3]) {
                 double s = ((double)i + (flip ? 2.0 : 1.0) / 3.0) / (double)m;
                 double t = ((double)j + (flip ? 2.0 : 1.0) / 3.0) / (double)m;
                 for (int a = 0; a < 3; a++) point[a] = x[0][a] + s * u[a] + t * v[a];
-                add(c, point, area);
+                add(output, point, area);
             }
 }
 
 /* ---- shapes ---- */
 
-static void cut_box(cutter *c, const gn_pack_def *def) {
+static void cut_box(cutter *output, const gn_pack_def *def) {
     for (int axis = 0; axis < 3; axis++) {
         int a = (axis + 1) % 3, b = (axis + 2) % 3;
         double u[3] = {0}, v[3] = {0}, upper[3];
@@ -95,19 +95,19 @@ static void cut_box(cutter *c, const gn_pack_def *def) {
         v[b] = def->size[b];
         memcpy(upper, def->origin, sizeof upper);
         upper[axis] += def->size[axis];
-        add_face(c, upper, u, v);
-        add_face(c, def->origin, v, u);
+        add_face(output, upper, u, v);
+        add_face(output, def->origin, v, u);
     }
 }
 
-static void cut_rectangle(cutter *c, const gn_pack_def *def) {
+static void cut_rectangle(cutter *output, const gn_pack_def *def) {
     const double *o = def->origin, *s = def->size;
     const double corner[4][2] = {
         {o[0], o[1]}, {o[0] + s[0], o[1]}, {o[0] + s[0], o[1] + s[1]}, {o[0], o[1] + s[1]}};
-    for (int k = 0; k < 4; k++) add_edge(c, corner[k], corner[(k + 1) % 4]);
+    for (int k = 0; k < 4; k++) add_edge(output, corner[k], corner[(k + 1) % 4]);
 }
 
-static void cut_polygon(cutter *c, const gn_pack_def *def) {
+static void cut_polygon(cutter *output, const gn_pack_def *def) {
     const double *x = def->corners;
     const size_t n = def->corner_count;
     double area = 0.0;
@@ -117,15 +117,15 @@ static void cut_polygon(cutter *c, const gn_pack_def *def) {
     }
     for (size_t k = 0; k < n; k++) {
         const double *from = x + 2 * k, *to = x + 2 * ((k + 1) % n);
-        add_edge(c, area > 0.0 ? from : to, area > 0.0 ? to : from);
+        add_edge(output, area > 0.0 ? from : to, area > 0.0 ? to : from);
     }
 }
 
-/* A circle's rim, of some height, that rises so much along z: its pieces' areas add up to those of
- * arcs. */
-static void cut_round(cutter *c, const double centre[3], double radius, double height, double rise,
-                      int64_t m) {
-    const int64_t n = parts(c, 2.0 * M_PI * radius);
+/* Cuts a circle's rim at a height, with an extent along z; the areas of its pieces add up to those
+ * of arcs. */
+static void cut_round(cutter *output, const double centre[3], double radius, double height,
+                      double rise, int64_t m) {
+    const int64_t n = parts(output, 2.0 * M_PI * radius);
     const double each = 2.0 * M_PI * radius * height / ((double)n * (double)m);
     for (int64_t j = 0; j < m; j++)
         for (int64_t k = 0; k < n; k++) {
@@ -136,22 +136,22 @@ static void cut_round(cutter *c, const double centre[3], double radius, double h
                 area[a] = each * normal[a];
             }
             point[2] += rise * ((double)j + 0.5) / (double)m;
-            add(c, point, area);
+            add(output, point, area);
         }
 }
 
-/* Rings of a flat circle at the height z, facing up (+1) or down. */
-static void cut_end(cutter *c, const gn_pack_def *def, double z, double facing) {
+/* Cuts a flat circle at the height z into rings, facing up (+1) or down. */
+static void cut_end(cutter *output, const gn_pack_def *def, double z, double facing) {
     const double radius = 0.5 * def->diameter;
-    const int64_t rings = parts(c, radius);
+    const int64_t rings = parts(output, radius);
     for (int64_t j = 0; j < rings; j++) {
         double inner = radius * (double)j / (double)rings,
                outer = radius * (double)(j + 1) / (double)rings, at = 0.5 * (inner + outer);
-        const int64_t n = 3 + parts(c, 2.0 * M_PI * at);
+        const int64_t n = 3 + parts(output, 2.0 * M_PI * at);
         double each = M_PI * (outer * outer - inner * inner) / (double)n;
         for (int64_t k = 0; k < n; k++) {
             double angle = 2.0 * M_PI * ((double)k + 0.5) / (double)n;
-            add(c,
+            add(output,
                 (const double[3]){def->origin[0] + at * cos(angle),
                                   def->origin[1] + at * sin(angle), z},
                 (const double[3]){0.0, 0.0, facing * each});
@@ -159,49 +159,50 @@ static void cut_end(cutter *c, const gn_pack_def *def, double z, double facing) 
     }
 }
 
-static void cut_cylinder(cutter *c, const gn_pack_def *def) {
-    cut_round(c, def->origin, 0.5 * def->diameter, def->height, def->height, parts(c, def->height));
-    cut_end(c, def, def->origin[2], -1.0);
-    cut_end(c, def, def->origin[2] + def->height, 1.0);
+static void cut_cylinder(cutter *output, const gn_pack_def *def) {
+    cut_round(output, def->origin, 0.5 * def->diameter, def->height, def->height,
+              parts(output, def->height));
+    cut_end(output, def, def->origin[2], -1.0);
+    cut_end(output, def, def->origin[2] + def->height, 1.0);
 }
 
-static gneiss_status cut_facets(cutter *c, const gn_scene *scene, gneiss_error *error) {
+static gneiss_status cut_facets(cutter *output, const gn_scene *scene, gneiss_error *error) {
     gn_mesh mesh;
     GN_TRY(gn_pack_shape_facets(scene, &mesh, error));
     const gn_mesh_elements *t = &mesh.triangles, *l = &mesh.lines;
     for (size_t k = 0; scene->dimension == 3 && k < t->count; k++) {
         const double *x[3];
         for (int a = 0; a < 3; a++) x[a] = mesh.node + 3 * (size_t)t->node[3 * k + (size_t)a];
-        add_triangle(c, x);
+        add_triangle(output, x);
     }
     for (size_t k = 0; scene->dimension == 2 && k < l->count; k++)
-        add_edge(c, mesh.node + 3 * (size_t)l->node[2 * k],
+        add_edge(output, mesh.node + 3 * (size_t)l->node[2 * k],
                  mesh.node + 3 * (size_t)l->node[2 * k + 1]);
     gn_mesh_free(&mesh);
     return GNEISS_OK;
 }
 
-static gneiss_status cut(cutter *c, const gn_scene *scene, gneiss_error *error) {
+static gneiss_status cut(cutter *output, const gn_scene *scene, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     switch (def->shape) {
     case GN_SHAPE_RECTANGLE:
-        cut_rectangle(c, def);
+        cut_rectangle(output, def);
         break;
     case GN_SHAPE_DISC:
-        cut_round(c, def->origin, 0.5 * def->diameter, 1.0, 0.0, 1);
+        cut_round(output, def->origin, 0.5 * def->diameter, 1.0, 0.0, 1);
         break;
     case GN_SHAPE_POLYGON:
-        cut_polygon(c, def);
+        cut_polygon(output, def);
         break;
     case GN_SHAPE_BOX:
-        cut_box(c, def);
+        cut_box(output, def);
         break;
     case GN_SHAPE_CYLINDER:
-        cut_cylinder(c, def);
+        cut_cylinder(output, def);
         break;
     case GN_SHAPE_SURFACE:
     case GN_SHAPE_MESH:
-        return cut_facets(c, scene, error);
+        return cut_facets(output, scene, error);
     case GN_SHAPE_NONE:
         return gn_fail(error, GNEISS_ERROR_INTERNAL, "no shape that has a boundary");
     }

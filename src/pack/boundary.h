@@ -1,4 +1,4 @@
-/* The boundary of a shape, cut into small pieces. */
+/* The boundary of a shape in small pieces. */
 #ifndef GN_PACK_BOUNDARY_H
 #define GN_PACK_BOUNDARY_H
 
@@ -14,8 +14,8 @@ typedef struct gn_boundary_pieces {
     gn_piece_of_boundary *piece; /* gn_alloc'ed */
 } gn_boundary_pieces;
 
-/* Pieces of about `size` m of the boundary of scene->specimen.pack, whose areas add up to that of
- * the boundary: exactly where it is flat or a circle, of a file as its facets are. */
+/* Cuts the boundary of scene->specimen.pack into pieces of about `size` m. Their areas add up to
+ * that of the boundary: exactly where it is flat or a circle, and of a file as its facets are. */
 gneiss_status gn_boundary_pieces_make(const gn_scene *scene, double size,
                                       gn_boundary_pieces *pieces, gneiss_error *error);
 void gn_boundary_pieces_free(gn_boundary_pieces *pieces);

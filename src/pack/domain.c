@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-/* A rectangle is a box, a disc a cylinder without ends: the dimension tells them apart. */
+/* Kinds of bodies; the dimension distinguishes a rectangle from a box and a disc from a
+ * cylinder. */
 typedef enum domain_kind { DOMAIN_BOX, DOMAIN_ROUND, DOMAIN_FACETS } domain_kind;
 
 struct gn_domain {
@@ -106,7 +107,8 @@ gneiss_status gn_domain_cylinder(const double base[3], double radius, double hei
     return make_round(base, radius, height, 3, "cylinder", domain, error);
 }
 
-/* Twice the area from the first corner, positive when the body is on the left of the edges. */
+/* Returns twice the signed area about the first corner, positive if the body is on the left of the
+ * edges. */
 static double turned_area(const double *corners, size_t count) {
     double sum = 0;
     for (size_t i = 1; i + 1 < count; i++) {
@@ -175,37 +177,41 @@ void gn_domain_bounds(const gn_domain *domain, double lower[3], double upper[3])
     }
 }
 
-/* Flat sides across the axes first .. dimension - 1: two each, none for a disc. */
-static int first_flat_axis(const gn_domain *d) {
-    return d->kind == DOMAIN_ROUND ? 2 : 0;
+/* Returns the first axis of flat sides; they are across axes first .. dimension - 1, two each, none
+ * for a disc. */
+static int first_flat_axis(const gn_domain *domain) {
+    return domain->kind == DOMAIN_ROUND ? 2 : 0;
 }
 
-/* Distance from the axis and the unit direction away from it; on the axis any will do. */
-static double off_axis(const gn_domain *d, const double x[3], double away[2]) {
-    double u = x[0] - d->centre[0], v = x[1] - d->centre[1], r = hypot(u, v);
+/* Returns the distance from the axis and the unit direction away from it; on the axis the direction
+ * is arbitrary. */
+static double off_axis(const gn_domain *domain, const double x[3], double away[2]) {
+    double u = x[0] - domain->centre[0], v = x[1] - domain->centre[1], r = hypot(u, v);
     away[0] = r > 0 ? u / r : 1;
     away[1] = r > 0 ? v / r : 0;
     return r;
 }
 
-/* A step from the nearest point of the closed body to x; all 0 inside. Gives its length. */
-static double excess(const gn_domain *d, const double x[3], double step[3]) {
+/* Computes the vector from the nearest point of the closed body to x, 0 inside, and returns its
+ * length. */
+static double excess(const gn_domain *domain, const double x[3], double step[3]) {
     step[0] = step[1] = step[2] = 0;
-    for (int k = first_flat_axis(d); k < d->dimension; k++)
-        step[k] = x[k] < d->lower[k] ? x[k] - d->lower[k] : fmax(x[k] - d->upper[k], 0);
-    if (d->kind == DOMAIN_ROUND) {
-        double away[2], over = off_axis(d, x, away) - d->radius;
+    for (int k = first_flat_axis(domain); k < domain->dimension; k++)
+        step[k] =
+            x[k] < domain->lower[k] ? x[k] - domain->lower[k] : fmax(x[k] - domain->upper[k], 0);
+    if (domain->kind == DOMAIN_ROUND) {
+        double away[2], over = off_axis(domain, x, away) - domain->radius;
         for (int k = 0; k < 2 && over > 0; k++) step[k] = over * away[k];
     }
     return hypot(hypot(step[0], step[1]), step[2]);
 }
 
-/* Depth under the nearest flat or round side, for x inside. */
-static double least_depth(const gn_domain *d, const double x[3]) {
+/* Returns the depth below the nearest flat or round side, for x inside. */
+static double least_depth(const gn_domain *domain, const double x[3]) {
     double away[2], depth = INFINITY;
-    if (d->kind == DOMAIN_ROUND) depth = d->radius - off_axis(d, x, away);
-    for (int k = first_flat_axis(d); k < d->dimension; k++)
-        depth = fmin(depth, fmin(x[k] - d->lower[k], d->upper[k] - x[k]));
+    if (domain->kind == DOMAIN_ROUND) depth = domain->radius - off_axis(domain, x, away);
+    for (int k = first_flat_axis(domain); k < domain->dimension; k++)
+        depth = fmin(depth, fmin(x[k] - domain->lower[k], domain->upper[k] - x[k]));
     return depth;
 }
 
@@ -215,7 +221,7 @@ double gn_domain_depth(const gn_domain *domain, const double x[3]) {
     return outside > 0 ? -outside : least_depth(domain, x);
 }
 
-/* Inserts by depth; equal depths stay in the order they come. */
+/* Inserts by depth; planes of equal depth keep their order. */
 static int insert(gn_domain_plane *planes, int count, gn_domain_plane plane) {
     int at = count;
     for (; at > 0 && planes[at - 1].depth > plane.depth; at--) planes[at] = planes[at - 1];

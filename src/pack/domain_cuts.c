@@ -1,14 +1,14 @@
-/* Facets that cut each other leave no inside: they are refused. */
+/* Detection of intersecting facets, which do not define an inside. */
 #include "pack/domain_facets.h"
 
 #include <math.h>
 
-/* Over the extent. Edges of a polygon may not touch; triangles may, and as much as the welding of
- * surfaces leaves open. */
+/* Relative to the extent. Edges of a polygon may not touch; triangles may, up to the tolerance of
+ * welding. */
 static const double touch_tolerance = 1e-12, cut_tolerance = 1e-6;
 
 typedef struct cut_search {
-    int32_t facet, other; /* the other's is the answer */
+    int32_t facet, other; /* the result is the other's index */
     double tolerance, at[3];
 } cut_search;
 
@@ -19,11 +19,11 @@ static int shared_nodes(const gn_facet *a, const gn_facet *b, int corners) {
     return shared;
 }
 
-/* Whether p is within `tolerance` of the segment; it is copied to `at` then. */
-static bool on_segment(const gn_facet *f, const double p[3], double tolerance, double at[3]) {
+/* Tells whether p is within `tolerance` of the segment, and then copies it to `at`. */
+static bool on_segment(const gn_facet *facet, const double p[3], double tolerance, double at[3]) {
     double edge[3], v[3];
-    gn_minus(f->corner[1], f->corner[0], edge);
-    gn_minus(p, f->corner[0], v);
+    gn_minus(facet->corner[1], facet->corner[0], edge);
+    gn_minus(p, facet->corner[0], v);
     double t = gn_dot(v, edge) / gn_dot(edge, edge);
     t = t < 0 ? 0 : t > 1 ? 1 : t;
     for (int k = 0; k < 3; k++) {
@@ -33,9 +33,9 @@ static bool on_segment(const gn_facet *f, const double p[3], double tolerance, d
     return gn_dot(v, v) <= tolerance * tolerance;
 }
 
-/* z of (b - a) x (p - a): on which side of the segment p is. */
-static double side_of(const gn_facet *f, const double p[3]) {
-    const double *a = f->corner[0], *b = f->corner[1];
+/* Returns z of (b - a) x (p - a), whose sign is the side of the segment on which p is. */
+static double side_of(const gn_facet *facet, const double p[3]) {
+    const double *a = facet->corner[0], *b = facet->corner[1];
     return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
@@ -56,8 +56,8 @@ static bool segments_meet(const gn_facet *a, const gn_facet *b, double tolerance
     return true;
 }
 
-/* Whether the axis shows the triangles apart, or in touch within the tolerance. A short axis (the
- * product of parallel edges; `scale` is that of its factors) tells nothing. */
+/* Tells whether the axis separates the triangles, or shows them in touch within the tolerance. A
+ * short axis (the product of parallel edges; `scale` is that of its factors) proves nothing. */
 static bool apart(const double axis[3], double scale, const gn_facet *a, const gn_facet *b,
                   double tolerance) {
     double length = sqrt(gn_dot(axis, axis)), low[2], high[2];
@@ -71,8 +71,7 @@ static bool apart(const double axis[3], double scale, const gn_facet *a, const g
             high[t] = fmax(high[t], gn_dot(axis, v));
         }
     }
-    /* How far one must be moved to be clear of the other; a triangle has no width along its normal.
-     */
+    /* The displacement that separates both; a triangle has no width along its normal. */
     return fmin(high[0] - low[1], high[1] - low[0]) <= tolerance * length;
 }
 
@@ -85,8 +84,8 @@ static bool coplanar(const gn_facet *a, const gn_facet *b, double tolerance) {
     return true;
 }
 
-/* Separating axes (Gottschalk, Lin & Manocha 1996): convex bodies are apart when one of the normals
- * or products of edges shows it; in a common plane, one of the normals of edges. */
+/* Separating axes (Gottschalk, Lin & Manocha 1996): convex bodies are separate if one of the
+ * normals or products of edges separates them; in a common plane, one of the normals of edges. */
 static bool triangles_cut(const gn_facet *a, const gn_facet *b, double tolerance) {
     double edge[2][3][3], axis[3];
     bool flat = coplanar(a, b, tolerance) || coplanar(b, a, tolerance);
@@ -109,8 +108,8 @@ static bool triangles_cut(const gn_facet *a, const gn_facet *b, double tolerance
     return true;
 }
 
-/* A point of the cut: where an edge of one goes through the other, else the middle of the boxes'
- * common part (in a common plane). */
+/* Finds a point of the intersection: where an edge of one triangle passes through the other, else
+ * the centre of the boxes' common part (in a common plane). */
 static void cut_point(const gn_facet *a, const gn_facet *b, double tolerance, double at[3]) {
     for (int i = 0; i < 6; i++) {
         const gn_facet *f = i < 3 ? a : b, *g = i < 3 ? b : a;
@@ -135,17 +134,17 @@ static void cut_point(const gn_facet *a, const gn_facet *b, double tolerance, do
     }
 }
 
-static bool visit(const gn_facets *s, int32_t first, int32_t count, void *context) {
+static bool visit(const gn_facets *facets, int32_t first, int32_t count, void *context) {
     cut_search *search = context;
-    const gn_facet *a = &s->facet[search->facet];
+    const gn_facet *a = &facets->facet[search->facet];
     for (int32_t i = first; i < first + count; i++) {
-        const gn_facet *b = &s->facet[i];
+        const gn_facet *b = &facets->facet[i];
         if (i <= search->facet) continue;
         bool found;
-        if (s->corners == 2) {
+        if (facets->corners == 2) {
             found = segments_meet(a, b, search->tolerance, search->at);
         } else {
-            /* A needle has no inside to cut; its neighbours stand for it. */
+            /* A needle has no interior; its neighbours are tested in its place. */
             found = !((a->flags | b->flags) & GN_FACET_NEEDLE) && !shared_nodes(a, b, 3) &&
                     triangles_cut(a, b, search->tolerance);
             if (found) cut_point(a, b, search->tolerance, search->at);
@@ -157,19 +156,19 @@ static bool visit(const gn_facets *s, int32_t first, int32_t count, void *contex
     return false;
 }
 
-static gneiss_status refuse(const gn_facets *s, const cut_search *search, const char *name,
+static gneiss_status refuse(const gn_facets *facets, const cut_search *search, const char *name,
                             gneiss_error *error) {
-    const gn_facet *a = &s->facet[search->facet], *b = &s->facet[search->other];
+    const gn_facet *a = &facets->facet[search->facet], *b = &facets->facet[search->other];
     if (a->id > b->id) {
         const gn_facet *swap = a;
         a = b;
         b = swap;
     }
-    if (s->corners == 3)
+    if (facets->corners == 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a surface that does not cut itself; triangles %d and %d (of "
                        "%zu) meet at (%g, %g, %g)",
-                       name, a->id + 1, b->id + 1, s->count, search->at[0], search->at[1],
+                       name, a->id + 1, b->id + 1, facets->count, search->at[0], search->at[1],
                        search->at[2]);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a boundary that does not cross or touch itself; edge %d from (%g, "
@@ -179,22 +178,22 @@ static gneiss_status refuse(const gn_facets *s, const cut_search *search, const 
                    b->corner[1][1], search->at[0], search->at[1]);
 }
 
-gneiss_status gn_facets_check_cuts(const gn_facets *s, const char *name, gneiss_error *error) {
-    cut_search search = {.tolerance =
-                             s->size * (s->corners == 2 ? touch_tolerance : cut_tolerance)};
-    for (size_t i = 0; i < s->count; i++) {
-        const gn_facet *f = &s->facet[i];
+gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error) {
+    cut_search search = {.tolerance = facets->size *
+                                      (facets->corners == 2 ? touch_tolerance : cut_tolerance)};
+    for (size_t i = 0; i < facets->count; i++) {
+        const gn_facet *f = &facets->facet[i];
         double lower[3], upper[3];
         for (int k = 0; k < 3; k++) {
             lower[k] = INFINITY, upper[k] = -INFINITY;
-            for (int c = 0; c < s->corners; c++) {
+            for (int c = 0; c < facets->corners; c++) {
                 lower[k] = fmin(lower[k], f->corner[c][k]);
                 upper[k] = fmax(upper[k], f->corner[c][k]);
             }
         }
         search.facet = (int32_t)i;
-        if (gn_tree_within(s, lower, upper, 2 * search.tolerance, visit, &search))
-            return refuse(s, &search, name, error);
+        if (gn_tree_within(facets, lower, upper, 2 * search.tolerance, visit, &search))
+            return refuse(facets, &search, name, error);
     }
     return GNEISS_OK;
 }

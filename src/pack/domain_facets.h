@@ -11,13 +11,14 @@
 /* Flags of a facet; those with _0 are shifted by the edge or corner (0 to 2). A re-entrant edge or
  * corner is flagged in one of its facets only. */
 enum {
-    GN_FACET_CREASE_0 = 1,   /* re-entrant edge: it can be nearer than the facets beside it */
-    GN_FACET_TIP_0 = 8,      /* corner with a re-entrant edge: likewise */
+    GN_FACET_CREASE_0 = 1, /* re-entrant edge, which can be nearer than its facets */
+    GN_FACET_TIP_0 = 8,    /* corner with a re-entrant edge, which can be nearer than its facets */
     GN_FACET_PINCHED_0 = 64, /* two sheets of the boundary meet in this corner only */
-    GN_FACET_NEEDLE = 512    /* hardly any area: the edges beside it stand for it */
+    GN_FACET_NEEDLE = 512    /* almost no area: its edges replace it */
 };
 
-/* Edge k runs from corner k to corner k + 1. A segment has corners 0 and 1 and no neighbours. */
+/* A facet. Edge k runs from corner k to corner k + 1. A segment has corners 0 and 1 and no
+ * neighbours. */
 typedef struct gn_facet {
     double corner[3][3];
     double normal[3]; /* unit, out of the body */
@@ -28,32 +29,32 @@ typedef struct gn_facet {
 } gn_facet;
 _Static_assert(sizeof(gn_facet) == 128, "a facet fills two cache lines");
 
-/* Tree of boxes over facets, parents before children. Inner: count 0, children at own index + 1 and
- * `first`. Leaf: facets first .. first + count - 1. */
+/* A node of the bounding box tree of facets, parents before children. Inner node: count 0, children
+ * at own index + 1 and `first`. Leaf: facets first .. first + count - 1. */
 typedef struct gn_tree_node {
     double lower[3], upper[3];
     int32_t first, count;
 } gn_tree_node;
 
 typedef struct gn_facets {
-    int corners; /* per facet: 2 or 3, which is the dimension of the body too */
+    int corners; /* per facet: 2 or 3, also the dimension of the body */
     size_t count, node_count, tree_count;
     gn_facet *facet; /* in the order of the tree */
     gn_tree_node *tree;
     double *node_normal; /* [node_count][3], weighted by angle, not unit */
-    int32_t *star_first; /* [node_count + 1]: facets round a node ... */
+    int32_t *star_first; /* [node_count + 1]: facets around a node ... */
     int32_t *star;       /* ... as 4 * facet + corner */
     double lower[3], upper[3];
-    double size; /* longest side of the bounds */
+    double size; /* longest side of the bounding box */
     double volume;
-    /* Depth at the centres of a grid of cubes, for a quick answer far from the boundary. */
+    /* Depths at the centres of a grid of cubes, for fast answers far from the boundary. */
     float *known;
     int cells[3];
     double cell, origin[3];
 } gn_facets;
 
-/* The nearest point of the boundary. feature: 0 inside the facet, 1 + k on edge k, 4 + k corner k.
- */
+/* The nearest point of the boundary. feature: 0 inside the facet, 1 + k on edge k, 4 + k corner
+ * k. */
 typedef struct gn_foot {
     double at[3];
     double distance2;
@@ -61,35 +62,36 @@ typedef struct gn_foot {
     int feature;
 } gn_foot;
 
-/* element [count][corners]: nodes base 0, normals outward (2D: the body on the left). `name` starts
- * the messages. */
+/* Makes facets from element [count][corners]: nodes base 0, normals outward (2D: the body on the
+ * left). `name` is the prefix of messages. */
 gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
                                size_t count, int corners, const char *name, gn_facets **facets,
                                gneiss_error *error);
-void gn_facets_free(gn_facets *s);
-double gn_facets_depth(const gn_facets *s, const double x[3]);
-int gn_facets_planes(const gn_facets *s, const double point[3], double reach,
+void gn_facets_free(gn_facets *facets);
+double gn_facets_depth(const gn_facets *facets, const double x[3]);
+int gn_facets_planes(const gn_facets *facets, const double point[3], double reach,
                      gn_domain_plane planes[GN_DOMAIN_PLANES]);
 
 /* domain_tree.c: sorts the facets into the tree. */
-gneiss_status gn_tree_build(gn_facets *s, gneiss_error *error);
-/* The nearest point of the boundary within `limit`; facet -1 when there is none. */
-gn_foot gn_tree_nearest(const gn_facets *s, const double x[3], double limit);
-/* Calls visit for runs of facets, among them all whose boxes are within `reach` of the given box,
- * until visit gives true, which is then the result. */
-typedef bool gn_tree_visit(const gn_facets *s, int32_t first, int32_t count, void *context);
-bool gn_tree_within(const gn_facets *s, const double lower[3], const double upper[3], double reach,
-                    gn_tree_visit *visit, void *context);
+gneiss_status gn_tree_build(gn_facets *facets, gneiss_error *error);
+/* Finds the nearest point of the boundary within `limit`; facet -1 if there is none. */
+gn_foot gn_tree_nearest(const gn_facets *facets, const double x[3], double limit);
+/* Calls visit for runs of facets that include all whose boxes are within `reach` of the given box,
+ * until visit returns true, which is then the result. */
+typedef bool gn_tree_visit(const gn_facets *facets, int32_t first, int32_t count, void *context);
+bool gn_tree_within(const gn_facets *facets, const double lower[3], const double upper[3],
+                    double reach, gn_tree_visit *visit, void *context);
 
-/* domain_cuts.c: no two facets cut each other. */
-gneiss_status gn_facets_check_cuts(const gn_facets *s, const char *name, gneiss_error *error);
+/* domain_cuts.c: checks that facets do not intersect. */
+gneiss_status gn_facets_check_cuts(const gn_facets *facets, const char *name, gneiss_error *error);
 
-/* domain_sign.c: distance from the foot's x with the sign of the side, positive inside. */
-double gn_facets_signed(const gn_facets *s, const double x[3], const gn_foot *foot);
-/* Fills the grid of known depths. */
-gneiss_status gn_facets_know(gn_facets *s, gneiss_error *error);
-/* Depth at the centre of the cell of x and the distance to that centre; false outside the grid. */
-bool gn_facets_known(const gn_facets *s, const double x[3], double *depth, double *offset);
+/* domain_sign.c: returns the distance of x from the foot, positive inside. */
+double gn_facets_signed(const gn_facets *surface, const double x[3], const gn_foot *foot);
+/* Computes the grid of known depths. */
+gneiss_status gn_facets_know(gn_facets *surface, gneiss_error *error);
+/* Looks up the depth at the centre of the cell of x and the distance to that centre; returns false
+ * outside the grid. */
+bool gn_facets_known(const gn_facets *surface, const double x[3], double *depth, double *offset);
 
 static inline double gn_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -109,20 +111,21 @@ static inline int gn_next(int k) {
     return k == 2 ? 0 : k + 1;
 }
 
-/* Whether the projection of x on the facet's plane is in the facet, grown by `slack`. */
-static inline bool gn_facet_faces(const gn_facet *f, int corners, const double x[3], double slack) {
+/* Tells whether the projection of x on the facet's plane is in the facet, enlarged by `slack`. */
+static inline bool gn_facet_faces(const gn_facet *facet, int corners, const double x[3],
+                                  double slack) {
     double edge[3], inward[3], v[3];
     if (corners == 2) {
-        gn_minus(f->corner[1], f->corner[0], edge);
-        gn_minus(x, f->corner[0], v);
+        gn_minus(facet->corner[1], facet->corner[0], edge);
+        gn_minus(x, facet->corner[0], v);
         double along = gn_dot(v, edge), length2 = gn_dot(edge, edge), over = along - length2;
         return !(along < 0 && along * along > slack * slack * length2) &&
                !(over > 0 && over * over > slack * slack * length2);
     }
     for (int k = 0; k < 3; k++) {
-        gn_minus(f->corner[gn_next(k)], f->corner[k], edge);
-        gn_cross(f->normal, edge, inward);
-        gn_minus(x, f->corner[k], v);
+        gn_minus(facet->corner[gn_next(k)], facet->corner[k], edge);
+        gn_cross(facet->normal, edge, inward);
+        gn_minus(x, facet->corner[k], v);
         double s = gn_dot(inward, v);
         if (s < 0 && s * s > slack * slack * gn_dot(edge, edge)) return false;
     }

@@ -4,21 +4,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Facets in a leaf; halving keeps the tree's depth under log2(2^31 / 2) + 1. */
+/* Facets in a leaf; halving keeps the depth of the tree below log2(2^31 / 2) + 1. */
 enum { LEAF = 4, STACK = 64 };
 
-/* Twice the middle of the facet's box along each axis, with the facet it belongs to. */
+/* Twice the centre of a facet's box, and the facet. */
 typedef struct tree_item {
     double middle[3];
     int32_t facet;
 } tree_item;
 
-static void facet_box(const gn_facet *f, int corners, double lower[3], double upper[3]) {
+static void facet_box(const gn_facet *facet, int corners, double lower[3], double upper[3]) {
     for (int k = 0; k < 3; k++) {
-        lower[k] = upper[k] = f->corner[0][k];
+        lower[k] = upper[k] = facet->corner[0][k];
         for (int c = 1; c < corners; c++) {
-            lower[k] = fmin(lower[k], f->corner[c][k]);
-            upper[k] = fmax(upper[k], f->corner[c][k]);
+            lower[k] = fmin(lower[k], facet->corner[c][k]);
+            upper[k] = fmax(upper[k], facet->corner[c][k]);
         }
     }
 }
@@ -29,7 +29,7 @@ static bool item_before(const tree_item *a, const tree_item *b, int axis) {
 }
 
 /* Hoare's selection: the items up to `nth` come before the others along the axis. The order is
- * total, so the outcome is a matter of the items alone. */
+ * total, so that the result depends on the items alone. */
 static void select_nth(tree_item *items, int32_t count, int32_t nth, int axis) {
     int32_t low = 0, high = count - 1;
     while (low < high) {
@@ -66,10 +66,10 @@ static int longest_axis(const tree_item *items, int32_t count) {
     return axis;
 }
 
-/* Lays out the subtree of items first .. first + count - 1; gives its index. */
-static int32_t lay_out(gn_facets *s, tree_item *items, int32_t first, int32_t count) {
-    int32_t index = (int32_t)s->tree_count++;
-    gn_tree_node *node = &s->tree[index];
+/* Makes the subtree of items first .. first + count - 1; returns its index. */
+static int32_t lay_out(gn_facets *facets, tree_item *items, int32_t first, int32_t count) {
+    int32_t index = (int32_t)facets->tree_count++;
+    gn_tree_node *node = &facets->tree[index];
     if (count <= LEAF) {
         node->first = first;
         node->count = count;
@@ -77,27 +77,27 @@ static int32_t lay_out(gn_facets *s, tree_item *items, int32_t first, int32_t co
     }
     int32_t half = count / 2;
     select_nth(items + first, count, half, longest_axis(items + first, count));
-    lay_out(s, items, first, half);
-    node->first = lay_out(s, items, first + half, count - half);
+    lay_out(facets, items, first, half);
+    node->first = lay_out(facets, items, first + half, count - half);
     return index;
 }
 
-/* Children have higher indices than their parents: one sweep from the end sets all boxes. */
-static void set_boxes(gn_facets *s) {
-    for (size_t i = s->tree_count; i-- > 0;) {
-        gn_tree_node *node = &s->tree[i];
+/* Sets all boxes in one sweep from the end, as children have higher indices than their parents. */
+static void set_boxes(gn_facets *facets) {
+    for (size_t i = facets->tree_count; i-- > 0;) {
+        gn_tree_node *node = &facets->tree[i];
         if (!node->count) {
-            const gn_tree_node *a = node + 1, *b = &s->tree[node->first];
+            const gn_tree_node *a = node + 1, *b = &facets->tree[node->first];
             for (int k = 0; k < 3; k++) {
                 node->lower[k] = fmin(a->lower[k], b->lower[k]);
                 node->upper[k] = fmax(a->upper[k], b->upper[k]);
             }
             continue;
         }
-        facet_box(&s->facet[node->first], s->corners, node->lower, node->upper);
+        facet_box(&facets->facet[node->first], facets->corners, node->lower, node->upper);
         for (int32_t f = 1; f < node->count; f++) {
             double lower[3], upper[3];
-            facet_box(&s->facet[node->first + f], s->corners, lower, upper);
+            facet_box(&facets->facet[node->first + f], facets->corners, lower, upper);
             for (int k = 0; k < 3; k++) {
                 node->lower[k] = fmin(node->lower[k], lower[k]);
                 node->upper[k] = fmax(node->upper[k], upper[k]);
@@ -106,28 +106,28 @@ static void set_boxes(gn_facets *s) {
     }
 }
 
-gneiss_status gn_tree_build(gn_facets *s, gneiss_error *error) {
-    tree_item *items = gn_alloc_array(s->count, sizeof *items);
-    gn_facet *sorted = gn_alloc_array(s->count, sizeof *sorted);
-    s->tree = gn_alloc_array(s->count + 1, sizeof *s->tree);
-    if (!items || !sorted || !s->tree) {
+gneiss_status gn_tree_build(gn_facets *facets, gneiss_error *error) {
+    tree_item *items = gn_alloc_array(facets->count, sizeof *items);
+    gn_facet *sorted = gn_alloc_array(facets->count, sizeof *sorted);
+    facets->tree = gn_alloc_array(facets->count + 1, sizeof *facets->tree);
+    if (!items || !sorted || !facets->tree) {
         gn_free(items);
         gn_free(sorted);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the tree of %zu facets",
-                       s->count);
+                       facets->count);
     }
-    for (size_t i = 0; i < s->count; i++) {
+    for (size_t i = 0; i < facets->count; i++) {
         double lower[3], upper[3];
-        facet_box(&s->facet[i], s->corners, lower, upper);
+        facet_box(&facets->facet[i], facets->corners, lower, upper);
         items[i].facet = (int32_t)i;
         for (int k = 0; k < 3; k++) items[i].middle[k] = lower[k] + upper[k];
     }
-    lay_out(s, items, 0, (int32_t)s->count);
-    for (size_t i = 0; i < s->count; i++) sorted[i] = s->facet[items[i].facet];
-    gn_free(s->facet);
+    lay_out(facets, items, 0, (int32_t)facets->count);
+    for (size_t i = 0; i < facets->count; i++) sorted[i] = facets->facet[items[i].facet];
+    gn_free(facets->facet);
     gn_free(items);
-    s->facet = sorted;
-    set_boxes(s);
+    facets->facet = sorted;
+    set_boxes(facets);
     return GNEISS_OK;
 }
 
@@ -146,25 +146,25 @@ static void foot_between(const double a[3], const double b[3], double t, double 
     for (int k = 0; k < 3; k++) at[k] = a[k] + t * (b[k] - a[k]);
 }
 
-/* Feature on which the foot lies, and the foot itself. */
-static int segment_foot(const gn_facet *f, const double x[3], double at[3]) {
+/* Finds the foot on a segment and returns its feature. */
+static int segment_foot(const gn_facet *facet, const double x[3], double at[3]) {
     double edge[3], v[3];
-    gn_minus(f->corner[1], f->corner[0], edge);
-    gn_minus(x, f->corner[0], v);
+    gn_minus(facet->corner[1], facet->corner[0], edge);
+    gn_minus(x, facet->corner[0], v);
     double along = gn_dot(v, edge), length2 = gn_dot(edge, edge);
     if (along <= 0 || along >= length2) {
         int corner = along > 0;
-        for (int k = 0; k < 3; k++) at[k] = f->corner[corner][k];
+        for (int k = 0; k < 3; k++) at[k] = facet->corner[corner][k];
         return 4 + corner;
     }
-    foot_between(f->corner[0], f->corner[1], along / length2, at);
+    foot_between(facet->corner[0], facet->corner[1], along / length2, at);
     return 0;
 }
 
-/* Closest point of a triangle by its Voronoi regions (Ericson 2005, Real-Time Collision Detection,
- * 5.1.5). */
-static int triangle_foot(const gn_facet *f, const double x[3], double at[3]) {
-    const double *a = f->corner[0], *b = f->corner[1], *c = f->corner[2];
+/* Finds the closest point of a triangle by its Voronoi regions (Ericson 2005, Real-Time Collision
+ * Detection, 5.1.5). */
+static int triangle_foot(const gn_facet *facet, const double x[3], double at[3]) {
+    const double *a = facet->corner[0], *b = facet->corner[1], *c = facet->corner[2];
     double ab[3], ac[3], v[3];
     gn_minus(b, a, ab);
     gn_minus(c, a, ac);
@@ -183,19 +183,19 @@ static int triangle_foot(const gn_facet *f, const double x[3], double at[3]) {
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return foot_between(a, c, d2 / (d2 - d6), at), 3;
     double va = d3 * d6 - d5 * d4, p = d4 - d3, q = d5 - d6;
     if (va <= 0 && p >= 0 && q >= 0) return foot_between(b, c, p / (p + q), at), 2;
-    /* Projecting along the unit normal loses less than the barycentric sum on slivers. */
-    double height = gn_dot(f->normal, v);
-    for (int k = 0; k < 3; k++) at[k] = x[k] - height * f->normal[k];
+    /* Projection along the unit normal is more accurate than the barycentric sum on slivers. */
+    double height = gn_dot(facet->normal, v);
+    for (int k = 0; k < 3; k++) at[k] = x[k] - height * facet->normal[k];
     return 0;
 }
 
-static void try_facet(const gn_facets *s, int32_t index, const double x[3], gn_foot *best) {
-    const gn_facet *f = &s->facet[index];
+static void try_facet(const gn_facets *facets, int32_t index, const double x[3], gn_foot *best) {
+    const gn_facet *f = &facets->facet[index];
     double v[3], at[3];
     gn_minus(x, f->corner[0], v);
     double height = gn_dot(f->normal, v);
     if (height * height >= best->distance2 || (f->flags & GN_FACET_NEEDLE)) return;
-    int feature = s->corners == 2 ? segment_foot(f, x, at) : triangle_foot(f, x, at);
+    int feature = facets->corners == 2 ? segment_foot(f, x, at) : triangle_foot(f, x, at);
     gn_minus(x, at, v);
     double distance2 = feature ? gn_dot(v, v) : height * height;
     if (distance2 >= best->distance2) return;
@@ -205,7 +205,7 @@ static void try_facet(const gn_facets *s, int32_t index, const double x[3], gn_f
     for (int k = 0; k < 3; k++) best->at[k] = at[k];
 }
 
-gn_foot gn_tree_nearest(const gn_facets *s, const double x[3], double limit) {
+gn_foot gn_tree_nearest(const gn_facets *facets, const double x[3], double limit) {
     gn_foot best = {.distance2 = limit * limit, .facet = -1};
     struct {
         int32_t node;
@@ -217,14 +217,14 @@ gn_foot gn_tree_nearest(const gn_facets *s, const double x[3], double limit) {
     while (depth) {
         depth--;
         if (stack[depth].distance2 >= best.distance2) continue;
-        const gn_tree_node *node = &s->tree[stack[depth].node];
+        const gn_tree_node *node = &facets->tree[stack[depth].node];
         if (node->count) {
-            for (int32_t f = 0; f < node->count; f++) try_facet(s, node->first + f, x, &best);
+            for (int32_t f = 0; f < node->count; f++) try_facet(facets, node->first + f, x, &best);
             continue;
         }
         int32_t near = stack[depth].node + 1, far = node->first;
-        double near2 = boxes_distance2(&s->tree[near], x, x),
-               far2 = boxes_distance2(&s->tree[far], x, x);
+        double near2 = boxes_distance2(&facets->tree[near], x, x),
+               far2 = boxes_distance2(&facets->tree[far], x, x);
         if (far2 < near2) {
             int32_t node_swap = near;
             double swap = near2;
@@ -239,17 +239,17 @@ gn_foot gn_tree_nearest(const gn_facets *s, const double x[3], double limit) {
     return best;
 }
 
-bool gn_tree_within(const gn_facets *s, const double lower[3], const double upper[3], double reach,
-                    gn_tree_visit *visit, void *context) {
+bool gn_tree_within(const gn_facets *facets, const double lower[3], const double upper[3],
+                    double reach, gn_tree_visit *visit, void *context) {
     int32_t stack[STACK];
     int depth = 0;
     stack[depth++] = 0;
     while (depth) {
         int32_t index = stack[--depth];
-        const gn_tree_node *node = &s->tree[index];
+        const gn_tree_node *node = &facets->tree[index];
         if (boxes_distance2(node, lower, upper) > reach * reach) continue;
         if (node->count) {
-            if (visit(s, node->first, node->count, context)) return true;
+            if (visit(facets, node->first, node->count, context)) return true;
             continue;
         }
         stack[depth++] = node->first;

@@ -15,26 +15,26 @@ static gneiss_status no_memory(size_t count, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack %zu particles", count);
 }
 
-static bool allocate(gn_fit *f) {
-    size_t n = f->count + 1;
-    f->x = gn_alloc_array(n, sizeof *f->x);
-    f->trial = gn_alloc_array(n, sizeof *f->trial);
-    f->first = gn_alloc_array(n, sizeof *f->first);
-    f->first_term = gn_alloc_array(n, sizeof *f->first_term);
-    f->terms = gn_alloc_array(n, sizeof *f->terms);
-    f->near_wall = gn_alloc_array(n, sizeof *f->near_wall);
-    f->gradient = gn_alloc_array(n, sizeof *f->gradient);
-    f->local = gn_alloc_array(n, 2 * sizeof *f->local);
-    f->inverse = gn_alloc_array(n, 16 * sizeof *f->inverse);
-    f->step = gn_alloc_array(n, sizeof *f->step);
-    f->r = gn_alloc_array(n, sizeof *f->r);
-    f->z = gn_alloc_array(n, sizeof *f->z);
-    f->p = gn_alloc_array(n, sizeof *f->p);
-    f->ap = gn_alloc_array(n, sizeof *f->ap);
-    f->partial = gn_alloc_array(f->blocks, GN_FIT_SUMS * sizeof *f->partial);
-    return f->x && f->trial && f->first && f->first_term && f->terms && f->near_wall &&
-           f->gradient && f->local && f->inverse && f->step && f->r && f->z && f->p && f->ap &&
-           f->partial;
+static bool allocate(gn_fit *fit) {
+    size_t n = fit->count + 1;
+    fit->x = gn_alloc_array(n, sizeof *fit->x);
+    fit->trial = gn_alloc_array(n, sizeof *fit->trial);
+    fit->first = gn_alloc_array(n, sizeof *fit->first);
+    fit->first_term = gn_alloc_array(n, sizeof *fit->first_term);
+    fit->terms = gn_alloc_array(n, sizeof *fit->terms);
+    fit->near_wall = gn_alloc_array(n, sizeof *fit->near_wall);
+    fit->gradient = gn_alloc_array(n, sizeof *fit->gradient);
+    fit->local = gn_alloc_array(n, 2 * sizeof *fit->local);
+    fit->inverse = gn_alloc_array(n, 16 * sizeof *fit->inverse);
+    fit->step = gn_alloc_array(n, sizeof *fit->step);
+    fit->r = gn_alloc_array(n, sizeof *fit->r);
+    fit->z = gn_alloc_array(n, sizeof *fit->z);
+    fit->p = gn_alloc_array(n, sizeof *fit->p);
+    fit->ap = gn_alloc_array(n, sizeof *fit->ap);
+    fit->partial = gn_alloc_array(fit->blocks, GN_FIT_SUMS * sizeof *fit->partial);
+    return fit->x && fit->trial && fit->first && fit->first_term && fit->terms && fit->near_wall &&
+           fit->gradient && fit->local && fit->inverse && fit->step && fit->r && fit->z && fit->p &&
+           fit->ap && fit->partial;
 }
 
 gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double *row,
@@ -63,95 +63,95 @@ gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double 
     return GNEISS_OK;
 }
 
-void gn_fit_free(gn_fit *f) {
-    if (!f) return;
-    void *blocks[] = {f->x,         f->trial,    f->first, f->first_term, f->terms,
-                      f->near_wall, f->gradient, f->local, f->inverse,    f->step,
-                      f->r,         f->z,        f->p,     f->ap,         f->partial,
-                      f->neighbour, f->held,     f->term,  f->partner};
+void gn_fit_free(gn_fit *fit) {
+    if (!fit) return;
+    void *blocks[] = {fit->x,         fit->trial,    fit->first, fit->first_term, fit->terms,
+                      fit->near_wall, fit->gradient, fit->local, fit->inverse,    fit->step,
+                      fit->r,         fit->z,        fit->p,     fit->ap,         fit->partial,
+                      fit->neighbour, fit->held,     fit->term,  fit->partner};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    gn_pair_list_free(&f->hold);
-    gn_soa_destroy(&gn_particle_record, &f->particles);
-    free(f);
+    gn_pair_list_free(&fit->hold);
+    gn_soa_destroy(&gn_particle_record, &fit->particles);
+    free(fit);
 }
 
-const double *gn_fit_rows(const gn_fit *f) {
-    return (const double *)f->x;
+const double *gn_fit_rows(const gn_fit *fit) {
+    return (const double *)fit->x;
 }
 
-gneiss_status gn_fit_hold(gn_fit *f, gneiss_error *error) {
-    gn_fit_release(f);
-    memcpy(f->particles.pos, f->x, f->count * sizeof *f->x);
+gneiss_status gn_fit_hold(gn_fit *fit, gneiss_error *error) {
+    gn_fit_release(fit);
+    memcpy(fit->particles.pos, fit->x, fit->count * sizeof *fit->x);
     gn_pair_query query = {
-        .particles = &f->particles, .dimension = f->dimension, .threads = f->threads};
-    GN_TRY(gn_pairs_find(&query, &f->hold, error));
-    f->holding = true;
+        .particles = &fit->particles, .dimension = fit->dimension, .threads = fit->threads};
+    GN_TRY(gn_pairs_find(&query, &fit->hold, error));
+    fit->holding = true;
     return GNEISS_OK;
 }
 
-void gn_fit_release(gn_fit *f) {
-    gn_pair_list_free(&f->hold);
-    f->holding = false;
+void gn_fit_release(gn_fit *fit) {
+    gn_pair_list_free(&fit->hold);
+    fit->holding = false;
 }
 
 /* ---- iterations ---- */
 
-/* x + step with the step of each particle cut to a fifth of its radius, radii within their bounds.
- */
-static void make_trial(gn_fit *f, const gn_fit_law *law) {
+/* Computes x + step with the step of each particle limited to a fifth of its radius, and radii
+ * within their bounds. */
+static void make_trial(gn_fit *fit, const gn_fit_law *law) {
     const double longest = 0.2;
-#pragma omp parallel for schedule(static) num_threads(f->threads)
-    for (size_t i = 0; i < f->count; i++) {
-        gn_d4 step = f->step[i];
-        double length = sqrt(gn_d4_sum(step * step)), limit = longest * f->x[i][3];
-        gn_d4 row = f->x[i] + (length > limit ? limit / length : 1.0) * step;
+#pragma omp parallel for schedule(static) num_threads(fit->threads)
+    for (size_t i = 0; i < fit->count; i++) {
+        gn_d4 step = fit->step[i];
+        double length = sqrt(gn_d4_sum(step * step)), limit = longest * fit->x[i][3];
+        gn_d4 row = fit->x[i] + (length > limit ? limit / length : 1.0) * step;
         if (law->fixed_radii)
-            row[3] = f->x[i][3];
+            row[3] = fit->x[i][3];
         else
-            row[3] = fmin(fmax(row[3], f->least[i]), f->most[i]);
-        f->trial[i] = row;
+            row[3] = fmin(fmax(row[3], fit->least[i]), fit->most[i]);
+        fit->trial[i] = row;
     }
 }
 
-static const int products_worth = 5; /* of what an iteration does besides products */
+static const int products_worth = 5; /* cost of an iteration without its products, in products */
 static const double damping_first = 1e-2, damping_least = 1e-6, damping_most = 1e4;
 
-/* One step of Levenberg-Marquardt; the damping follows its success. */
-static bool iterate(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal) {
+/* Does one step of Levenberg-Marquardt and adapts the damping to its success. */
+static bool iterate(gn_fit *fit, const gn_fit_law *law, const gn_fit_goal *goal) {
     double begin = gn_now();
-    f->threads = gn_pace_threads(&f->pace);
-    gn_fit_state now = f->state, then = f->state;
-    gn_fit_assemble(f, law, f->x, true, &now);
-    int products = gn_fit_solve(f, law, goal->products, goal->solve);
-    make_trial(f, law);
-    gn_fit_assemble(f, law, f->trial, false, &then);
+    fit->threads = gn_pace_threads(&fit->pace);
+    gn_fit_state now = fit->state, then = fit->state;
+    gn_fit_assemble(fit, law, fit->x, true, &now);
+    int products = gn_fit_solve(fit, law, goal->products, goal->solve);
+    make_trial(fit, law);
+    gn_fit_assemble(fit, law, fit->trial, false, &then);
     bool better = then.energy < now.energy;
     if (better) {
-        gn_d4 *spare = f->x;
-        f->x = f->trial;
-        f->trial = spare;
-        f->damping = fmax(f->damping / 3.0, damping_least);
+        gn_d4 *spare = fit->x;
+        fit->x = fit->trial;
+        fit->trial = spare;
+        fit->damping = fmax(fit->damping / 3.0, damping_least);
     } else {
-        f->damping = fmin(f->damping * 5.0, damping_most);
+        fit->damping = fmin(fit->damping * 5.0, damping_most);
     }
-    gn_pace_note(&f->pace, gn_now() - begin, products + products_worth, -1.0);
-    f->state = better ? then : now;
-    f->state.iteration++;
+    gn_pace_note(&fit->pace, gn_now() - begin, products + products_worth, -1.0);
+    fit->state = better ? then : now;
+    fit->state.iteration++;
     return better;
 }
 
-gneiss_status gn_fit_run(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal,
+gneiss_status gn_fit_run(gn_fit *fit, const gn_fit_law *law, const gn_fit_goal *goal,
                          gn_fit_watch *watch, void *context, bool *go_on, gneiss_error *error) {
     enum { WINDOW = 5 };
     double before[WINDOW]; /* energies of the last successful steps */
     int successes = 0;
-    f->damping = damping_first;
-    for (int k = 0; k < goal->iterations && *go_on && f->damping < damping_most; k++) {
-        if (k % goal->renew == 0) GN_TRY(gn_fit_lists(f, goal->reach, error));
-        bool better = iterate(f, law, goal);
-        *go_on = !watch || watch(context, &f->state);
+    fit->damping = damping_first;
+    for (int k = 0; k < goal->iterations && *go_on && fit->damping < damping_most; k++) {
+        if (k % goal->renew == 0) GN_TRY(gn_fit_lists(fit, goal->reach, error));
+        bool better = iterate(fit, law, goal);
+        *go_on = !watch || watch(context, &fit->state);
         if (!better) continue;
-        double energy = f->state.energy, *old = &before[successes % WINDOW];
+        double energy = fit->state.energy, *old = &before[successes % WINDOW];
         if (successes++ >= WINDOW && *old - energy < goal->decrease * energy) break;
         *old = energy;
     }

@@ -7,13 +7,13 @@
  *   + 1/2 sum_walls w_b (2 r)^(d-2) (depth - r)^2                          planes near a particle
  *   + 1/2 sum_particles stiffness 2^d r^(d-2) (r - wanted)^2               springs on the radii
  *
- * Weights are held within an iteration (Gauss-Newton). w_c is 1 where the spheres are too close,
- * `pull` where the gap is within reach (`gap`, or the pair is held), else 0. The first two are
- * Labra's residuals divided by about two radii, weighted so that a relative overlap costs energy in
- * proportion to volume: the springs then press on every particle with the same pressure, whatever
- * its size, and as that pressure falls to zero the sum of the volumes comes to a maximum under the
- * constraint that nothing overlaps. At such a maximum a particle has as many contacts as unknowns
- * on the average: 6 in 2D and 8 in 3D. */
+ * Weights are constant within an iteration (Gauss-Newton). w_c is 1 where the spheres are too
+ * close, `pull` where the gap is within reach (`gap`, or the pair is held), else 0. The first two
+ * are Labra's residuals divided by about two radii, weighted so that a relative overlap costs
+ * energy in proportion to volume: the springs then exert the same pressure on particles of any
+ * size, and as that pressure decreases to zero the sum of the volumes reaches a maximum under the
+ * constraint of no overlap. At such a maximum the mean number of contacts of a particle is that of
+ * its unknowns: 6 in 2D and 8 in 3D. */
 #ifndef GN_PACK_FIT_H
 #define GN_PACK_FIT_H
 
@@ -23,57 +23,60 @@
 #include <stdint.h>
 
 typedef struct gn_fit_law {
-    double overlap;   /* wanted, over r_i + r_j */
-    double gap;       /* relative gap up to which pairs are drawn together; 0: none but held ones */
+    double overlap;   /* wanted overlap over r_i + r_j */
+    double gap;       /* relative gap up to which pairs are pulled together; 0: only held ones */
     double pull;      /* weight of a gap over that of an overlap */
     double stiffness; /* of the springs on the radii, relative */
-    double most;      /* overlap over r_i + r_j from which on more of it weighs 20 times as much; 0:
-                         nothing does */
+    /* overlap over r_i + r_j beyond which further overlap has 20 times the weight; 0: none */
+    double most;
     bool fixed_radii;
 } gn_fit_law;
 
-/* How far a stage goes. */
+/* Limits and tolerances of a stage. */
 typedef struct gn_fit_goal {
-    int iterations;  /* of Levenberg-Marquardt, at most */
-    int products;    /* of conjugate gradients per iteration, at most */
-    double solve;    /* relative residual (preconditioned) that ends conjugate gradients */
-    double decrease; /* relative decrease of the sum of squares in five iterations that ends the
-                        stage */
-    double reach;    /* neighbours are looked up to this relative gap */
-    int renew;       /* iterations between two looks for neighbours */
+    int iterations; /* most iterations of Levenberg-Marquardt */
+    int products;   /* most products of conjugate gradients per iteration */
+    double solve;   /* relative residual (preconditioned) that ends conjugate gradients */
+    /* relative decrease of the sum of squares in five iterations below which the stage ends */
+    double decrease;
+    double reach; /* relative gap up to which neighbours are listed */
+    int renew;    /* iterations between two neighbour searches */
 } gn_fit_goal;
 
 typedef struct gn_fit_state {
-    int iteration;  /* of all stages */
-    double energy;  /* the sum of squares over that of a packing with every sphere overlapping by
-                       its size; dimensionless */
-    double gap_rms; /* of pairs that count, over r_i + r_j */
+    int iteration; /* number over all stages */
+    /* the sum of squares over that of a packing in which every sphere overlaps by its size;
+     * dimensionless */
+    double energy;
+    double gap_rms; /* of active pairs, over r_i + r_j */
     double overlap_max;
-    size_t pairs; /* that count */
+    size_t pairs; /* active pairs */
 } gn_fit_state;
 
-/* Called after every iteration; returns false to stop the fit where it is. */
+/* Called after every iteration; returning false stops the fit. */
 typedef bool gn_fit_watch(void *context, const gn_fit_state *state);
 
 typedef struct gn_fit gn_fit;
 
-/* `row` [count][4] x y z r, copied. `wanted`, `least`, `most` [count]: what the springs pull the
- * radii to, and their bounds; borrowed and may be changed between stages. `domain` is borrowed. */
+/* Creates a fit. `row` [count][4] x y z r is copied. `wanted`, `least`, `most` [count] are the rest
+ * lengths of the springs on the radii, and their bounds; borrowed, and may be changed between
+ * stages. `domain` is borrowed. */
 gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double *row,
                             const double *wanted, const double *least, const double *most,
                             int threads, gn_fit **out, gneiss_error *error);
 void gn_fit_free(gn_fit *fit);
 
-/* One stage; false in *go_on when the watch ended it. The same bits for any number of threads. */
+/* Runs one stage; *go_on is false if the watch ended it. The result has the same bits for any
+ * number of threads. */
 gneiss_status gn_fit_run(gn_fit *fit, const gn_fit_law *law, const gn_fit_goal *goal,
                          gn_fit_watch *watch, void *context, bool *go_on, gneiss_error *error);
 
-/* From now on the pairs that touch or overlap are held: they are drawn together at any gap within
- * the reach of the search. */
+/* Holds the pairs that touch or overlap: from now on they are pulled together at any gap within the
+ * reach of the search. */
 gneiss_status gn_fit_hold(gn_fit *fit, gneiss_error *error);
 void gn_fit_release(gn_fit *fit);
 
-/* [count][4]: x y z r now. */
+/* Returns the present x y z r, [count][4]. */
 const double *gn_fit_rows(const gn_fit *fit);
 
 #endif

@@ -1,5 +1,5 @@
-/* What the parts of the fit share: lists (fit_lists.c), linear system (fit_solve.c), iterations
- * (fit.c). */
+/* Declarations shared by the parts of the fit: lists (fit_lists.c), linear system (fit_solve.c),
+ * iterations (fit.c). */
 #ifndef GN_PACK_FIT_PRIVATE_H
 #define GN_PACK_FIT_PRIVATE_H
 
@@ -14,8 +14,9 @@ typedef float gn_f4 __attribute__((vector_size(16)));
  * not depend on the number of threads. */
 enum { GN_FIT_BLOCK = 256 };
 
-/* A row of the Jacobian as seen by one particle, times the root of its weight: n x y z, then -(1 -
- * overlap) for pairs or -1 for planes. Single precision: the direction of a step, not its goal. */
+/* A row of the Jacobian for one particle, times the root of its weight: n x y z, then -(1 -
+ * overlap) for pairs or -1 for planes. It is in single precision, since it determines the direction
+ * of a step, not its goal. */
 typedef gn_f4 gn_fit_term;
 
 struct gn_fit {
@@ -37,7 +38,8 @@ struct gn_fit {
     bool holding;
     uint8_t *near_wall; /* [count] */
 
-    /* Terms that count at x: [first_term[i], first_term[i] + terms[i]) with room for the planes. */
+    /* Terms at x with nonzero weight: [first_term[i], first_term[i] + terms[i]) with room for the
+     * planes. */
     size_t *first_term;
     int32_t *terms;
     size_t term_capacity;
@@ -55,26 +57,26 @@ struct gn_fit {
     gn_fit_state state;
 };
 
-enum { GN_FIT_SUMS = 5 }; /* energy, scale, squared gaps, number of them, largest overlap */
+enum { GN_FIT_SUMS = 5 }; /* energy, scale, squared gaps, their number, largest overlap */
 
-static inline size_t gn_fit_block_end(const gn_fit *f, size_t block) {
+static inline size_t gn_fit_block_end(const gn_fit *fit, size_t block) {
     size_t end = (block + 1) * GN_FIT_BLOCK;
-    return end < f->count ? end : f->count;
+    return end < fit->count ? end : fit->count;
 }
 
 static inline double gn_d4_sum(gn_d4 a) {
     return (a[0] + a[1]) + (a[2] + a[3]);
 }
 
-/* Neighbour lists for the present rows. */
+/* Builds neighbour lists for the present rows. */
 gneiss_status gn_fit_lists(gn_fit *fit, double reach, gneiss_error *error);
 
-/* Energy and figures at the rows `x`; with `terms` also the terms and the gradient. */
+/* Computes energy and figures at the rows `x`; with `terms` also the terms and the gradient. */
 void gn_fit_assemble(gn_fit *fit, const gn_fit_law *law, const gn_d4 *x, bool terms,
                      gn_fit_state *state);
 
-/* (J^T J + damping D) step = -gradient by conjugate gradients with the inverse diagonal blocks as
- * preconditioner. Returns the number of products. */
+/* Solves (J^T J + damping D) step = -gradient by conjugate gradients with the inverse diagonal
+ * blocks as preconditioner. Returns the number of products. */
 int gn_fit_solve(gn_fit *fit, const gn_fit_law *law, int products, double tolerance);
 
 #endif

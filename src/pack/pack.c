@@ -20,21 +20,21 @@ const char *gn_pack_stage_name(gn_pack_stage stage) {
 
 /* ---- the schedule ---- */
 
-/* Volume of the particles over that of the body: at the start, and at which the springs would be
- * without force (both by measurement: docs/packing.md). */
+/* Parameters of the stages: volume of the particles over that of the body at the start, and that at
+ * which the springs would be free of force (both measured: docs/packing.md). */
 typedef struct schedule {
     double loose, wanted;
     double stiffness; /* of the springs while compressing */
     double release;   /* factor of the stiffness per decompression */
     int releases;
     double last;                     /* factor of the stiffness for the last stages */
-    bool hold;                       /* all contacts of the compressed state are kept */
+    bool hold;                       /* all contacts of the compressed state are held */
     double overlap, gap, pull, most; /* gn_fit_law of the last stages */
 } schedule;
 
-/* In the plane a compressed packing is a triangulation already, and all of its contacts can be kept
+/* In 2D a compressed packing is already a triangulation, and all of its contacts can be kept
  * (Koebe: every planar triangulation has a packing of touching discs). In space a maximum of the
- * volume has 8 contacts per particle: the pressure is let off first, then what is nearly closed is
+ * volume has 8 contacts per particle: the pressure is released first, then small gaps are
  * closed. */
 static schedule schedule_of(const gn_pack_def *def, int dimension) {
     schedule s = {.loose = 0.5,
@@ -93,7 +93,7 @@ typedef struct job {
     gn_fit *fit;
     schedule plan;
     gn_pack_stage stage;
-    int planned, started; /* iterations that may come in all, and before this stage */
+    int planned, started; /* limit of iterations in total, and those before this stage */
     size_t trace_capacity;
     double begin;
     bool out_of_time, enough, given_up, no_memory;
@@ -102,22 +102,22 @@ typedef struct job {
     gn_pack_result *result;
 } job;
 
-static bool push_trace(job *j, const gn_fit_state *state) {
-    gn_pack_result *r = j->result;
-    if (r->trace_count == j->trace_capacity) {
-        size_t capacity = j->trace_capacity ? 2 * j->trace_capacity : 256;
+static bool push_trace(job *run, const gn_fit_state *state) {
+    gn_pack_result *r = run->result;
+    if (r->trace_count == run->trace_capacity) {
+        size_t capacity = run->trace_capacity ? 2 * run->trace_capacity : 256;
         gn_pack_trace *more = gn_alloc_array(capacity, sizeof *more);
         if (!more) return false;
         if (r->trace_count) memcpy(more, r->trace, r->trace_count * sizeof *more);
         gn_free(r->trace);
         r->trace = more;
-        j->trace_capacity = capacity;
+        run->trace_capacity = capacity;
     }
-    r->trace[r->trace_count++] = (gn_pack_trace){j->stage, *state};
+    r->trace[r->trace_count++] = (gn_pack_trace){run->stage, *state};
     return true;
 }
 
-/* What the user set as limits ends the search, never the removal of overlaps after it. */
+/* The user's limits end the search, but not the removal of overlaps after it. */
 static bool watch_fit(void *context, const gn_fit_state *state) {
     job *j = context;
     if (!push_trace(j, state)) j->no_memory = true;
@@ -134,34 +134,35 @@ static bool watch_fit(void *context, const gn_fit_state *state) {
     return !j->out_of_time && !j->enough;
 }
 
-static gneiss_status run_stage(job *j, gn_pack_stage stage, const gn_fit_law *law,
+static gneiss_status run_stage(job *run, gn_pack_stage stage, const gn_fit_law *law,
                                gneiss_error *error) {
-    if (stage != GN_PACK_SEPARATE && (j->out_of_time || j->enough)) return GNEISS_OK;
-    gn_fit_goal goal = goal_of(stage, j->dimension);
+    if (stage != GN_PACK_SEPARATE && (run->out_of_time || run->enough)) return GNEISS_OK;
+    gn_fit_goal goal = goal_of(stage, run->dimension);
     bool go_on = true;
-    j->stage = stage;
-    GN_TRY(gn_fit_run(j->fit, law, &goal, watch_fit, j, &go_on, error));
-    if (j->no_memory) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
-    if (j->given_up) return gn_fail(error, GNEISS_INTERRUPTED, "packing interrupted");
+    run->stage = stage;
+    GN_TRY(gn_fit_run(run->fit, law, &goal, watch_fit, run, &go_on, error));
+    if (run->no_memory) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
+    if (run->given_up) return gn_fail(error, GNEISS_INTERRUPTED, "packing interrupted");
     return GNEISS_OK;
 }
 
-/* By how much of itself a radius may change that is part of a distribution that is asked for, and
- * what taking off the last of the overlaps may add. */
+/* Largest relative change of a radius of a requested distribution, and the further change by
+ * removal of the last overlaps. */
 static const double kept = 0.1, last_of_it = 2e-3;
 
-/* What would take off the rest of overlaps: a factor of every radius, by the worst of its own. */
-static gneiss_status find_factors(const job *j, const double *sphere, double *factor,
+/* Computes the factor of every radius that would remove the remaining overlaps, by its own worst
+ * overlap. */
+static gneiss_status find_factors(const job *run, const double *sphere, double *factor,
                                   gneiss_error *error) {
-    const size_t n = j->seeds.count;
+    const size_t n = run->seeds.count;
     gn_particles q;
     gn_pair_list pairs = {0};
     GN_TRY(gn_particles_of_spheres(sphere, n, &q, error));
     for (size_t k = 0; k < n; k++) {
         const double *x = sphere + 4 * k;
-        factor[k] = fmin(1.0, gn_domain_depth(j->domain, x) / x[3]);
+        factor[k] = fmin(1.0, gn_domain_depth(run->domain, x) / x[3]);
     }
-    gn_pair_query query = {.particles = &q, .dimension = j->dimension, .threads = j->threads};
+    gn_pair_query query = {.particles = &q, .dimension = run->dimension, .threads = run->threads};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
     for (size_t k = 0; k < pairs.count; k++) {
         const double *a = q.pos + 4 * pairs.pair[k][0], *b = q.pos + 4 * pairs.pair[k][1];
@@ -175,130 +176,131 @@ static gneiss_status find_factors(const job *j, const double *sphere, double *fa
     return status;
 }
 
-/* Whether a radius would have to be smaller than it may. */
-static gneiss_status is_crowded(const job *j, double *factor, bool *crowded, gneiss_error *error) {
-    const double *row = gn_fit_rows(j->fit);
-    GN_TRY(find_factors(j, row, factor, error));
+/* Tells whether a radius would have to shrink by more than is allowed. */
+static gneiss_status is_crowded(const job *run, double *factor, bool *crowded,
+                                gneiss_error *error) {
+    const double *row = gn_fit_rows(run->fit);
+    GN_TRY(find_factors(run, row, factor, error));
     *crowded = false;
-    for (size_t k = 0; k < j->seeds.count; k++)
-        *crowded = *crowded || row[4 * k + 3] * factor[k] < (1.0 - last_of_it) * j->least[k];
+    for (size_t k = 0; k < run->seeds.count; k++)
+        *crowded = *crowded || row[4 * k + 3] * factor[k] < (1.0 - last_of_it) * run->least[k];
     return GNEISS_OK;
 }
 
-/* Of sizes that are asked for only the ratios are: where some particle has no place, all become
- * smaller by a little, and are separated again. */
-static gneiss_status make_room(job *j, const gn_fit_law *law, gneiss_error *error) {
+/* Of requested sizes only the ratios are prescribed: if some particle has no room, all shrink a
+ * little and are separated again. */
+static gneiss_status make_room(job *run, const gn_fit_law *law, gneiss_error *error) {
     enum { TIMES = 40 };
     const double smaller = 0.99;
-    double *factor = gn_alloc_array(j->seeds.count + 1, sizeof *factor);
+    double *factor = gn_alloc_array(run->seeds.count + 1, sizeof *factor);
     bool crowded = true;
     if (!factor) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
-    gneiss_status status = is_crowded(j, factor, &crowded, error);
+    gneiss_status status = is_crowded(run, factor, &crowded, error);
     for (int k = 0; k < TIMES && crowded && status == GNEISS_OK; k++) {
-        for (size_t p = 0; p < j->seeds.count; p++) {
-            j->wanted[p] *= smaller;
-            j->least[p] *= smaller;
-            j->most[p] *= smaller;
+        for (size_t p = 0; p < run->seeds.count; p++) {
+            run->wanted[p] *= smaller;
+            run->least[p] *= smaller;
+            run->most[p] *= smaller;
         }
-        status = run_stage(j, GN_PACK_SEPARATE, law, error);
-        if (status == GNEISS_OK) status = is_crowded(j, factor, &crowded, error);
+        status = run_stage(run, GN_PACK_SEPARATE, law, error);
+        if (status == GNEISS_OK) status = is_crowded(run, factor, &crowded, error);
     }
     gn_free(factor);
     return status;
 }
 
-static gneiss_status run_stages(job *j, gneiss_error *error) {
-    const schedule *s = &j->plan;
+static gneiss_status run_stages(job *run, gneiss_error *error) {
+    const schedule *s = &run->plan;
     gn_fit_law law = {.fixed_radii = true};
-    GN_TRY(run_stage(j, GN_PACK_SPREAD, &law, error));
+    GN_TRY(run_stage(run, GN_PACK_SPREAD, &law, error));
     law = (gn_fit_law){.stiffness = s->stiffness};
-    GN_TRY(run_stage(j, GN_PACK_COMPRESS, &law, error));
+    GN_TRY(run_stage(run, GN_PACK_COMPRESS, &law, error));
     for (int k = 0; k < s->releases; k++) {
         law.stiffness *= s->release;
-        GN_TRY(run_stage(j, GN_PACK_DECOMPRESS, &law, error));
+        GN_TRY(run_stage(run, GN_PACK_DECOMPRESS, &law, error));
     }
     law.stiffness *= s->last;
     if (s->hold) {
-        GN_TRY(gn_fit_hold(j->fit, error));
+        GN_TRY(gn_fit_hold(run->fit, error));
         law.pull = s->pull;
-        GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
-        gn_fit_release(j->fit);
+        GN_TRY(run_stage(run, GN_PACK_CLOSE, &law, error));
+        gn_fit_release(run->fit);
     }
     law.overlap = s->overlap;
     law.gap = s->gap;
     law.pull = s->pull;
     law.most = s->most;
-    GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
-    if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
+    GN_TRY(run_stage(run, GN_PACK_CLOSE, &law, error));
+    if (run->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
     law.stiffness *= 0.1;
-    law.pull *= 0.1; /* enough to keep what touches together while overlaps are taken apart */
+    law.pull *= 0.1; /* enough to keep contacts while overlaps are removed */
     law.gap = fmin(law.gap, 0.015);
-    GN_TRY(run_stage(j, GN_PACK_SEPARATE, &law, error));
-    return j->def->sizes == GN_SIZES_FITTED ? GNEISS_OK : make_room(j, &law, error);
+    GN_TRY(run_stage(run, GN_PACK_SEPARATE, &law, error));
+    return run->def->sizes == GN_SIZES_FITTED ? GNEISS_OK : make_room(run, &law, error);
 }
 
 /* ---- before and after ---- */
 
-static gneiss_status prepare(job *j, gneiss_error *error) {
-    size_t n = j->seeds.count;
-    double packed = gn_packed_fraction(j->dimension);
-    double loose = pow(j->plan.loose / packed, 1.0 / j->dimension);
-    double wanted = pow(j->plan.wanted / packed, 1.0 / j->dimension);
-    const bool asked = j->def->sizes != GN_SIZES_FITTED;
-    j->wanted = gn_alloc_array(n, sizeof(double));
-    j->least = gn_alloc_array(n, sizeof(double));
-    j->most = gn_alloc_array(n, sizeof(double));
-    if (!j->wanted || !j->least || !j->most)
+static gneiss_status prepare(job *run, gneiss_error *error) {
+    size_t n = run->seeds.count;
+    double packed = gn_packed_fraction(run->dimension);
+    double loose = pow(run->plan.loose / packed, 1.0 / run->dimension);
+    double wanted = pow(run->plan.wanted / packed, 1.0 / run->dimension);
+    const bool asked = run->def->sizes != GN_SIZES_FITTED;
+    run->wanted = gn_alloc_array(n, sizeof(double));
+    run->least = gn_alloc_array(n, sizeof(double));
+    run->most = gn_alloc_array(n, sizeof(double));
+    if (!run->wanted || !run->least || !run->most)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack %zu particles", n);
     for (size_t k = 0; k < n; k++) {
-        double nominal = j->seeds.row[4 * k + 3];
-        j->wanted[k] = wanted * nominal;
-        j->least[k] = asked ? (1.0 - kept) * nominal : 0.2 * nominal;
-        j->most[k] = asked ? (1.0 + kept) * nominal : 5.0 * nominal;
-        j->seeds.row[4 * k + 3] = loose * nominal;
+        double nominal = run->seeds.row[4 * k + 3];
+        run->wanted[k] = wanted * nominal;
+        run->least[k] = asked ? (1.0 - kept) * nominal : 0.2 * nominal;
+        run->most[k] = asked ? (1.0 + kept) * nominal : 5.0 * nominal;
+        run->seeds.row[4 * k + 3] = loose * nominal;
     }
-    return gn_fit_create(j->domain, n, j->seeds.row, j->wanted, j->least, j->most, j->threads,
-                         &j->fit, error);
+    return gn_fit_create(run->domain, n, run->seeds.row, run->wanted, run->least, run->most,
+                         run->threads, &run->fit, error);
 }
 
-/* Takes off the rest of overlaps. */
-static gneiss_status shrink(job *j, gneiss_error *error) {
-    gn_packing *p = &j->result->packing;
-    double *factor = j->least; /* no longer needed */
-    gneiss_status status = find_factors(j, p->sphere, factor, error);
+/* Removes the remaining overlaps by shrinking. */
+static gneiss_status shrink(job *run, gneiss_error *error) {
+    gn_packing *p = &run->result->packing;
+    double *factor = run->least; /* reused; `least` is no longer needed */
+    gneiss_status status = find_factors(run, p->sphere, factor, error);
     for (size_t k = 0; k < p->count && status == GNEISS_OK; k++) p->sphere[4 * k + 3] *= factor[k];
     return status;
 }
 
-static gneiss_status take_result(job *j, gneiss_error *error) {
-    gn_packing *p = &j->result->packing;
-    p->count = j->seeds.count;
+static gneiss_status take_result(job *run, gneiss_error *error) {
+    gn_packing *p = &run->result->packing;
+    p->count = run->seeds.count;
     p->sphere = gn_alloc_array(p->count + 1, 4 * sizeof *p->sphere);
     if (!p->sphere) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
-    memcpy(p->sphere, gn_fit_rows(j->fit), p->count * 4 * sizeof *p->sphere);
-    j->result->in_time = !j->out_of_time;
-    if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
-    return shrink(j, error);
+    memcpy(p->sphere, gn_fit_rows(run->fit), p->count * 4 * sizeof *p->sphere);
+    run->result->in_time = !run->out_of_time;
+    if (run->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
+    return shrink(run, error);
 }
 
-static int planned_iterations(const job *j) {
+static int planned_iterations(const job *run) {
     int sum = 0;
     for (int k = 0; k < GN_PACK_STAGES; k++) {
-        int times = k == GN_PACK_DECOMPRESS ? j->plan.releases : 1;
-        sum += times * goal_of((gn_pack_stage)k, j->dimension).iterations;
+        int times = k == GN_PACK_DECOMPRESS ? run->plan.releases : 1;
+        sum += times * goal_of((gn_pack_stage)k, run->dimension).iterations;
     }
     return sum;
 }
 
-static gneiss_status make(job *j, const gn_pack_shape *body, gneiss_error *error) {
-    GN_TRY(gn_threads_find(j->scene->threads, &j->threads, error));
-    j->domain = body->domain;
-    j->plan = schedule_of(j->def, j->dimension);
-    j->planned = planned_iterations(j);
-    GN_TRY(gn_seeds_create(j->scene, body, &j->seeds, error));
-    GN_TRY(prepare(j, error));
-    GN_TRY(run_stages(j, error));
-    return take_result(j, error);
+static gneiss_status make(job *run, const gn_pack_shape *body, gneiss_error *error) {
+    GN_TRY(gn_threads_find(run->scene->threads, &run->threads, error));
+    run->domain = body->domain;
+    run->plan = schedule_of(run->def, run->dimension);
+    run->planned = planned_iterations(run);
+    GN_TRY(gn_seeds_create(run->scene, body, &run->seeds, error));
+    GN_TRY(prepare(run, error));
+    GN_TRY(run_stages(run, error));
+    return take_result(run, error);
 }
 
 static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *context,
@@ -330,7 +332,7 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
     return status;
 }
 
-/* Says whose specimen it is, in front of what is wrong with it. */
+/* Puts the specimen's name before an error message. */
 static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
                                    gneiss_error *error) {
     if (status == GNEISS_OK || status == GNEISS_INTERRUPTED) return status;

@@ -6,19 +6,19 @@
 #include "pack/fit.h"
 #include "scene/scene.h"
 
-/* What the fit does, in this order (docs/packing.md). */
+/* Stages of the fit, in this order (docs/packing.md). */
 typedef enum gn_pack_stage {
     GN_PACK_SPREAD,     /* random points move apart, radii fixed and small */
-    GN_PACK_COMPRESS,   /* radii grow until every neighbour presses */
+    GN_PACK_COMPRESS,   /* radii grow until all neighbours are in contact */
     GN_PACK_DECOMPRESS, /* the pressure falls in steps; each comes to equilibrium */
     GN_PACK_CLOSE,      /* pairs with small gaps are drawn together */
-    GN_PACK_SEPARATE,   /* what still overlaps is taken apart */
+    GN_PACK_SEPARATE,   /* remaining overlaps are removed */
     GN_PACK_STAGES
 } gn_pack_stage;
 
 const char *gn_pack_stage_name(gn_pack_stage stage);
 
-/* One iteration. */
+/* The record of one iteration. */
 typedef struct gn_pack_trace {
     gn_pack_stage stage;
     gn_fit_state state;
@@ -26,34 +26,35 @@ typedef struct gn_pack_trace {
 
 typedef struct gn_pack_progress {
     gn_pack_stage stage;
-    double fraction; /* of the iterations that may come, [0, 1] */
+    double fraction; /* fraction of the largest number of iterations, [0, 1] */
     gn_fit_state state;
     size_t particles;
 } gn_pack_progress;
 
-/* Called after every iteration; false gives the packing up (GNEISS_INTERRUPTED). */
+/* Called after every iteration; returning false cancels the packing (GNEISS_INTERRUPTED). */
 typedef bool gn_pack_watch(void *context, const gn_pack_progress *progress);
 
 typedef struct gn_pack_result {
     gn_packing packing; /* in Morton order */
-    gn_domain *domain;  /* the body, for measuring; NULL when it came from the cache */
+    gn_domain *domain;  /* the body, for measurements; NULL if the packing came from the cache */
     double volume;      /* of the body, m3; 2D: m2 */
     double seconds;
-    bool in_time; /* false: the time limit cut the fit short, the result depends on the machine */
+    /* false: the time limit ended the fit, so that the result depends on the machine */
+    bool in_time;
     bool from_cache;
     size_t trace_count;
     gn_pack_trace *trace; /* gn_alloc'ed */
 } gn_pack_result;
 
-/* Packs the body of scene->specimen.pack. The same bits for any number of threads (scene->threads,
- * 0: all cores). `watch` may be NULL. */
+/* Packs the body of scene->specimen.pack. The result has the same bits for any number of threads
+ * (scene->threads, 0: all cores). `watch` may be NULL. */
 gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
                            gn_pack_result *result, gneiss_error *error);
 void gn_pack_result_free(gn_pack_result *result);
 
-/* Whether radii [m] that were asked for as a distribution came out narrower than the tenth by which
- * each may change explains: too few particles for one of each size. `text` then says what was asked
- * for and what there is, else it is "". */
+/* Tells whether radii [m] of a requested distribution came out narrower than the change of a tenth
+ * that each may have explains: there are too few particles for all sizes. `text` then has the
+ * requested and the actual range, else it is "". */
 bool gn_pack_is_narrow(const gn_scene *scene, double least, double most, size_t particles,
                        char *text, size_t size);
 

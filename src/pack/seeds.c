@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What the fit and its neighbour lists take, measured. */
+/* Memory of the fit and its neighbour lists, measured. */
 enum { BYTES_PER_PARTICLE = 2000 };
 
 typedef struct source {
@@ -23,117 +23,121 @@ typedef struct source {
     double widest;  /* bound of that logarithm */
     double lower[3], upper[3];
     const gn_mesh_elements *elements; /* of a mesh shape; NULL: none */
-    double *weight;                   /* [elements->count] running sum of particles wanted */
+    double *weight;                   /* [elements->count] running sum of wanted particles */
 } source;
 
-/* Uniform in [0, 1). */
-static double draw(source *s) {
-    return 0.5 * (1.0 + gn_random_symmetric(s->scene->seed, s->drawn++));
+/* Returns a number uniformly distributed in [0, 1). */
+static double draw(source *generator) {
+    return 0.5 * (1.0 + gn_random_symmetric(generator->scene->seed, generator->drawn++));
 }
 
-/* A size of the distribution that is asked for, in any unit. */
-static double draw_asked(source *s) {
-    const gn_pack_def *def = &s->scene->specimen.pack;
+/* Draws a size of the requested distribution, in any unit. */
+static double draw_asked(source *generator) {
+    const gn_pack_def *def = &generator->scene->specimen.pack;
     const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
-                            def->sieve_count, def->sieve,      s->dimension};
-    gn_drawn drawn = {s->scene->seed, s->drawn};
+                            def->sieve_count, def->sieve,      generator->dimension};
+    gn_drawn drawn = {generator->scene->seed, generator->drawn};
     double size = gn_sizes_draw(&sizes, &drawn);
-    s->drawn = drawn.count;
+    generator->drawn = drawn.count;
     return size;
 }
 
-/* Radius over the median, log-normal within its bounds. */
-static double draw_size(source *s) {
-    if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) return draw_asked(s);
-    if (s->spread <= 0.0) return 1.0;
+/* Draws the radius over the median, log-normal within its bounds. */
+static double draw_size(source *generator) {
+    if (generator->scene->specimen.pack.sizes != GN_SIZES_FITTED) return draw_asked(generator);
+    if (generator->spread <= 0.0) return 1.0;
     for (;;) {
-        double u = 1.0 - draw(s), v = draw(s);
-        double g = s->spread * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
-        if (fabs(g) <= s->widest) return exp(g);
+        double u = 1.0 - draw(generator), v = draw(generator);
+        double g = generator->spread * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
+        if (fabs(g) <= generator->widest) return exp(g);
     }
 }
 
-/* The fit widens a distribution (small particles in pores stay small): half to three quarters of
- * the range on a logarithmic scale go in, and the range asked for comes out. */
-static void set_sizes(source *s) {
+/* The fit widens a distribution (small particles in pores stay small): an initial range of half to
+ * three quarters on a logarithmic scale results in the requested one. */
+static void set_sizes(source *generator) {
     const double widening = 0.7, deviations = 2.2;
-    const gn_pack_def *def = &s->scene->specimen.pack;
-    s->widest = 0.5 * widening * log(def->size_ratio);
-    s->spread = def->size_variation >= 0.0
-                    ? sqrt(log(1.0 + def->size_variation * def->size_variation))
-                    : s->widest / deviations;
+    const gn_pack_def *def = &generator->scene->specimen.pack;
+    generator->widest = 0.5 * widening * log(def->size_ratio);
+    generator->spread = def->size_variation >= 0.0
+                            ? sqrt(log(1.0 + def->size_variation * def->size_variation))
+                            : generator->widest / deviations;
 }
 
 /* ---- random points ---- */
 
-static double corner_size(const source *s, size_t element) {
-    const gn_mesh_elements *e = s->elements;
+static double corner_size(const source *generator, size_t element) {
+    const gn_mesh_elements *e = generator->elements;
     double sum = 0.0;
-    for (int a = 0; a < e->nodes; a++) sum += s->body->node_size[e->node[element * e->nodes + a]];
+    for (int a = 0; a < e->nodes; a++)
+        sum += generator->body->node_size[e->node[element * e->nodes + a]];
     return sum / e->nodes;
 }
 
-static double element_volume(const source *s, size_t element) {
-    const gn_mesh_elements *e = s->elements;
+static double element_volume(const source *generator, size_t element) {
+    const gn_mesh_elements *e = generator->elements;
     double edge[3][3] = {{0}};
-    const double *x = s->body->mesh.node + 3 * e->node[element * e->nodes];
+    const double *x = generator->body->mesh.node + 3 * e->node[element * e->nodes];
     for (int a = 1; a < e->nodes; a++)
         for (int d = 0; d < 3; d++)
-            edge[a - 1][d] = s->body->mesh.node[3 * e->node[element * e->nodes + a] + d] - x[d];
-    if (s->dimension == 2) return 0.5 * fabs(edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0]);
+            edge[a - 1][d] =
+                generator->body->mesh.node[3 * e->node[element * e->nodes + a] + d] - x[d];
+    if (generator->dimension == 2)
+        return 0.5 * fabs(edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0]);
     double c[3] = {edge[0][1] * edge[1][2] - edge[0][2] * edge[1][1],
                    edge[0][2] * edge[1][0] - edge[0][0] * edge[1][2],
                    edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0]};
     return fabs(c[0] * edge[2][0] + c[1] * edge[2][1] + c[2] * edge[2][2]) / 6.0;
 }
 
-/* As many particles per element everywhere: a finer mesh has finer particles. */
-static gneiss_status weigh_elements(source *s, gneiss_error *error) {
-    if (s->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
-    s->elements = s->dimension == 3 ? &s->body->mesh.tetrahedra : &s->body->mesh.triangles;
-    s->weight = gn_alloc_array(s->elements->count + 1, sizeof *s->weight);
-    if (!s->weight)
+/* Weights elements equally: a finer mesh has finer particles. */
+static gneiss_status weigh_elements(source *generator, gneiss_error *error) {
+    if (generator->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
+    generator->elements = generator->dimension == 3 ? &generator->body->mesh.tetrahedra
+                                                    : &generator->body->mesh.triangles;
+    generator->weight = gn_alloc_array(generator->elements->count + 1, sizeof *generator->weight);
+    if (!generator->weight)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu elements",
-                       s->elements->count);
+                       generator->elements->count);
     double sum = 0.0;
-    for (size_t k = 0; k < s->elements->count; k++) {
-        sum += element_volume(s, k) / pow(corner_size(s, k), s->dimension);
-        s->weight[k] = sum;
+    for (size_t k = 0; k < generator->elements->count; k++) {
+        sum += element_volume(generator, k) / pow(corner_size(generator, k), generator->dimension);
+        generator->weight[k] = sum;
     }
     return GNEISS_OK;
 }
 
-/* A point of the mesh, uniform in an element, and the size of the mesh there. */
-static double draw_in_mesh(source *s, double x[3]) {
-    const gn_mesh_elements *e = s->elements;
-    double at = draw(s) * s->weight[e->count - 1], share[4], sum = 0.0, size = 0.0;
+/* Draws a point uniformly in an element of the mesh, and returns the size of the mesh there. */
+static double draw_in_mesh(source *generator, double x[3]) {
+    const gn_mesh_elements *e = generator->elements;
+    double at = draw(generator) * generator->weight[e->count - 1], share[4], sum = 0.0, size = 0.0;
     size_t low = 0, high = e->count - 1;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (s->weight[middle] > at)
+        if (generator->weight[middle] > at)
             high = middle;
         else
             low = middle + 1;
     }
-    for (int a = 0; a < e->nodes; a++) sum += share[a] = -log(1.0 - draw(s));
+    for (int a = 0; a < e->nodes; a++) sum += share[a] = -log(1.0 - draw(generator));
     memset(x, 0, 3 * sizeof *x);
     for (int a = 0; a < e->nodes; a++) {
         int32_t node = e->node[low * e->nodes + a];
-        for (int d = 0; d < s->dimension; d++)
-            x[d] += share[a] / sum * s->body->mesh.node[3 * node + d];
-        size += share[a] / sum * s->body->node_size[node];
+        for (int d = 0; d < generator->dimension; d++)
+            x[d] += share[a] / sum * generator->body->mesh.node[3 * node + d];
+        size += share[a] / sum * generator->body->node_size[node];
     }
-    return size * gn_pack_shape_size(s->body, x);
+    return size * gn_pack_shape_size(generator->body, x);
 }
 
-/* A point of the body's box with a density that suits the sizes there; 0: thrown away. */
-static double draw_in_box(source *s, double finest, double x[3]) {
-    for (int d = 0; d < s->dimension; d++)
-        x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * draw(s);
-    if (s->dimension == 2) x[2] = 0.0;
-    if (s->body->refinement_count == 0) return 1.0;
-    double size = gn_pack_shape_size(s->body, x);
-    return draw(s) < pow(finest / size, s->dimension) ? size : 0.0;
+/* Draws a point of the body's box with a density that suits the sizes there; 0: rejected. */
+static double draw_in_box(source *generator, double finest, double x[3]) {
+    for (int d = 0; d < generator->dimension; d++)
+        x[d] = generator->lower[d] + (generator->upper[d] - generator->lower[d]) * draw(generator);
+    if (generator->dimension == 2) x[2] = 0.0;
+    if (generator->body->refinement_count == 0) return 1.0;
+    double size = gn_pack_shape_size(generator->body, x);
+    return draw(generator) < pow(finest / size, generator->dimension) ? size : 0.0;
 }
 
 static double finest_size(const gn_pack_shape *body) {
@@ -143,19 +147,22 @@ static double finest_size(const gn_pack_shape *body) {
     return size;
 }
 
-static gneiss_status draw_points(source *s, gn_seeds *seeds, gneiss_error *error) {
-    double finest = finest_size(s->body);
+static gneiss_status draw_points(source *generator, gn_seeds *seeds, gneiss_error *error) {
+    double finest = finest_size(generator->body);
     uint64_t tries = 0, limit = 100000000 + 2000 * (uint64_t)seeds->count;
     for (size_t k = 0; k < seeds->count; tries++) {
         double *row = seeds->row + 4 * k;
-        double size = s->elements ? draw_in_mesh(s, row) : draw_in_box(s, finest, row);
+        double size = generator->elements ? draw_in_mesh(generator, row)
+                                          : draw_in_box(generator, finest, row);
         if (tries > limit)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%zu of %zu particles found a place: the body fills too "
                            "little of its box, or is refined too much",
                            k, seeds->count);
-        if (size == 0.0 || (!s->elements && gn_domain_depth(s->body->domain, row) <= 0.0)) continue;
-        row[3] = size * draw_size(s);
+        if (size == 0.0 ||
+            (!generator->elements && gn_domain_depth(generator->body->domain, row) <= 0.0))
+            continue;
+        row[3] = size * draw_size(generator);
         k++;
     }
     return GNEISS_OK;
@@ -163,48 +170,53 @@ static gneiss_status draw_points(source *s, gn_seeds *seeds, gneiss_error *error
 
 /* ---- nodes of the mesh ---- */
 
-static bool is_inner(const source *s, const double *x, double size) {
-    return size > 0.0 && gn_domain_depth(s->body->domain, x) > 0.1 * size;
+static bool is_inner(const source *generator, const double *x, double size) {
+    return size > 0.0 && gn_domain_depth(generator->body->domain, x) > 0.1 * size;
 }
 
-static size_t count_inner(const source *s) {
+static size_t count_inner(const source *generator) {
     size_t count = 0;
-    for (size_t k = 0; k < s->body->mesh.node_count; k++)
-        count += is_inner(s, s->body->mesh.node + 3 * k, s->body->node_size[k]);
+    for (size_t k = 0; k < generator->body->mesh.node_count; k++)
+        count +=
+            is_inner(generator, generator->body->mesh.node + 3 * k, generator->body->node_size[k]);
     return count;
 }
 
-static void take_nodes(source *s, gn_seeds *seeds) {
-    double jiggle = 0.5 * s->scene->specimen.pack.jiggle;
+static void take_nodes(source *generator, gn_seeds *seeds) {
+    double jiggle = 0.5 * generator->scene->specimen.pack.jiggle;
     double *row = seeds->row;
-    for (size_t k = 0; k < s->body->mesh.node_count; k++) {
-        const double *x = s->body->mesh.node + 3 * k;
-        double size = s->body->node_size[k], moved[3] = {x[0], x[1], x[2]};
-        if (!is_inner(s, x, size)) continue;
-        for (int d = 0; d < s->dimension; d++) moved[d] += jiggle * size * (2.0 * draw(s) - 1.0);
-        bool stays = gn_domain_depth(s->body->domain, moved) > 0.0;
+    for (size_t k = 0; k < generator->body->mesh.node_count; k++) {
+        const double *x = generator->body->mesh.node + 3 * k;
+        double size = generator->body->node_size[k], moved[3] = {x[0], x[1], x[2]};
+        if (!is_inner(generator, x, size)) continue;
+        for (int d = 0; d < generator->dimension; d++)
+            moved[d] += jiggle * size * (2.0 * draw(generator) - 1.0);
+        bool stays = gn_domain_depth(generator->body->domain, moved) > 0.0;
         memcpy(row, stays ? moved : x, 3 * sizeof *row);
-        if (s->dimension == 2) row[2] = 0.0;
-        row[3] = size * draw_size(s);
+        if (generator->dimension == 2) row[2] = 0.0;
+        row[3] = size * draw_size(generator);
         row += 4;
     }
 }
 
 /* ---- number and size ---- */
 
-/* Mean of size^-d over the body: how many more particles refinement makes of one. */
-static gneiss_status refinement_factor(const source *s, double *factor, gneiss_error *error) {
+/* Computes the mean of size^-d over the body: the factor by which refinement increases the number
+ * of particles. */
+static gneiss_status refinement_factor(const source *generator, double *factor,
+                                       gneiss_error *error) {
     enum { POINTS = 20000, TRIES = 20000000 };
     *factor = 1.0;
-    if (s->body->refinement_count == 0 || s->elements) return GNEISS_OK;
+    if (generator->body->refinement_count == 0 || generator->elements) return GNEISS_OK;
     double sum = 0.0, x[3] = {0};
     int found = 0;
     for (uint64_t k = 0; found < POINTS && k < TRIES; k++) {
-        for (int d = 0; d < s->dimension; d++)
-            x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * 0.5 *
-                                     (1.0 + gn_random_symmetric(~s->scene->seed, 3 * k + d));
-        if (gn_domain_depth(s->body->domain, x) <= 0.0) continue;
-        sum += pow(gn_pack_shape_size(s->body, x), -s->dimension);
+        for (int d = 0; d < generator->dimension; d++)
+            x[d] = generator->lower[d] +
+                   (generator->upper[d] - generator->lower[d]) * 0.5 *
+                       (1.0 + gn_random_symmetric(~generator->scene->seed, 3 * k + d));
+        if (gn_domain_depth(generator->body->domain, x) <= 0.0) continue;
+        sum += pow(gn_pack_shape_size(generator->body, x), -generator->dimension);
         found++;
     }
     if (found == 0)
@@ -214,50 +226,53 @@ static gneiss_status refinement_factor(const source *s, double *factor, gneiss_e
     return GNEISS_OK;
 }
 
-/* Means of r and r^d over radii in units of the median, by the quantiles of the distribution; of
- * one that is asked for over radii that are drawn. */
-static void size_moments(const source *s, double *first, double *last) {
+/* Computes means of r and r^d over radii in units of the median, by the quantiles of the
+ * distribution; of a requested distribution over drawn radii. */
+static void size_moments(const source *generator, double *first, double *last) {
     enum { POINTS = 2001, DRAWN = 100000 };
-    if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) {
-        source own = *s;
-        own.drawn = UINT64_C(1) << 62; /* apart from those of the packing */
+    if (generator->scene->specimen.pack.sizes != GN_SIZES_FITTED) {
+        source own = *generator;
+        own.drawn = UINT64_C(1) << 62; /* separate from the numbers of the packing */
         *first = *last = 0.0;
         for (int k = 0; k < DRAWN; k++) {
             double size = draw_asked(&own);
             *first += size / DRAWN;
-            *last += pow(size, s->dimension) / DRAWN;
+            *last += pow(size, generator->dimension) / DRAWN;
         }
         return;
     }
     double weight = 0.0, sum1 = 0.0, sum_d = 0.0;
     for (int k = 0; k < POINTS; k++) {
-        double g = s->spread > 0.0 ? s->widest * (2.0 * k / (POINTS - 1.0) - 1.0) : 0.0;
-        double p = s->spread > 0.0 ? exp(-0.5 * g * g / (s->spread * s->spread)) : 1.0;
+        double g =
+            generator->spread > 0.0 ? generator->widest * (2.0 * k / (POINTS - 1.0) - 1.0) : 0.0;
+        double p = generator->spread > 0.0
+                       ? exp(-0.5 * g * g / (generator->spread * generator->spread))
+                       : 1.0;
         weight += p;
         sum1 += p * exp(g);
-        sum_d += p * exp(s->dimension * g);
+        sum_d += p * exp(generator->dimension * g);
     }
     *first = sum1 / weight;
     *last = sum_d / weight;
 }
 
-static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error) {
-    const gn_pack_def *def = &s->scene->specimen.pack;
+static gneiss_status choose_count(source *generator, size_t *count, gneiss_error *error) {
+    const gn_pack_def *def = &generator->scene->specimen.pack;
     double number = (double)def->count, first, last, factor;
     if (def->start == GN_START_NODES) {
-        number = (double)count_inner(s);
+        number = (double)count_inner(generator);
         if (number < 4.0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected a mesh with at least 4 inner nodes to start from, found "
                            "%.0f: refine it, or use packing.start: random",
                            def->mesh_path, number);
     } else if (def->mean_radius > 0.0) {
-        size_moments(s, &first, &last);
-        GN_TRY(refinement_factor(s, &factor, error));
+        size_moments(generator, &first, &last);
+        GN_TRY(refinement_factor(generator, &factor, error));
         double median = def->mean_radius / first;
-        number =
-            ceil(factor * gn_packed_fraction(s->dimension) * gn_domain_volume(s->body->domain) /
-                 (gn_ball_volume(s->dimension, median) * last));
+        number = ceil(factor * gn_packed_fraction(generator->dimension) *
+                      gn_domain_volume(generator->body->domain) /
+                      (gn_ball_volume(generator->dimension, median) * last));
     }
     double have = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (number * BYTES_PER_PARTICLE > have || number > 1e9)
@@ -274,22 +289,23 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
     return GNEISS_OK;
 }
 
-/* Radii such that together they have the volume of a dense packing. */
-static void scale_radii(const source *s, gn_seeds *seeds) {
+/* Scales the radii to the total volume of a dense packing. */
+static void scale_radii(const source *generator, gn_seeds *seeds) {
     double sum = 0.0;
     for (size_t k = 0; k < seeds->count; k++)
-        sum += gn_ball_volume(s->dimension, seeds->row[4 * k + 3]);
-    double wanted = gn_packed_fraction(s->dimension) * gn_domain_volume(s->body->domain);
-    double factor = pow(wanted / sum, 1.0 / s->dimension);
+        sum += gn_ball_volume(generator->dimension, seeds->row[4 * k + 3]);
+    double wanted =
+        gn_packed_fraction(generator->dimension) * gn_domain_volume(generator->body->domain);
+    double factor = pow(wanted / sum, 1.0 / generator->dimension);
     for (size_t k = 0; k < seeds->count; k++) seeds->row[4 * k + 3] *= factor;
 }
 
-static gneiss_status sort_rows(const source *s, gn_seeds *seeds, gneiss_error *error) {
+static gneiss_status sort_rows(const source *generator, gn_seeds *seeds, gneiss_error *error) {
     gn_particles p = {0};
     int32_t *order = gn_alloc_array(seeds->count + 1, sizeof *order);
     gneiss_status status = order ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     if (status == GNEISS_OK) status = gn_particles_of_spheres(seeds->row, seeds->count, &p, error);
-    if (status == GNEISS_OK) status = gn_morton_order(&p, s->dimension, order, error);
+    if (status == GNEISS_OK) status = gn_morton_order(&p, generator->dimension, order, error);
     for (size_t k = 0; k < seeds->count && status == GNEISS_OK; k++)
         memcpy(seeds->row + 4 * k, p.pos + 4 * order[k], 4 * sizeof(double));
     gn_soa_destroy(&gn_particle_record, &p);
@@ -297,18 +313,18 @@ static gneiss_status sort_rows(const source *s, gn_seeds *seeds, gneiss_error *e
     return status;
 }
 
-static gneiss_status make(source *s, gn_seeds *seeds, gneiss_error *error) {
-    GN_TRY(weigh_elements(s, error));
-    GN_TRY(choose_count(s, &seeds->count, error));
+static gneiss_status make(source *generator, gn_seeds *seeds, gneiss_error *error) {
+    GN_TRY(weigh_elements(generator, error));
+    GN_TRY(choose_count(generator, &seeds->count, error));
     seeds->row = gn_alloc_array(seeds->count + 1, 4 * sizeof *seeds->row);
     if (!seeds->row)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", seeds->count);
-    if (s->scene->specimen.pack.start == GN_START_NODES)
-        take_nodes(s, seeds);
+    if (generator->scene->specimen.pack.start == GN_START_NODES)
+        take_nodes(generator, seeds);
     else
-        GN_TRY(draw_points(s, seeds, error));
-    scale_radii(s, seeds);
-    return sort_rows(s, seeds, error);
+        GN_TRY(draw_points(generator, seeds, error));
+    scale_radii(generator, seeds);
+    return sort_rows(generator, seeds, error);
 }
 
 gneiss_status gn_seeds_create(const gn_scene *scene, const gn_pack_shape *body, gn_seeds *seeds,

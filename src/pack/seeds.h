@@ -1,4 +1,4 @@
-/* Where the fit starts: points spread over the body, with a size each. */
+/* Starting points of the fit, distributed over the body, with a size each. */
 #ifndef GN_PACK_SEEDS_H
 #define GN_PACK_SEEDS_H
 
@@ -6,18 +6,18 @@
 
 typedef struct gn_seeds {
     size_t count;
-    double *row; /* [count][4]: x y z and the radius that particles would have at the porosity that
-                    is expected, m; in Morton order; gn_alloc'ed */
+    /* [count][4]: x y z and radius at the expected porosity, m; in Morton order; gn_alloc'ed */
+    double *row;
 } gn_seeds;
 
-/* Share of the body's volume that dense packings of discs (spheres) fill. */
+/* Returns the fraction of the body's volume that dense packings of discs (spheres) fill. */
 static inline double gn_packed_fraction(int dimension) {
     return dimension == 3 ? 0.68 : 0.90;
 }
 
-/* Random points, or the inner nodes of the mesh. A pure function of the scene. GNEISS_ERROR_INPUT:
- * a body too thin for such particles, no inner node; GNEISS_ERROR_MEMORY: more particles than the
- * machine has memory for. */
+/* Makes random points, or takes the inner nodes of the mesh; a pure function of the scene.
+ * GNEISS_ERROR_INPUT: the body is too thin for such particles, or has no inner node;
+ * GNEISS_ERROR_MEMORY: more particles than the machine has memory for. */
 gneiss_status gn_seeds_create(const gn_scene *scene, const gn_pack_shape *body, gn_seeds *seeds,
                               gneiss_error *error);
 void gn_seeds_free(gn_seeds *seeds);

@@ -14,7 +14,8 @@ static const gn_mesh_elements *elements_of(const gn_mesh *mesh, int dimension) {
     return dimension == 3 ? &mesh->tetrahedra : &mesh->triangles;
 }
 
-/* Every edge counts once for each element it is in: all that is wanted is a mean. */
+/* Computes mean edge lengths; an edge counts once for each of its elements, which is sufficient for
+ * a mean. */
 static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_error *error) {
     const gn_mesh *mesh = &shape->mesh;
     const gn_mesh_elements *e = elements_of(mesh, dimension);
@@ -40,7 +41,7 @@ static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_e
     return GNEISS_OK;
 }
 
-/* A file's own places, from the scene's origin. */
+/* Moves a file's coordinates to the scene's origin. */
 static void place(const gn_pack_def *def, gn_mesh *mesh) {
     for (size_t k = 0; k < 3 * mesh->node_count; k++)
         mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);
@@ -61,7 +62,7 @@ gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error)
         gn_scene_at(scene, scene->specimen.where, "specimen.mesh").text, def->mesh, command);
 }
 
-/* The elements of a file and their boundary. */
+/* Reads the elements of a file and makes their boundary. */
 static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
@@ -76,7 +77,7 @@ static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_erro
                                  error);
 }
 
-/* A closed surface, turned outward. */
+/* Reads a closed surface and orients it outward. */
 static gneiss_status read_surface(const gn_scene *scene, gn_mesh *surface, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     double volume;
@@ -157,10 +158,10 @@ void gn_pack_shape_free(gn_pack_shape *shape) {
 
 /* ---- size of particles ---- */
 
-static double box_distance(const gn_refinement *r, const double x[3]) {
+static double box_distance(const gn_refinement *refinement, const double x[3]) {
     double square = 0.0;
     for (int a = 0; a < 3; a++) {
-        double d = fmax(fmax(r->lower[a] - x[a], x[a] - r->upper[a]), 0.0);
+        double d = fmax(fmax(refinement->lower[a] - x[a], x[a] - refinement->upper[a]), 0.0);
         square += d * d;
     }
     return sqrt(square);

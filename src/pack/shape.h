@@ -1,4 +1,4 @@
-/* From the request of a scene to the shape that is to be filled. */
+/* The shape of a specimen that is to be filled. */
 #ifndef GN_PACK_SHAPE_H
 #define GN_PACK_SHAPE_H
 
@@ -7,26 +7,26 @@
 
 typedef struct gn_pack_shape {
     gn_domain *domain;
-    gn_mesh mesh;                     /* of a mesh shape, with its elements; else empty */
+    gn_mesh mesh;                     /* with its elements for a mesh shape; otherwise empty */
     double *node_size;                /* [mesh.node_count] mean length of the edges at a node, m */
     const gn_refinement *refinements; /* borrowed from the scene */
     size_t refinement_count;
 } gn_pack_shape;
 
-/* Reads what files it needs. `scene` must outlive the shape. */
+/* Creates a shape and reads its files. `scene` must outlive the shape. */
 gneiss_status gn_pack_shape_create(const gn_scene *scene, gn_pack_shape *shape,
                                    gneiss_error *error);
 void gn_pack_shape_free(gn_pack_shape *shape);
 
-/* The facets of a surface or mesh shape, turned outward: triangles, in 2D lines with the body on
- * their left. The caller frees them. */
+/* Returns the facets of a surface or mesh shape, oriented outward: triangles, in 2D lines with the
+ * body on their left. The caller frees them. */
 gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error);
 
-/* GNEISS_ERROR_INPUT where gmsh would have to mesh the shape, and the user did not allow it
+/* GNEISS_ERROR_INPUT if gmsh would have to mesh the shape and the user did not permit it
  * (gn_scene.allow_gmsh): the message has the command. */
 gneiss_status gn_pack_check_geometry(const gn_scene *scene, gneiss_error *error);
 
-/* Size of particles wanted at x over that far from every refinement, (0, 1]. */
+/* Returns the wanted size of particles at x relative to that far from every refinement, (0, 1]. */
 double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]);
 
 #endif

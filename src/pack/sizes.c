@@ -6,76 +6,78 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Uniform in [0, 1). */
+/* Returns a number uniformly distributed in [0, 1). */
 static double draw(gn_drawn *drawn) {
     return 0.5 * (1.0 + gn_random_symmetric(drawn->seed, drawn->count++));
 }
 
-/* Share of the mass that passes -> size over the largest. */
-static double sieve_size(const gn_sizes *s, double share) {
+/* Returns the size over the largest at which a fraction of the mass passes. */
+static double sieve_size(const gn_sizes *sizes, double share) {
     size_t k = 1;
-    while (k + 1 < s->sieve_count && s->sieve[2 * k + 1] < share) k++;
-    const double *low = s->sieve + 2 * k - 2, *high = s->sieve + 2 * k;
+    while (k + 1 < sizes->sieve_count && sizes->sieve[2 * k + 1] < share) k++;
+    const double *low = sizes->sieve + 2 * k - 2, *high = sizes->sieve + 2 * k;
     double rise = high[1] - low[1];
     return rise > 0.0 ? low[0] + (high[0] - low[0]) * fmin(1.0, (share - low[1]) / rise) : high[0];
 }
 
-/* Of a sieve curve, in which mass counts, a size is taken as often as r^-d, so that number counts.
- */
-double gn_sizes_draw(const gn_sizes *s, gn_drawn *drawn) {
-    const double ratio = s->ratio, mean = 0.5 * (1.0 + ratio);
-    const double deviation = s->variation >= 0.0 ? s->variation * mean : (ratio - 1.0) / 6.0;
-    if (s->kind == GN_SIZES_UNIFORM) return 1.0 + (ratio - 1.0) * draw(drawn);
+/* A sieve curve counts mass: sizes are drawn with a frequency proportional to r^-d, as numbers of
+ * particles require. */
+double gn_sizes_draw(const gn_sizes *sizes, gn_drawn *drawn) {
+    const double ratio = sizes->ratio, mean = 0.5 * (1.0 + ratio);
+    const double deviation =
+        sizes->variation >= 0.0 ? sizes->variation * mean : (ratio - 1.0) / 6.0;
+    if (sizes->kind == GN_SIZES_UNIFORM) return 1.0 + (ratio - 1.0) * draw(drawn);
     for (;;) {
         double u = 1.0 - draw(drawn), v = draw(drawn);
-        if (s->kind == GN_SIZES_NORMAL) {
+        if (sizes->kind == GN_SIZES_NORMAL) {
             double size = mean + deviation * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
             if (size >= 1.0 && size <= ratio) return size;
         } else {
-            double size = sieve_size(s, u);
-            if (v < pow(s->sieve[0] / size, s->dimension)) return size;
+            double size = sieve_size(sizes, u);
+            if (v < pow(sizes->sieve[0] / size, sizes->dimension)) return size;
         }
     }
 }
 
-void gn_sizes_range(const gn_sizes *s, double *least, double *most) {
-    bool curve = s->kind == GN_SIZES_SIEVE;
-    *least = curve ? s->sieve[0] : 1.0;
-    *most = curve ? 1.0 : s->ratio;
+void gn_sizes_range(const gn_sizes *sizes, double *least, double *most) {
+    bool curve = sizes->kind == GN_SIZES_SIEVE;
+    *least = curve ? sizes->sieve[0] : 1.0;
+    *most = curve ? 1.0 : sizes->ratio;
 }
 
-double gn_sizes_share(const gn_sizes *s, double size) {
+double gn_sizes_share(const gn_sizes *sizes, double size) {
     size_t k = 1;
-    while (k + 1 < s->sieve_count && s->sieve[2 * k] < size) k++;
-    const double *low = s->sieve + 2 * k - 2, *high = s->sieve + 2 * k;
+    while (k + 1 < sizes->sieve_count && sizes->sieve[2 * k] < size) k++;
+    const double *low = sizes->sieve + 2 * k - 2, *high = sizes->sieve + 2 * k;
     double part = (size - low[0]) / (high[0] - low[0]);
     return low[1] + (high[1] - low[1]) * fmin(1.0, fmax(0.0, part));
 }
 
-/* Normal and uniform ones lie evenly about the middle. */
-double gn_sizes_mean(const gn_sizes *s) {
+/* Normal and uniform distributions are symmetric about the middle. */
+double gn_sizes_mean(const gn_sizes *sizes) {
     enum { DRAWN = 100000 };
     gn_drawn own = {UINT64_C(0x73697a6573), 0};
     double sum = 0.0;
-    if (s->kind != GN_SIZES_SIEVE) return 0.5 * (1.0 + s->ratio);
-    for (int k = 0; k < DRAWN; k++) sum += gn_sizes_draw(s, &own);
+    if (sizes->kind != GN_SIZES_SIEVE) return 0.5 * (1.0 + sizes->ratio);
+    for (int k = 0; k < DRAWN; k++) sum += gn_sizes_draw(sizes, &own);
     return sum / DRAWN;
 }
 
-/* Of the normal distribution. */
+/* Returns the cumulative normal distribution. */
 static double below(double deviations) {
     return 0.5 * erfc(-deviations / sqrt(2.0));
 }
 
-double gn_sizes_below(const gn_sizes *s, double size) {
+double gn_sizes_below(const gn_sizes *sizes, double size) {
     double least, most;
-    gn_sizes_range(s, &least, &most);
+    gn_sizes_range(sizes, &least, &most);
     const double x = fmin(fmax(size, least), most);
-    if (s->kind == GN_SIZES_SIEVE) return gn_sizes_share(s, x);
-    if (s->kind == GN_SIZES_UNIFORM || !(most > least))
+    if (sizes->kind == GN_SIZES_SIEVE) return gn_sizes_share(sizes, x);
+    if (sizes->kind == GN_SIZES_UNIFORM || !(most > least))
         return most > least ? (x - least) / (most - least) : size >= least;
-    const double mean = 0.5 * (least + most),
-                 deviation = s->variation >= 0.0 ? s->variation * mean : (most - least) / 6.0;
+    const double mean = 0.5 * (least + most), deviation = sizes->variation >= 0.0
+                                                              ? sizes->variation * mean
+                                                              : (most - least) / 6.0;
     if (!(deviation > 0.0)) return size >= mean;
     const double low = below((least - mean) / deviation), high = below((most - mean) / deviation);
     return (below((x - mean) / deviation) - low) / (high - low);
@@ -86,13 +88,13 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Of sizes in a unit, over the jumps of their sum. */
-static double off_at(const gn_sizes *s, const double *radius, size_t count, double unit, double sum,
-                     double *at) {
-    const double power = s->kind == GN_SIZES_SIEVE ? s->dimension : 0.0;
+/* Returns the largest deviation for sizes in a unit, at the jumps of their sum. */
+static double off_at(const gn_sizes *sizes, const double *radius, size_t count, double unit,
+                     double sum, double *at) {
+    const double power = sizes->kind == GN_SIZES_SIEVE ? sizes->dimension : 0.0;
     double most = 0.0, passed = 0.0;
     for (size_t k = 0; k < count; k++) {
-        const double asked = gn_sizes_below(s, radius[k] / unit), before = passed / sum;
+        const double asked = gn_sizes_below(sizes, radius[k] / unit), before = passed / sum;
         passed += pow(radius[k], power);
         const double off = fmax(fabs(asked - before), fabs(passed / sum - asked));
         if (off > most) *at = radius[k] / unit;
@@ -101,11 +103,11 @@ static double off_at(const gn_sizes *s, const double *radius, size_t count, doub
     return most;
 }
 
-double gn_sizes_off(const gn_sizes *s, double *radius, size_t count, double *at) {
+double gn_sizes_off(const gn_sizes *sizes, double *radius, size_t count, double *at) {
     enum { UNITS = 200 };
-    const double power = s->kind == GN_SIZES_SIEVE ? s->dimension : 0.0;
+    const double power = sizes->kind == GN_SIZES_SIEVE ? sizes->dimension : 0.0;
     double least, most, sum = 0.0, found = 1.0;
-    gn_sizes_range(s, &least, &most);
+    gn_sizes_range(sizes, &least, &most);
     qsort(radius, count, sizeof *radius, by_size);
     for (size_t k = 0; k < count; k++) sum += pow(radius[k], power);
     const double low = radius[0] / least, high = radius[count - 1] / most,
@@ -113,7 +115,7 @@ double gn_sizes_off(const gn_sizes *s, double *radius, size_t count, double *at)
     for (int k = 0; k <= UNITS; k++) {
         double here = 0.0;
         const double unit = first * pow(last / first, (double)k / UNITS),
-                     off = off_at(s, radius, count, unit, sum, &here);
+                     off = off_at(sizes, radius, count, unit, sum, &here);
         if (off < found) *at = here / most;
         found = fmin(found, off);
     }

@@ -1,11 +1,12 @@
-/* Rows x y z r as particles, for what works on particle records. */
+/* Spheres x y z r as a particle record. */
 #ifndef GN_PACK_SPHERES_H
 #define GN_PACK_SPHERES_H
 
 #include "soa/records.h"
 
-/* `row` [count][4], copied; id k for row k, mass 1 kg (the neighbour search leaves out particles
- * without). The caller destroys the record; on failure there is nothing to destroy. */
+/* Makes a record from `row` [count][4], copied; id k for row k, mass 1 kg (the neighbour search
+ * ignores particles without mass). The caller destroys the record; on failure there is nothing to
+ * destroy. */
 gneiss_status gn_particles_of_spheres(const double *row, size_t count, gn_particles *particles,
                                       gneiss_error *error);
 

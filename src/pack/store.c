@@ -14,10 +14,10 @@
 
 /* ---- packing.h5 ---- */
 
-static gneiss_status put_attributes(gn_h5 *file, const gn_scene *scene, const gn_pack_result *r,
-                                    gneiss_error *error) {
-    const int64_t seed = (int64_t)scene->seed, count = (int64_t)r->packing.count,
-                  in_time = r->in_time;
+static gneiss_status put_attributes(gn_h5 *file, const gn_scene *scene,
+                                    const gn_pack_result *result, gneiss_error *error) {
+    const int64_t seed = (int64_t)scene->seed, count = (int64_t)result->packing.count,
+                  in_time = result->in_time;
     const gn_h5_attribute list[] = {{"kind", .text = "packing"},
                                     {"version", .text = gn_version()},
                                     {"build", .text = gn_build()},
@@ -26,54 +26,55 @@ static gneiss_status put_attributes(gn_h5 *file, const gn_scene *scene, const gn
                                     {"seed", .whole = &seed},
                                     {"particles", .whole = &count},
                                     {"in_time", .whole = &in_time},
-                                    {"volume", .number = &r->volume},
-                                    {"seconds", .number = &r->seconds}};
+                                    {"volume", .number = &result->volume},
+                                    {"seconds", .number = &result->seconds}};
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
-static gneiss_status put_particles(gn_h5 *file, const gn_packing *p, gneiss_error *error) {
-    GN_TRY(gn_h5_put(file, "particles/position", GN_F64, p->count, 3, 4 * sizeof(double), p->sphere,
-                     "m", "centre x y z", error));
-    return gn_h5_put(file, "particles/radius", GN_F64, p->count, 1, 4 * sizeof(double),
-                     p->sphere + 3, "m", "radius", error);
+static gneiss_status put_particles(gn_h5 *file, const gn_packing *packing, gneiss_error *error) {
+    GN_TRY(gn_h5_put(file, "particles/position", GN_F64, packing->count, 3, 4 * sizeof(double),
+                     packing->sphere, "m", "centre x y z", error));
+    return gn_h5_put(file, "particles/radius", GN_F64, packing->count, 1, 4 * sizeof(double),
+                     packing->sphere + 3, "m", "radius", error);
 }
 
-static gneiss_status put_figures(gn_h5 *file, const gn_pack_quality *q, gneiss_error *error) {
+static gneiss_status put_figures(gn_h5 *file, const gn_pack_quality *quality, gneiss_error *error) {
 #define PUT(name, unit, text)                                                                      \
-    GN_TRY(gn_h5_put(file, "quality/" #name, GN_F64, 1, 1, 0, &q->name, unit, text, error));
+    GN_TRY(gn_h5_put(file, "quality/" #name, GN_F64, 1, 1, 0, &quality->name, unit, text, error));
     GN_PACK_FIGURES(PUT)
 #undef PUT
-    GN_TRY(gn_h5_put(file, "quality/fabric", GN_F64, 9, 1, 0, q->fabric, "1",
+    GN_TRY(gn_h5_put(file, "quality/fabric", GN_F64, 9, 1, 0, quality->fabric, "1",
                      "(1/N_c) sum n n over contacts at 1 %, by rows", error));
     GN_TRY(gn_h5_put(file, "histogram/radius_edge", GN_F64, GN_PACK_RADIUS_BINS + 1, 1, 0,
-                     q->radius_edge, "m", "bounds of the bins of radius_count", error));
+                     quality->radius_edge, "m", "bounds of the bins of radius_count", error));
     GN_TRY(gn_h5_put(file, "histogram/radius_count", GN_I64, GN_PACK_RADIUS_BINS, 1, 0,
-                     q->radius_count, "1", "particles", error));
+                     quality->radius_count, "1", "particles", error));
     GN_TRY(gn_h5_put(
-        file, "histogram/angle_count", GN_I64, GN_PACK_ANGLE_BINS, 1, 0, q->angle_count, "1",
+        file, "histogram/angle_count", GN_I64, GN_PACK_ANGLE_BINS, 1, 0, quality->angle_count, "1",
         "directions of contacts at 1 % in the xy plane, both ways, bins of 10 degrees", error));
     return gn_h5_put(file, "histogram/polar_count", GN_I64, GN_PACK_ANGLE_BINS, 1, 0,
-                     q->polar_count, "1", "|cos| of their angle with z, 36 equal steps from 0 to 1",
-                     error);
+                     quality->polar_count, "1",
+                     "|cos| of their angle with z, 36 equal steps from 0 to 1", error);
 }
 
-static gneiss_status put_contacts(gn_h5 *file, const gn_pack_quality *q, gneiss_error *error) {
-    int64_t pairs = (int64_t)q->pair_count;
+static gneiss_status put_contacts(gn_h5 *file, const gn_pack_quality *quality,
+                                  gneiss_error *error) {
+    int64_t pairs = (int64_t)quality->pair_count;
     GN_TRY(gn_h5_attribute_i64(file, "/", "pairs", &pairs, 1, error));
-    GN_TRY(gn_h5_put(file, "contacts/pair", GN_I32, q->pair_count, 2, 0, q->pair, "1",
+    GN_TRY(gn_h5_put(file, "contacts/pair", GN_I32, quality->pair_count, 2, 0, quality->pair, "1",
                      "particles with a gap of at most 5 % of r_i + r_j, base 0", error));
-    return gn_h5_put(file, "contacts/gap", GN_F64, q->pair_count, 1, 0, q->gap, "1",
+    return gn_h5_put(file, "contacts/gap", GN_F64, quality->pair_count, 1, 0, quality->gap, "1",
                      "gap over r_i + r_j, negative: overlap", error);
 }
 
-gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *r, gneiss_error *error) {
-    size_t n = r->trace_count, stride = sizeof *r->trace;
+gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *result, gneiss_error *error) {
+    size_t n = result->trace_count, stride = sizeof *result->trace;
     int64_t *whole = gn_alloc_array(3 * n + 1, sizeof *whole);
     if (!whole) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu iterations", n);
     for (size_t k = 0; k < n; k++) {
-        whole[k] = r->trace[k].state.iteration;
-        whole[n + k] = r->trace[k].stage;
-        whole[2 * n + k] = (int64_t)r->trace[k].state.pairs;
+        whole[k] = result->trace[k].state.iteration;
+        whole[n + k] = result->trace[k].stage;
+        whole[2 * n + k] = (int64_t)result->trace[k].state.pairs;
     }
     static const struct {
         const char *name, *text;
@@ -85,7 +86,7 @@ gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *r, gneiss_err
         status = gn_h5_put(file, column[k].name, GN_I64, n, 1, 0, whole + k * n, "1",
                            column[k].text, error);
     gn_free(whole);
-    const gn_pack_trace empty = {0}, *t = n ? r->trace : &empty;
+    const gn_pack_trace empty = {0}, *t = n ? result->trace : &empty;
     if (status == GNEISS_OK)
         status = gn_h5_put(file, "trace/energy", GN_F64, n, 1, stride, &t->state.energy, "1",
                            "sum of squares, relative", error);
@@ -130,18 +131,20 @@ gneiss_status gn_pack_write(const char *path, const gn_scene *scene, const gn_pa
 
 /* ---- the folder ---- */
 
-static gneiss_status write_snapshot(const char *directory, const gn_packing *p,
+static gneiss_status write_snapshot(const char *directory, const gn_packing *packing,
                                     gneiss_error *error) {
-    double *block = gn_alloc_array(p->count + 1, 4 * sizeof *block);
+    double *block = gn_alloc_array(packing->count + 1, 4 * sizeof *block);
     if (!block) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a snapshot");
-    double *radius = block + 3 * p->count;
-    for (size_t k = 0; k < p->count; k++) {
-        memcpy(block + 3 * k, p->sphere + 4 * k, 3 * sizeof *block);
-        radius[k] = p->sphere[4 * k + 3];
+    double *radius = block + 3 * packing->count;
+    for (size_t k = 0; k < packing->count; k++) {
+        memcpy(block + 3 * k, packing->sphere + 4 * k, 3 * sizeof *block);
+        radius[k] = packing->sphere[4 * k + 3];
     }
     gn_snapshot_array array = {"radius", "m", 1, radius};
-    gn_snapshot snapshot = {
-        .point_count = p->count, .points = block, .point_array_count = 1, .point_arrays = &array};
+    gn_snapshot snapshot = {.point_count = packing->count,
+                            .points = block,
+                            .point_array_count = 1,
+                            .point_arrays = &array};
     gneiss_status status = gn_snapshot_write(directory, "particles", &snapshot, error);
     gn_free(block);
     gn_snapshot_times times = {0};
@@ -150,9 +153,8 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *p,
     return status;
 }
 
-/* packing.h5 says that the folder is complete: that of an earlier packing goes first and the new
- * one comes last, so that a call that is killed leaves no files of two packings beside each other.
- */
+/* packing.h5 marks the folder as complete: an earlier one is removed first and the new one is
+ * written last, so that a killed call leaves no mixture of two packings. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
                                    const gn_pack_result *result, const gn_pack_quality *quality,
                                    gneiss_error *error) {

@@ -1,30 +1,30 @@
-/* Packings on disk: packing.h5 with everything that is known of one, packing.txt for other
- * programs, a snapshot for ParaView; and the cache of packings made before. */
+/* Packings on disk: packing.h5 with all data, packing.txt for other programs, a snapshot for
+ * ParaView; and the cache of packings. */
 #ifndef GN_PACK_STORE_H
 #define GN_PACK_STORE_H
 
 #include "io/h5.h"
 #include "pack/quality.h"
 
-/* Writes packing.h5 (docs/packing.md has its layout) whole or not at all. */
+/* Writes packing.h5 (docs/packing.md has its layout) completely or not at all. */
 gneiss_status gn_pack_write(const char *path, const gn_scene *scene, const gn_pack_result *result,
                             const gn_pack_quality *quality, gneiss_error *error);
 
-/* The iterations of the fit as group `trace`. */
+/* Writes the iterations of the fit as group `trace`. */
 gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *result, gneiss_error *error);
 
-/* packing.h5, packing.txt, particles_0000000000.hdf and particles.hdf.series in `directory`, which
- * is there. */
+/* Writes packing.h5, packing.txt, particles_0000000000.hdf and particles.hdf.series in the existing
+ * folder `directory`. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
                                    const gn_pack_result *result, const gn_pack_quality *quality,
                                    gneiss_error *error);
 
-/* The packing of the scene's specimen: from the cache if the same was asked for before, else made
- * and put there. "The same" is every key of the shape and of `packing`, the seed, the contents of
- * the files it names and the version of the method; not the material, nor the number of threads.
- * The cache is $GNEISS_CACHE, else $XDG_CACHE_HOME/gneiss, else ~/.cache/gneiss; GNEISS_CACHE=off
- * does without. A cache that cannot be written or read is no error: `note` [size] then says why,
- * else "". Packings that a time limit cut short are not kept. */
+/* Returns the packing of the scene's specimen, from the cache if an equal request is there;
+ * otherwise makes and stores it. The request is every key of the shape and of `packing`, the seed,
+ * the contents of its files and the version of the method, but not the material and the number of
+ * threads. The cache is $GNEISS_CACHE, else $XDG_CACHE_HOME/gneiss, else ~/.cache/gneiss;
+ * GNEISS_CACHE=off disables it. A cache that cannot be written or read is no error: `note` [size]
+ * then has the reason, else "". Packings ended by a time limit are not stored. */
 gneiss_status gn_pack_obtain(const gn_scene *scene, gn_pack_watch *watch, void *context,
                              gn_pack_result *result, char *note, size_t size, gneiss_error *error);
 

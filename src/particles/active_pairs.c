@@ -252,8 +252,8 @@ void gn_near_moved(const gn_step_context *ctx, gn_dem *dem) {
         gn_near_path *p = &n->paths[b];
         p->last = sqrt(dem->motion_sums[b].change2) * more;
         p->change += p->last;
-        p->way += ctx->dt * p->change * more;
-        s->over = s->over || p->way > p->margin;
+        p->drift += ctx->dt * p->change * more;
+        s->over = s->over || p->drift > p->margin;
     }
     n->past.dt[1] = n->past.dt[0];
     n->past.dt[0] = ctx->dt;
@@ -294,13 +294,13 @@ static void find(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args 
     gn_near *n = &dem->near;
     gn_near_args args = {.pos = pairs->pos,
                          .vel = pairs->vel,
-                         .soon = pairs->spin,
+                         .prefetched = pairs->spin,
                          .i = pairs->contacts->i + b->begin,
                          .j = pairs->contacts->j + b->begin,
                          .particle = q->particle + q->first[b->number],
                          .count = b->end - b->begin,
                          .particles = (size_t)(q->first[b->number + 1] - q->first[b->number]),
-                         .wider = 1.0 + 1e-9,
+                         .widening = 1.0 + 1e-9,
                          .paths = n->paths,
                          .ahead = n->span.ahead,
                          .behind = more * (n->past.dt[0] + n->past.dt[1]),
@@ -490,7 +490,7 @@ static bool take_paths(gn_near *n) {
     memcpy(n->paths, n->kept_paths, n->path_count * sizeof *n->paths);
     for (size_t b = 0; b < n->path_count; b++) {
         const gn_near_path *p = &n->paths[b];
-        good = good && p->margin >= 0.0 && p->last >= 0.0 && p->change >= 0.0 && p->way >= 0.0;
+        good = good && p->margin >= 0.0 && p->last >= 0.0 && p->change >= 0.0 && p->drift >= 0.0;
     }
     return good;
 }

@@ -99,7 +99,7 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     if (!list->rn) return pair;
     pair.area = list->area ? list->area[c] : 0.0;
     pair.length = list->length0[c];
-    pair.lot = lot_of(dem, list->i[c], list->j[c]);
+    pair.draw_id = lot_of(dem, list->i[c], list->j[c]);
     return pair;
 }
 

@@ -104,7 +104,7 @@ static double rounding_energy(const gn_world *w) {
 
 /* The scale of the residual never falls. Elements are in the reading only. */
 static void read_passed(gn_world *w) {
-    double passed = fmax(gn_energy_passed(&w->ledger.reading), rounding_energy(w));
+    double passed = fmax(gn_energy_throughput(&w->ledger.reading), rounding_energy(w));
     w->ledger.reading.passed = fmax(w->ledger.energy.passed, passed);
 }
 

@@ -61,7 +61,7 @@ void gn_kept_begin(gn_run *run, bool closer) {
 
 void gn_kept_resume(gn_run *run) {
     const gn_looks *looks = &run->looks;
-    gn_beginning_look(&run->kept.beginning, looks->strain, looks->stress, looks->count);
+    gn_beginning_update(&run->kept.beginning, looks->strain, looks->stress, looks->count);
 }
 
 void gn_kept_free(gn_kept *kept) {
@@ -116,7 +116,7 @@ static bool has_begun(gn_run *run, bool look) {
     if (gn_run_staged(run)) return rows > 1;
     const bool before = k->beginning.begun;
     if (look)
-        gn_beginning_look(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
+        gn_beginning_update(&k->beginning, run->looks.strain, run->looks.stress, run->looks.count);
     if (begins_unloaded(run)) return k->beginning.begun || has_moved(run);
     if (k->beginning.begun && !before) k->peak = 0.0;
     return k->beginning.begun;

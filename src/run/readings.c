@@ -85,18 +85,18 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
         .notched = t->given.notch > 0.0,
         .by_ends = by_ends(w),
         .by_mean = gn_section_by_mean(&w->ctx, &w->dem, &w->solids, &w->section),
-        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
-        .halted = !over && w->outcome.halt[0],
+        .under_gravity = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+        .conversion_halted = !over && w->outcome.halt[0],
         .fragments = pieces.count,
         .largest_fragment = pieces.largest,
         .zones = w->ctx.scene.couple.zone_count > 0,
-        .returned = returned(w, rows, over),
+        .returned_energy = returned(w, rows, over),
         .section = gn_scene_tested(&w->ctx.scene)
                        ? gn_test_shape(&w->ctx, &w->dem, &w->boundary, &w->solids).section
                        : NAN,
         .elastic = !w->ctx.scene.has_specimen,
-        .watched = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
-                   !gn_scene_end_drives(&w->ctx.scene, &t->upper),
+        .one_sided = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
+                     !gn_scene_end_drives(&w->ctx.scene, &t->upper),
         .no_bursts = w->ctx.effects & GN_FX_BONDS ? "output.events off keeps no breaks"
                                                   : "the scene has no bonds"};
 }

@@ -176,7 +176,7 @@ static double look_for_peak(gn_run *run, size_t count) {
     const size_t looks = run->looks.count;
     const bool before = run->beginning.begun;
     double mean = NAN;
-    gn_beginning_look(&run->beginning, run->looks.strain, run->looks.stress, looks);
+    gn_beginning_update(&run->beginning, run->looks.strain, run->looks.stress, looks);
     if (!run->beginning.begun) return NAN;
     if (!before) run->peak = 0.0;
     for (size_t end = before ? looks : run->beginning.least + 1; end <= looks; end++)

@@ -17,9 +17,9 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->task_first = gn_alloc_array(n + 1, sizeof *deal->task_first);
     deal->owned_first = gn_alloc_array(n + 2, sizeof *deal->owned_first);
     deal->shared_first = gn_alloc_array(n + 2, sizeof *deal->shared_first);
-    deal->put_off = gn_alloc_array(n, sizeof *deal->put_off);
+    deal->deferred = gn_alloc_array(n, sizeof *deal->deferred);
     bool held = deal->share && deal->mark && deal->task_first && deal->owned_first &&
-                deal->shared_first && deal->put_off;
+                deal->shared_first && deal->deferred;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         deal->cut[l] = gn_alloc_array(n + 1, sizeof *deal->cut[l]);
         held = held && deal->cut[l];
@@ -52,7 +52,7 @@ void gn_deal_free(gn_deal *deal) {
     gn_free(deal->task_first);
     gn_free(deal->owned_first);
     gn_free(deal->shared_first);
-    gn_free(deal->put_off);
+    gn_free(deal->deferred);
     for (int l = 0; l < GN_DEAL_LISTS; l++) gn_free(deal->cut[l]);
     free_tasks(deal);
     free_particles(deal);
@@ -63,7 +63,7 @@ static size_t block_count(const gn_deal_list *list) {
     return list->partials ? list->partials->blocks : 0;
 }
 
-/* Room for half as many again: lists that are made anew differ little. */
+/* Reserves half as much again: rebuilt lists differ little in length. */
 static bool hold_tasks(gn_deal *deal) {
     deal->tasks = 0;
     for (int l = 0; l < GN_DEAL_LISTS; l++) deal->tasks += block_count(&deal->list[l]);
@@ -104,7 +104,7 @@ gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
 
 /* --- cuts between threads --- */
 
-/* First block of a list whose first item belongs to `particle` or a later one. */
+/* Returns the first block of a list whose first item belongs to `particle` or a later one. */
 static size_t block_at(const gn_deal_list *list, int32_t particle) {
     size_t low = 0, high = block_count(list);
     while (low < high) {
@@ -117,7 +117,7 @@ static size_t block_at(const gn_deal_list *list, int32_t particle) {
     return low;
 }
 
-/* The list with more items, which the others follow. */
+/* Returns the list with more items, by which the others are cut. */
 static int lead_of(const gn_deal *deal) {
     size_t most = 0;
     int lead = 0;
@@ -130,14 +130,15 @@ static int lead_of(const gn_deal *deal) {
     return lead;
 }
 
-/* Where thread t's share of the longer list begins, by the measured shares. */
+/* Returns the block of the longer list at which thread t's share should begin, by the measured
+ * shares. */
 static size_t cut_wanted(const gn_deal *deal, const gn_deal_list *leading, int t, int threads) {
     if (t == 0 || t == threads) return t ? block_count(leading) : 0;
     return (size_t)lround(deal->share[t] * (double)block_count(leading));
 }
 
-/* The longer list is cut by blocks, the shorter one at the same particles, so that few particles
- * have items on both sides. */
+/* Cuts a list: the longer one by blocks, the shorter one at the same particles, so that few
+ * particles have items on both sides. */
 static size_t cut_of(const gn_deal_list *list, const gn_deal_list *leading, size_t cut) {
     if (list == leading || cut == 0) return cut;
     if (cut >= block_count(leading) || !block_count(list)) return block_count(list);
@@ -154,8 +155,8 @@ static void cut_lists(gn_deal *deal, int lead, int threads) {
     deal->team = threads;
 }
 
-/* A cut that would move by less than a fiftieth of a share stays where it is: what moves with it
- * changes caches, and threads help each other anyway. */
+/* Tells whether the present cuts still serve. A cut that would move by less than a fiftieth of a
+ * share stays: moving it changes caches, and threads take work from each other anyway. */
 static bool cuts_hold(const gn_deal *deal, int lead, int threads) {
     const gn_deal_list *leading = &deal->list[lead];
     if (deal->team != threads) return false;
@@ -167,7 +168,7 @@ static bool cuts_hold(const gn_deal *deal, int lead, int threads) {
     return true;
 }
 
-/* Last block of items that touches a block of particles, -1: none. */
+/* Returns the last block of items that touches a block of particles, -1 if none does. */
 static int64_t last_touch(const gn_deal_list *list, size_t particles) {
     return block_count(list) ? list->partials->touched[1][particles] : -1;
 }
@@ -175,7 +176,7 @@ static int64_t first_touch(const gn_deal_list *list, size_t particles) {
     return list->partials->touched[0][particles];
 }
 
-/* The thread whose share block b of a list belongs to. */
+/* Returns the thread whose share contains block b of a list. */
 static int32_t holder(const gn_deal *deal, int l, int64_t b) {
     int32_t low = 0, high = deal->team - 1; /* the last one whose cut is not above b */
     while (low < high) {
@@ -203,14 +204,15 @@ static span threads_of(const gn_deal *deal, size_t p) {
         if (first < s.first) s.first = first;
         if (last > s.last) s.last = last;
     }
-    /* Particles without any item are listed in equal parts, and any thread may draw them: nothing
-     * tells whether the thread of the list has come to this sweep. */
+    /* Blocks without any item are distributed evenly, and any thread may take them, since the
+     * thread to which they are assigned may be missing in this sweep. */
     s.shared = s.first != s.last;
     if (s.last < 0) s.first = s.last = (int32_t)(p * (size_t)deal->team / deal->particle_blocks);
     return s;
 }
 
-/* Last block of a thread's share of a list that touches a block of particles, -1: none. */
+/* Returns the last block of a thread's share of a list that touches a block of particles, -1 if
+ * none does. */
 static int64_t last_in_share(const gn_deal *deal, int l, int t, size_t p) {
     const int64_t begin = (int64_t)deal->cut[l][t], end = (int64_t)deal->cut[l][t + 1];
     const int64_t last = last_touch(&deal->list[l], p);
@@ -222,22 +224,24 @@ static size_t task_of(const gn_deal *deal, int l, size_t block) {
     return l ? block_count(&deal->list[0]) + block : block;
 }
 
-/* A thread's tasks while they are put in order; `next`: first block of each list not in it yet. */
+/* A thread's tasks while they are ordered. `next` is the first block of each list that is not yet
+ * included. */
 typedef struct sequence {
     int t;
     size_t next[GN_DEAL_LISTS];
     size_t length;
 } sequence;
 
-static void append(gn_deal *deal, sequence *s, int l, size_t end) {
-    for (; s->next[l] < end; s->next[l]++, s->length++) {
-        const size_t task = task_of(deal, l, s->next[l]);
-        deal->task[deal->task_first[s->t] + s->length] = (int32_t)task;
-        deal->place[task] = (int32_t)s->length;
+static void append(gn_deal *deal, sequence *order, int l, size_t end) {
+    for (; order->next[l] < end; order->next[l]++, order->length++) {
+        const size_t task = task_of(deal, l, order->next[l]);
+        deal->task[deal->task_first[order->t] + order->length] = (int32_t)task;
+        deal->place[task] = (int32_t)order->length;
     }
 }
 
-/* What a thread's particles need comes just before them, the rest at the end. */
+/* Orders a thread's tasks: those that its particles need come just before them, the rest at the
+ * end. */
 static void put_in_order(gn_deal *deal, int t) {
     sequence s = {.t = t};
     for (int l = 0; l < GN_DEAL_LISTS; l++) s.next[l] = deal->cut[l][t];
@@ -250,19 +254,20 @@ static void put_in_order(gn_deal *deal, int t) {
     deal->task_first[t + 1] = deal->task_first[t] + s.length;
 }
 
-/* From numbers of a thread's at [t + 2] to where they begin at [t + 1], to be moved to its end
- * as they are filled in. */
+/* Converts counts at [t + 2] into first places at [t + 1], which filling in advances to the end of
+ * each thread. */
 static void add_up(size_t *first, int threads) {
     for (int t = 0; t < threads; t++) first[t + 2] += first[t + 1];
 }
 
-/* How many of a list by threads are thread t's. */
+/* Returns the number of thread t's entries in a list sorted by threads. */
 static size_t count_of(const size_t *first, int t) {
     return first[t + 1] - first[t];
 }
 
-/* As many of the last owned blocks as others have more shared ones. */
-static void put_off(gn_deal *deal) {
+/* Defers as many of a thread's last owned blocks as it has fewer shared blocks than the thread with
+ * most. */
+static void defer_last_blocks(gn_deal *deal) {
     size_t most = 0;
     for (int t = 0; t < deal->team; t++)
         if (count_of(deal->shared_first, t) > most) most = count_of(deal->shared_first, t);
@@ -270,13 +275,14 @@ static void put_off(gn_deal *deal) {
         const size_t shared = count_of(deal->shared_first, t);
         const size_t owned = count_of(deal->owned_first, t);
         const size_t later = most - shared < owned ? most - shared : owned;
-        deal->put_off[t] = deal->owned_first[t + 1] - later;
+        deal->deferred[t] = deal->owned_first[t + 1] - later;
     }
 }
 
-/* Blocks of particles whose items are all of one thread go to that, the others are listed by their
- * last thread. So every owned block comes after at least one task: one that its thread does not
- * begin is late, and drawn by another. */
+/* Assigns blocks of particles to threads. A block whose items belong to one thread is owned by
+ * that; the others are assigned to their last thread. Hence every owned block comes after at least
+ * one task, and if its thread does not begin that task, the block is late and another thread takes
+ * it. */
 static void deal_out(gn_deal *deal) {
     for (int t = 0; t < deal->team + 2; t++) deal->owned_first[t] = deal->shared_first[t] = 0;
     for (size_t p = 0; p < deal->particle_blocks; p++) {
@@ -292,21 +298,21 @@ static void deal_out(gn_deal *deal) {
         else
             deal->owned[deal->owned_first[s.last + 1]++] = (int32_t)p;
     }
-    put_off(deal);
+    defer_last_blocks(deal);
     deal->task_first[0] = 0;
     for (int t = 0; t < deal->team; t++) put_in_order(deal, t);
 }
 
 /* --- a sweep --- */
 
-/* A word of a mark: the sweep it is of, and a count below 2^24. */
+/* A word of a mark: the number of the sweep, and a count below 2^24. */
 enum { COUNT_BITS = 24 };
 static uint64_t stamped(uint64_t sweep, uint64_t number) {
     return (sweep << COUNT_BITS) + number;
 }
 
-/* Tasks [front, back) of a share that nobody has taken, beside the last bits of the sweep. They
- * may come round again: a share with tasks is begun in every sweep between two cuts. */
+/* Tasks [front, back) of a share that no thread has taken, stored with the last bits of the sweep
+ * number. These may repeat: a share with tasks is begun in every sweep between two cuts. */
 typedef struct range {
     uint64_t front, back;
 } range;
@@ -337,26 +343,26 @@ typedef struct worker {
     void *context;
     int me;
     uint64_t sweep;
-    size_t tasks; /* that it has done */
+    size_t tasks; /* tasks done by this thread */
     double lost;  /* s of waiting */
 } worker;
 
-/* The range of thread t's tasks that nobody has taken. */
-static range open_of(const worker *k, int t) {
-    uint64_t word = atomic_load_explicit(&k->deal->mark[t].open, memory_order_relaxed);
-    return unpacked(word, k->sweep, count_of(k->deal->task_first, t));
+/* Returns the range of thread t's tasks that no thread has taken. */
+static range open_of(const worker *thread, int t) {
+    uint64_t word = atomic_load_explicit(&thread->deal->mark[t].open, memory_order_relaxed);
+    return unpacked(word, thread->sweep, count_of(thread->deal->task_first, t));
 }
 
-/* Takes the next of the worker's own tasks from the front, or one of another thread's from the
- * back; returns its place, -1 when none is left. */
-static int64_t take(const worker *k, int t) {
-    gn_deal_mark *mark = &k->deal->mark[t];
+/* Takes the worker's own next task from the front, or another thread's last task from the back.
+ * Returns its place, -1 if none is left. */
+static int64_t take(const worker *thread, int t) {
+    gn_deal_mark *mark = &thread->deal->mark[t];
     uint64_t word = atomic_load_explicit(&mark->open, memory_order_relaxed);
     for (;;) {
-        range r = unpacked(word, k->sweep, count_of(k->deal->task_first, t));
+        range r = unpacked(word, thread->sweep, count_of(thread->deal->task_first, t));
         if (r.front >= r.back) return -1;
-        const uint64_t place = t == k->me ? r.front++ : --r.back;
-        if (atomic_compare_exchange_weak_explicit(&mark->open, &word, packed(k->sweep, r),
+        const uint64_t place = t == thread->me ? r.front++ : --r.back;
+        if (atomic_compare_exchange_weak_explicit(&mark->open, &word, packed(thread->sweep, r),
                                                   memory_order_relaxed, memory_order_relaxed))
             return (int64_t)place;
     }
@@ -366,44 +372,44 @@ static size_t task_at(const gn_deal *deal, int t, uint64_t place) {
     return (size_t)deal->task[deal->task_first[t] + place];
 }
 
-static void work_on_task(worker *k, size_t task) {
-    const size_t first = block_count(&k->deal->list[0]);
+static void work_on_task(worker *thread, size_t task) {
+    const size_t first = block_count(&thread->deal->list[0]);
     if (task < first)
-        k->work->items(k->context, 0, task);
+        thread->work->items(thread->context, 0, task);
     else
-        k->work->items(k->context, 1, task - first);
-    k->tasks++;
+        thread->work->items(thread->context, 1, task - first);
+    thread->tasks++;
 }
 
-/* The worker's own share, up to where others have taken the rest of it. */
-static void work_on_share(worker *k) {
-    const gn_deal *deal = k->deal;
-    gn_deal_mark *mark = &k->deal->mark[k->me];
-    size_t p = deal->owned_first[k->me];
-    const size_t end = deal->put_off[k->me];
+/* Does the tasks of the worker's own share, until the rest has been taken by others. */
+static void work_on_share(worker *thread) {
+    const gn_deal *deal = thread->deal;
+    gn_deal_mark *mark = &thread->deal->mark[thread->me];
+    size_t p = deal->owned_first[thread->me];
+    const size_t end = deal->deferred[thread->me];
     for (int64_t done = 0;; done++) {
         for (; p < end && deal->after[p] == done; p++)
-            k->work->particles(k->context, (size_t)deal->owned[p]);
-        const int64_t place = take(k, k->me);
+            thread->work->particles(thread->context, (size_t)deal->owned[p]);
+        const int64_t place = take(thread, thread->me);
         if (place < 0) break;
-        work_on_task(k, task_at(deal, k->me, (uint64_t)place));
-        atomic_store_explicit(&mark->done, stamped(k->sweep, (uint64_t)place + 1),
+        work_on_task(thread, task_at(deal, thread->me, (uint64_t)place));
+        atomic_store_explicit(&mark->done, stamped(thread->sweep, (uint64_t)place + 1),
                               memory_order_release);
     }
 }
 
-static void help_others(worker *k) {
-    for (int turn = 1; turn < k->deal->team; turn++) {
-        const int t = (k->me + turn) % k->deal->team;
-        for (int64_t place; (place = take(k, t)) >= 0;) {
-            const size_t task = task_at(k->deal, t, (uint64_t)place);
-            work_on_task(k, task);
-            atomic_store_explicit(&k->deal->taken[task], k->sweep, memory_order_release);
+static void help_others(worker *thread) {
+    for (int turn = 1; turn < thread->deal->team; turn++) {
+        const int t = (thread->me + turn) % thread->deal->team;
+        for (int64_t place; (place = take(thread, t)) >= 0;) {
+            const size_t task = task_at(thread->deal, t, (uint64_t)place);
+            work_on_task(thread, task);
+            atomic_store_explicit(&thread->deal->taken[task], thread->sweep, memory_order_release);
         }
     }
 }
 
-/* Spins until `word` has come to `wanted`; returns the seconds lost. */
+/* Spins until `word` reaches `wanted`; returns the seconds lost. */
 static double await(const _Atomic uint64_t *word, uint64_t wanted) {
     enum { SPINS = 2000 };
     if (atomic_load_explicit(word, memory_order_acquire) >= wanted) return 0.0;
@@ -416,8 +422,8 @@ static double await(const _Atomic uint64_t *word, uint64_t wanted) {
     return gn_now() - start;
 }
 
-/* How many of thread t's tasks have to be done until all in its share that touch a block of
- * particles are. */
+/* Returns the number of thread t's tasks after which all those of its share that touch a block of
+ * particles are done. */
 static uint64_t needed(const gn_deal *deal, int t, size_t p) {
     uint64_t wanted = 0;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
@@ -429,27 +435,30 @@ static uint64_t needed(const gn_deal *deal, int t, size_t p) {
     return wanted;
 }
 
-/* Until all items of a block of particles are done. All tasks of all shares have been taken. */
-static void await_items(worker *k, size_t p) {
-    const gn_deal *deal = k->deal;
+/* Waits until all items of a block of particles are done; all tasks of all shares have been
+ * taken. */
+static void await_items(worker *thread, size_t p) {
+    const gn_deal *deal = thread->deal;
     const span s = threads_of(deal, p);
-    const double before = k->lost;
+    const double before = thread->lost;
     for (int t = s.first; t <= s.last; t++) {
-        const uint64_t wanted = needed(deal, t, p), own = open_of(k, t).back;
+        const uint64_t wanted = needed(deal, t, p), own = open_of(thread, t).back;
         if (!wanted) continue;
         if (own)
-            k->lost += await(&deal->mark[t].done, stamped(k->sweep, wanted < own ? wanted : own));
+            thread->lost +=
+                await(&deal->mark[t].done, stamped(thread->sweep, wanted < own ? wanted : own));
         for (uint64_t place = own; place < wanted; place++)
-            k->lost += await(&deal->taken[task_at(deal, t, place)], k->sweep);
+            thread->lost += await(&deal->taken[task_at(deal, t, place)], thread->sweep);
     }
-    if (k->work->waited && k->lost > before) k->work->waited(k->context, k->lost - before);
+    if (thread->work->waited && thread->lost > before)
+        thread->work->waited(thread->context, thread->lost - before);
 }
 
-/* The first of a thread's particles that need tasks others have taken. */
-static size_t first_late(const worker *k, int t) {
-    const gn_deal *deal = k->deal;
-    const uint64_t own = open_of(k, t).back;
-    size_t low = deal->owned_first[t], high = deal->put_off[t];
+/* Returns the first of a thread's owned blocks that need a task taken by another thread. */
+static size_t first_late(const worker *thread, int t) {
+    const gn_deal *deal = thread->deal;
+    const uint64_t own = open_of(thread, t).back;
+    size_t low = deal->owned_first[t], high = deal->deferred[t];
     while (low < high) {
         const size_t mid = (low + high) / 2;
         if ((uint64_t)deal->after[mid] <= own)
@@ -460,7 +469,7 @@ static size_t first_late(const worker *k, int t) {
     return low;
 }
 
-/* Takes one of so many; -1 when none is left. */
+/* Takes one of `count` entries; returns -1 if none is left. */
 static int64_t draw(_Atomic uint64_t *drawn, uint64_t sweep, uint64_t count) {
     const uint64_t none = stamped(sweep, 0);
     uint64_t word = atomic_load_explicit(drawn, memory_order_relaxed);
@@ -473,20 +482,20 @@ static int64_t draw(_Atomic uint64_t *drawn, uint64_t sweep, uint64_t count) {
     }
 }
 
-/* Particles with items of several shares, and those whose items were partly done by others. */
-static void work_on_the_rest(worker *k) {
-    const gn_deal *deal = k->deal;
+/* Moves shared and late blocks of particles, whose items were distributed over several threads. */
+static void work_on_the_rest(worker *thread) {
+    const gn_deal *deal = thread->deal;
     for (int turn = 0; turn < deal->team; turn++) {
-        const int t = (k->me + turn) % deal->team;
-        const size_t late = first_late(k, t);
+        const int t = (thread->me + turn) % deal->team;
+        const size_t late = first_late(thread, t);
         const size_t shared = count_of(deal->shared_first, t);
         const size_t count = shared + deal->owned_first[t + 1] - late;
-        for (int64_t n; (n = draw(&k->deal->mark[t].drawn, k->sweep, count)) >= 0;) {
+        for (int64_t n; (n = draw(&thread->deal->mark[t].drawn, thread->sweep, count)) >= 0;) {
             const size_t p = (size_t)n < shared
                                  ? (size_t)deal->shared[deal->shared_first[t] + (size_t)n]
                                  : (size_t)deal->owned[late + (size_t)n - shared];
-            await_items(k, p);
-            k->work->particles(k->context, p);
+            await_items(thread, p);
+            thread->work->particles(thread->context, p);
         }
     }
 }
@@ -502,8 +511,9 @@ void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *cont
     deal->mark[k.me].worked += k.tasks;
 }
 
-/* What a thread did beyond its own tasks, or how many of these others did, as a part of them. One
- * per sweep says nothing: it is a matter of who came last. */
+/* Returns the tasks that a thread did beyond its own, or (negative) those of its own that others
+ * did, as a fraction of its own. One per sweep is no evidence: it depends on the order of
+ * arrival. */
 static double surplus(const gn_deal *deal, int t, int sweeps) {
     static const double most = 0.5;
     const double own = (double)count_of(deal->task_first, t) * sweeps;
@@ -512,7 +522,7 @@ static double surplus(const gn_deal *deal, int t, int sweeps) {
     return fmin(most, fmax(-most, more / fmax(own, 1.0)));
 }
 
-/* A thread that did more than its share gets a little more from now on. */
+/* Enlarges the share of a thread that did more than its share. */
 static void follow_pace(gn_deal *deal, int sweeps) {
     static const double pace = 0.05;
     double before = 0.0, total = 0.0;

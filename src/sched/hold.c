@@ -26,7 +26,7 @@ void gn_hold_clear(gn_hold *hold) {
     hold->count = 0;
 }
 
-/* Loads are of one step: nothing has to be kept when room is made. */
+/* Enlarges the storage. Loads are those of one step, so that old ones need not be copied. */
 static gneiss_status make_room(gn_hold *hold, gneiss_error *error) {
     size_t room = 2 * hold->count + 4;
     double *load = gn_alloc_array(room * GN_BLOCK_LOAD, sizeof *load);

@@ -1,52 +1,56 @@
 #include "sched/pace.h"
 
-static void begin_period(gn_pace *p, bool trying) {
-    p->trying = trying;
-    p->rounds = 0;
-    p->seconds = p->work = p->waiting = 0.0;
+static void begin_period(gn_pace *pace, bool trying) {
+    pace->trying = trying;
+    pace->rounds = 0;
+    pace->seconds = pace->work = pace->waiting = 0.0;
 }
 
-static void lengthen(gn_pace *p) {
-    p->interval = 2 * p->interval < p->longest ? 2 * p->interval : p->longest;
+static void lengthen(gn_pace *pace) {
+    pace->interval = 2 * pace->interval < pace->longest ? 2 * pace->interval : pace->longest;
 }
 
-/* A thread waits a little in the best of worlds: shares are never quite equal. */
+/* Threads always wait a little, since shares are never equal. */
 static const double waiting_enough = 0.3;
 
-/* A trial of all threads that has already cost twice what all its rounds would by one: on a busy
- * machine a single round may take as long as a hundred. */
-static bool is_lost(const gn_pace *p) {
-    return p->one && p->seconds > 2.0 * p->cost * p->work / p->rounds * p->trial;
+/* Tells whether a trial of all threads has already cost twice what all its rounds would cost on one
+ * thread: on a busy machine a single round may take as long as a hundred. */
+static bool is_lost(const gn_pace *pace) {
+    return pace->single &&
+           pace->seconds > 2.0 * pace->cost * pace->work / pace->rounds * pace->trial_rounds;
 }
 
-/* While threads wait much, one alone is tried again once sixteen such trials would have fitted in:
- * the last may have met with bad luck, and all threads can be a hundred times as slow. */
-static bool is_long(const gn_pace *p) {
-    return !p->one && p->alone > 0.0 && p->rounds >= p->shortest &&
-           p->waiting > waiting_enough * p->rounds && p->seconds > 16.0 * p->alone;
+/* Tells whether one thread is to be tried again: while threads wait much, sixteen such trials must
+ * fit into the time since the last, which may have been disturbed; all threads can be a hundred
+ * times as slow. */
+static bool is_long(const gn_pace *pace) {
+    return !pace->single && pace->single_seconds > 0.0 && pace->rounds >= pace->shortest &&
+           pace->waiting > waiting_enough * pace->rounds &&
+           pace->seconds > 16.0 * pace->single_seconds;
 }
 
-void gn_pace_note(gn_pace *p, double seconds, double work, double waiting) {
-    if (p->all < 2) return;
-    p->seconds += seconds;
-    p->work += work;
-    p->waiting += waiting;
-    p->rounds++;
-    if (!p->trying) {
-        if (p->rounds < p->interval && !is_long(p)) return;
-        bool known = p->waiting >= 0.0, idle = !known || p->waiting > waiting_enough * p->rounds;
-        p->cost = p->seconds / p->work;
-        if (!p->one && !idle) lengthen(p);
-        begin_period(p, p->one || idle);
+void gn_pace_note(gn_pace *pace, double seconds, double work, double waiting) {
+    if (pace->most_threads < 2) return;
+    pace->seconds += seconds;
+    pace->work += work;
+    pace->waiting += waiting;
+    pace->rounds++;
+    if (!pace->trying) {
+        if (pace->rounds < pace->interval && !is_long(pace)) return;
+        bool known = pace->waiting >= 0.0,
+             idle = !known || pace->waiting > waiting_enough * pace->rounds;
+        pace->cost = pace->seconds / pace->work;
+        if (!pace->single && !idle) lengthen(pace);
+        begin_period(pace, pace->single || idle);
         return;
     }
-    if (p->rounds < p->trial && !is_lost(p)) return;
-    if (!p->one) p->alone = p->seconds;
-    if (p->seconds / p->work < p->cost) {
-        p->one = !p->one;
-        p->interval = p->shortest;
+    if (pace->rounds < pace->trial_rounds && !is_lost(pace)) return;
+    if (!pace->single) pace->single_seconds = pace->seconds;
+    if (pace->seconds / pace->work < pace->cost) {
+        pace->single = !pace->single;
+        pace->interval = pace->shortest;
     } else {
-        lengthen(p);
+        lengthen(pace);
     }
-    begin_period(p, false);
+    begin_period(pace, false);
 }

@@ -81,7 +81,7 @@ void gn_soa_destroy(const gn_record *record, void *soa) {
     head->count = head->capacity = 0;
 }
 
-/* One component stream of a field: where item k starts and how many bytes it has. */
+/* One component stream of a field: where it starts, the distance between items and their size. */
 typedef struct stream {
     size_t base, stride, size;
 } stream;
@@ -125,7 +125,7 @@ static inline void gather_items(char *to, const char *from, size_t size, const i
         if (place[k] >= 0) memcpy(to + k * size, from + (size_t)place[k] * size, size);
 }
 
-/* With a size that the compiler knows, a copy is one move. */
+/* With a constant size, the compiler turns a copy into one move. */
 static void gather(char *to, const char *from, size_t size, const int32_t *place, size_t count) {
     switch (size) {
     case 8:
@@ -172,7 +172,7 @@ void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, s
     }
 }
 
-/* `fresh`: what of dst is not written is not there yet, and is zeroed. */
+/* Copies fields; with `fresh`, the rest of dst is uninitialised and is zeroed. */
 static void take(const gn_record *record, void *dst, const void *src, bool fresh) {
     const gn_soa *from = src, *to = dst;
     for (size_t f = 0; f < record->field_count; f++) {

@@ -21,11 +21,11 @@
 typedef enum gn_type { GN_F64, GN_I64, GN_I32, GN_U8, GN_F32 } gn_type;
 typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
 
-/* STATE decides the future: hashed and saved. SAVED is kept in checkpoints (reference positions,
- * last forces for output). SCRATCH is rebuilt from the others. */
+/* STATE determines the future: it is hashed and saved. SAVED is stored in checkpoints (reference
+ * positions, last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
-/* What lists do with a column of contacts, see records.h. */
+/* How rebuilding a list treats a column of contacts, see records.h. */
 enum { GN_KEPT = 1, GN_ODD = 2 };
 
 typedef struct gn_field {
@@ -33,21 +33,22 @@ typedef struct gn_field {
     gn_type type;
     gn_layout layout;
     gn_role role;
-    unsigned care; /* GN_KEPT, GN_ODD */
+    unsigned care; /* set of GN_KEPT and GN_ODD */
     int components;
     gn_effects needs;  /* present only if all of these are active */
     gn_effects unless; /* absent if all of these are active (0: no such condition) */
     const char *unit;
     const char *text;
-    size_t offset;    /* of the pointer within the struct */
-    size_t single_of; /* the same of the column that this one has in single precision; 0: none */
+    size_t offset; /* of the pointer in the struct */
+    /* offset of the double column of which this is the copy in single precision; 0: none */
+    size_t single_of;
 } gn_field;
 
 /* First member of every record. */
 typedef struct gn_soa {
     size_t count;       /* valid items */
-    size_t capacity;    /* items allocated, a multiple of GN_LANES_MAX above count */
-    gn_effects effects; /* decides which fields exist */
+    size_t capacity;    /* allocated items, a multiple of GN_LANES_MAX above count */
+    gn_effects effects; /* determine which fields exist */
 } gn_soa;
 
 typedef struct gn_record {
@@ -56,20 +57,19 @@ typedef struct gn_record {
     size_t field_count;
 } gn_record;
 
-/* Arrays are padded to this many items at least beyond `count`, so that kernels need no remainder
- * loop. */
+/* The least number of padding items beyond `count`, so that kernels need no remainder loop. */
 enum { GN_LANES_MAX = 16 };
 
 size_t gn_type_size(gn_type type);
 bool gn_field_active(const gn_field *field, gn_effects effects);
 
-/* The array of a field; NULL if the field is not active. */
+/* Returns the array of a field; NULL if the field is inactive. */
 void *gn_field_data(const gn_field *field, const void *record);
 
-/* Bytes per item over the active fields. */
+/* Returns the bytes per item of all active fields. */
 size_t gn_record_bytes(const gn_record *record, gn_effects effects);
 
-/* Allocates all active fields for `count` items, zeroed. `soa` is the record's first member. */
+/* Allocates all active fields for `count` items, zeroed. gn_soa is the first member of `soa`. */
 gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn_effects effects,
                             gneiss_error *error);
 void gn_soa_destroy(const gn_record *record, void *soa);
@@ -78,25 +78,26 @@ void gn_soa_destroy(const gn_record *record, void *soa);
  * records have the same effects; dst->count items are written. */
 void gn_soa_permute(const gn_record *record, void *dst, const void *src, const int32_t *order);
 
-/* Kept columns of a list made anew: now[begin + k] = old[from[k]] for k in [0, count); from[k] < 0:
- * a contact that was not there, untouched. */
+/* Copies kept columns into a rebuilt list: now[begin + k] = old[from[k]] for k in [0, count).
+ * from[k] < 0 means a new contact, which is left unchanged. */
 void gn_soa_keep(const gn_record *record, void *now, size_t begin, size_t count, const void *old,
                  const int32_t *from);
 
-/* Contacts whose ends change places, `swapped` [count], see odd columns from the other side. */
+/* Negates the odd columns of the contacts `swapped` [count], whose ends change places. */
 void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, size_t count);
 
-/* A copy of src with more (or fewer) fields: those of `effects`. What src does not have is zero. */
+/* Copies src to a new record with the fields of `effects`. Fields that src lacks are zero. */
 gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
                           gneiss_error *error);
 
-/* The values of src in the arrays of dst, as far as it has the field; as many items. */
+/* Copies the values of all fields that src has into the existing arrays of dst; the counts are
+ * equal. */
 void gn_soa_take(const gn_record *record, void *dst, const void *src);
 
-/* FNV-1a of all STATE fields of the first `count` items, chained from `seed`. */
+/* Returns the FNV-1a hash of all STATE fields of the first `count` items, chained from `seed`. */
 uint64_t gn_soa_hash(const gn_record *record, const void *soa, uint64_t seed);
 
-/* FNV-1a of bytes. The first link of a chain is GN_HASH_SEED. */
+/* Returns the FNV-1a hash of bytes. The first link of a chain is GN_HASH_SEED. */
 #define GN_HASH_SEED UINT64_C(0xcbf29ce484222325)
 uint64_t gn_hash_bytes(const void *bytes, size_t size, uint64_t seed);
 

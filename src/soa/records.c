@@ -1,4 +1,4 @@
-/* Fields say what they need, whatever is built. */
+/* The tables list all fields, even those of effects that the build leaves out. */
 #define GN_EVERY_EFFECT
 #include "soa/records.h"
 
@@ -52,7 +52,7 @@ const gn_record gn_element_record = {"elements", element_fields, GN_COUNT(elemen
 
 _Static_assert(offsetof(gn_particles, soa) == 0 && offsetof(gn_contacts, soa) == 0 &&
                    offsetof(gn_wall_contacts, soa) == 0 && offsetof(gn_elements, soa) == 0,
-               "the generic functions find gn_soa at the start of every record");
+               "gn_soa must be the first member of every record");
 
 void gn_particles_set_null(gn_particles *particles, double distance) {
     double *pos = particles->pos + 4 * particles->soa.count;

@@ -1,24 +1,24 @@
-/* The records: particles, contacts between particles, contacts with walls, finite elements. One
- * list each. The nodes of finite elements are particles without radius: `start` is their reference
+/* Records: particles, contacts between particles, contacts with walls, finite elements; one list
+ * each. The nodes of finite elements are particles without radius; `start` is their reference
  * position.
  *
  * Particles: X(name, ctype, type, components, layout, role, needs, unless, unit, text).
- * The others say more of a column:
+ * The other lists describe a column further:
  *   Y(X, name, ctype, type, components, layout, role, care, single, needs, unless, unit, text)
- * care    GN_KEPT: goes over into the list that is made anew, if the contact is still in it; else
- *         the new list fills it by itself or starts from zero.
- *         GN_ODD: changes its sign when the two ends change places.
- * single  what there is in mixed precision. NONE: the column as it is. BESIDE: also name_f, which
- *         is converted from it when lists are made. INSTEAD: name_f takes its place.
+ * care    GN_KEPT: the column is copied to a rebuilt list if the contact is still in it; otherwise
+ *         the new list computes it or starts from zero.
+ *         GN_ODD: the column changes sign when the two ends change places.
+ * single  The column in mixed precision. NONE: unchanged. BESIDE: name_f exists as well and is
+ *         converted from it when lists are built. INSTEAD: name_f replaces it.
  * Saving and hashing follow from the role. */
 #ifndef GN_SOA_RECORDS_H
 #define GN_SOA_RECORDS_H
 
 #include "soa/field.h"
 
-/* Fields ending in _f are the working set of mixed precision: what contact and element kernels then
- * read of particles (travel since the lists were made, of nodes since the start, so that single
- * precision resolves it) and their columns. */
+/* Fields ending in _f are the working set of mixed precision: the particle data that contact and
+ * element kernels read (displacement since the lists were built, for nodes since the start, so that
+ * single precision resolves it) and their columns. */
 #define GN_PARTICLE_FIELDS(X)                                                                      \
     X(pos, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m", "centre x y z, radius")                \
     X(vel, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m/s, 1/kg",                                \
@@ -29,13 +29,13 @@
       "quaternion w x y z from the start")                                                         \
     X(applied, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_APPLIED, 0, "N", "applied force")       \
     X(load, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "N",                          \
-      "applied force besides that of the membrane")                                                \
+      "applied force without that of the membrane")                                                \
     X(skin, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "m2, m2",                     \
-      "area of the membrane on it, as if the skin had not moved; its size, negative: came off")    \
+      "membrane area on it, without the rigid motion of the skin; its size, negative: detached")   \
     X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
-    X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was made")  \
+    X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was built") \
     X(own_share, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_MASS_SCALING, 0, "1",                 \
-      "share of its mass that is its own; the rest was added for a longer step")                   \
+      "true mass over mass; the rest was added for a longer step")                                 \
     X(id, int32_t, GN_I32, 1, GN_ROWS, GN_STATE, 0, 0, "1", "place in the specimen, base 0")       \
     X(material, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "material, base 0")              \
     X(group, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "cohesive group, 0: none")          \
@@ -43,11 +43,11 @@
     X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
       "place in the list of prescribed particles, -1: none")                                       \
     X(marks, int32_t, GN_I32, 2, GN_ROWS, GN_SAVED, 0, 0, "1",                                     \
-      "hashes of its contacts that act, and of those near, when the step was last looked at")      \
+      "hashes of its active and its near contacts at the last check of the step")                  \
     X(pressed, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_HERTZ, 0, "1",                          \
-      "largest overlap that was expected of its contacts, over the radius of the contact")         \
+      "largest overlap expected of its contacts, over the radius of the contact")                  \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
-      "centre less ref (nodes: start) x y z, radius")                                              \
+      "centre minus ref (nodes: start) x y z, radius")                                             \
     X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s, 1/kg",                   \
       "velocity x y z, inverse mass")                                                              \
     X(spin_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED | GN_FX_ROTATION, 0, "rad/s",     \
@@ -57,24 +57,24 @@
     X(smooth, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_PRESSURE, 0, "Pa/m, Pa",                 \
       "projected gradient x y z of the stabilising pressure, that pressure")                       \
     X(smooth_rate, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_PRESSURE, 0, "Pa/(m s), Pa/s",      \
-      "their rates at the last half step")                                                         \
+      "rates of the projected gradient and of that pressure at the last half step")                \
     X(lumped, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/m3, Pa/m5, m3, m3/s",   \
       "inverse lumped masses of pressure and projection, stabilising term, its past rate")         \
     X(mean_rate, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/s",                  \
       "mean rate of the stabilising pressure at the last instant")                                 \
     X(blend, double, GN_F64, 2, GN_ROWS, GN_SAVED, GN_FX_OVERLAP, 0, "1, 1",                       \
-      "weight of its forces where elements share the body with it; that of its mass")
+      "weight of its forces in a coupling zone; weight of its mass")
 
-/* What Y makes of a line: the column, and what it is in single precision. Both end in
- * X(name, ctype, type, components, layout, role, care, needs, unless, unit, text, single_of), with
- * `soa` where the column is no single form of another. */
+/* Y expands to the column itself and to its single precision form. Both end in X(name, ctype, type,
+ * components, layout, role, care, needs, unless, unit, text, single_of), with `soa` for a column
+ * that is not the single precision form of another. */
 #define GN_COLUMN(X, name, ctype, type, components, layout, role, care, single, needs, unless,     \
                   unit, text)                                                                      \
     X(name, ctype, type, components, layout, role, care, needs, GN_UNLESS_##single(unless), unit,  \
       text, soa)
 #define GN_UNLESS_NONE(unless)    unless
 #define GN_UNLESS_BESIDE(unless)  unless
-#define GN_UNLESS_INSTEAD(unless) (unless) | GN_FX_MIXED /* which has to be the only condition */
+#define GN_UNLESS_INSTEAD(unless) (unless) | GN_FX_MIXED /* must be the only condition */
 
 #define GN_SINGLE(X, name, ctype, type, components, layout, role, care, single, needs, unless,     \
                   unit, text)                                                                      \
@@ -87,8 +87,8 @@
     X(name##_f, float, GN_F32, components, layout, role, care, (needs) | GN_FX_MIXED, unless,      \
       unit, text, name)
 
-/* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs
- * are two records of this kind; the pairs are made with GN_FX_BONDS cleared. */
+/* Contacts between particles, sorted by (i, j), i < j. The normal points from i to j. Bonds and
+ * unbonded pairs are two records of this kind; pairs are created with GN_FX_BONDS cleared. */
 #define GN_CONTACT_COLUMNS(Y, X)                                                                   \
     Y(X, i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, NONE, 0, 0, "1", "first particle")        \
     Y(X, j, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, NONE, 0, 0, "1", "second particle")       \
@@ -109,27 +109,27 @@
     Y(X, mu1, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_MOHR, 0, "1",        \
       "friction coefficient of the intact bond")                                                   \
     Y(X, section, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE,                          \
-      GN_FX_BONDS | GN_FX_CONFINED, 0, "m2", "section that strengths of the bond are over")        \
+      GN_FX_BONDS | GN_FX_CONFINED, 0, "m2", "section to which the strengths of the bond refer")   \
     Y(X, confined, double, GN_F64, 1, GN_COLUMNS, GN_SCRATCH, 0, INSTEAD,                          \
-      GN_FX_BONDS | GN_FX_CONFINED, 0, "N", "pressure around the bond, over its section")          \
+      GN_FX_BONDS | GN_FX_CONFINED, 0, "N", "mean pressure around the bond times its section")     \
     Y(X, soft, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, BESIDE, GN_FX_SOFTENING, 0, "1",  \
-      "what damage has left of the bond's stiffness in tension")                                   \
+      "remaining fraction of the bond's stiffness in tension")                                     \
     Y(X, kappa, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_SOFTENING, 0, "1",   \
       "damage of the bond in shear")                                                               \
     Y(X, fade, double, GN_F64, 9, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_SOFTENING, 0,         \
-      "N/m, m, N, m, 1", "how it softens, see law_softening.h")                                    \
+      "N/m, m, N, m, 1", "softening parameters, see law_softening.h")                              \
     Y(X, plastic, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_YIELD, 0, "m",  \
       "permanent stretch, at which the normal force is zero")                                      \
     Y(X, yields, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_YIELD, 0, "N",   \
-      "pressure at which it yields (further)")                                                     \
+      "current yield force in compression")                                                        \
     Y(X, crush, double, GN_F64, 6, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_YIELD, 0, "N, 1",  \
-      "how it yields, see law_softening.h")                                                        \
+      "yield parameters, see law_softening.h")                                                     \
     Y(X, shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_SHEAR,   \
       0, "N", "tangential force on the first particle")                                            \
     Y(X, beam, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_BOND_MOMENTS, 0,    \
-      "m", "radius of the section that carries moments")                                           \
+      "m", "effective radius of the section for moments")                                          \
     Y(X, share, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_BOND_MOMENTS, 0,   \
-      "1", "share of moments in the strength")                                                     \
+      "1", "fraction of moments in the strength criterion")                                        \
     Y(X, moment, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD,               \
       GN_FX_BOND_MOMENTS | GN_FX_ROTATION, 0, "N m",                                               \
       "moment on the first particle besides that of the tangential force; 2D: its third "          \
@@ -138,38 +138,39 @@
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, lag, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE,                            \
       GN_FX_HERTZ | GN_FX_CONTACT_DAMPING, 0, "(m/N)^1/2",                                         \
-      "how much too early the velocity of a step is for the dashpot, see law_hertz.h")             \
+      "time lag of the velocity for the dashpot, see law_hertz.h")                                 \
     Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD,                     \
-      GN_FX_HERTZ | GN_FX_SHEAR, 0, "m^-1/2", "1/root of the overlap in the last step; 0: open")   \
+      GN_FX_HERTZ | GN_FX_SHEAR, 0, "m^-1/2",                                                      \
+      "inverse square root of the overlap in the last step; 0: open")                              \
     Y(X, reduced, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
       "reduced radius")                                                                            \
     Y(X, rolling, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
-      "largest moment against rolling over the pressing force")                                    \
+      "rolling resistance: largest moment over the compressive force")                             \
     Y(X, twisting, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0,     \
-      "m", "largest moment against twisting over the pressing force")                              \
+      "m", "twisting resistance: largest moment over the compressive force")                       \
     Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_ROLLING,  \
-      0, "N m", "moment on the first particle against rolling and twisting")                       \
+      0, "N m", "rolling and twisting resistance: moment on the first particle")                   \
     Y(X, most, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_HERTZ, 0, "m",      \
-      "overlap up to which the step was looked at; 0: not yet")                                    \
+      "overlap up to which the step was checked; 0: not yet")                                      \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
-      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a particle")                  \
+      "0 intact, 1 broken in tension, 2 broken in shear, 3 removed with a particle")               \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
-      "when the bond broke or left; 0 while it is intact")                                         \
+      "time at which the bond broke or was removed; 0 while it is intact")                         \
     Y(X, area, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_BONDS | GN_FX_AREA,   \
       0, "m2", "section of the bond: 3D, in 2D width times 1 m")                                   \
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
-      "normal when the step was last looked at; 0: not yet")
+      "normal at the last check of the step; 0: not yet")
 
-/* What lists and kernels fill of contacts by themselves. */
+/* Work columns of contacts, filled by lists and kernels. */
 #define GN_CONTACT_WORK(Y, X)                                                                      \
     Y(X, branch_f, float, GN_F32, 3, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_MIXED, 0, "m",         \
-      "from i to j when the lists were made")                                                      \
+      "vector from i to j when the lists were built")                                              \
     Y(X, stretch_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_MIXED, 0, "m",        \
-      "distance less that of zero force when the lists were made")                                 \
+      "distance minus that of zero force when the lists were built")                               \
     Y(X, happened, uint8_t, GN_U8, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_BONDS | GN_FX_EVENTS, \
-      0, "1", "what happened to the bond in this step, see gn_happening")                          \
+      0, "1", "events of the bond in this step, see gn_happening")                                 \
     Y(X, released, double, GN_F64, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE,                             \
-      GN_FX_BONDS | GN_FX_EVENTS | GN_FX_ENERGY, 0, "J", "energy that its break released")         \
+      GN_FX_BONDS | GN_FX_EVENTS | GN_FX_ENERGY, 0, "J", "energy released by its failure")         \
     Y(X, row4, double, GN_F64, 4, GN_ROWS, GN_SCRATCH, 0, NONE, GN_FX_CONTACT_FORCES,              \
       GN_FX_SPACE | GN_FX_ROTATION, "N, N",                                                        \
       "force on the first particle x y z 0; 2D: x y, moment z, 0")                                 \
@@ -177,12 +178,13 @@
       GN_FX_CONTACT_FORCES | GN_FX_SPACE | GN_FX_ROTATION, 0, "N, N",                              \
       "force on the first particle x y z 0, n x F_t x y z 0")
 
-/* Contacts of particles with plane walls and with facets of surfaces, sorted by (i, wall). Normal
- * from the particle to the wall. A particle's facets of one surface are worked on together. */
+/* Contacts of particles with plane walls and with facets of surfaces, sorted by (i, wall). The
+ * normal points from the particle to the wall. A particle's facets of one surface are processed
+ * together. */
 #define GN_WALL_CONTACT_COLUMNS(Y, X)                                                              \
     Y(X, i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, NONE, 0, 0, "1", "particle")              \
     Y(X, wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, NONE, 0, 0, "1",                       \
-      "wall, base 0; from the number of walls on: facet, all surfaces counted through")            \
+      "wall, base 0; from the number of walls on: facet, numbered over all surfaces")              \
     Y(X, gap0, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, 0, 0, "m",                  \
       "gap at which the normal force is zero; negative for passive walls")                         \
     Y(X, shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_WALL_SHEAR, 0, "N",  \
@@ -191,11 +193,11 @@
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE,                        \
       GN_FX_HERTZ | GN_FX_WALL_SHEAR, 0, "m^-1/2",                                                 \
-      "1/root of the overlap in the last step; 0: open")                                           \
+      "inverse square root of the overlap in the last step; 0: open")                              \
     Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_ROLLING, 0, "N m",    \
-      "moment on the particle against rolling and twisting")                                       \
+      "rolling and twisting resistance: moment on the particle")                                   \
     Y(X, normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_FACETS, 0, "1",     \
-      "of a contact with facets in the last step, times its part of the stiffness; 0: none")       \
+      "normal of a facet contact in the last step times its fraction of the stiffness; 0: none")   \
     Y(X, touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, 0, NONE, GN_FX_FACETS, 0, "m",            \
       "point of a facet on which the force acts")                                                  \
     Y(X, row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, NONE, 0, 0, "N, N m",                       \
@@ -223,8 +225,8 @@
     Y(X, id, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, NONE, 0, 0, "1",                         \
       "place in the mesh, base 0")
 
-/* Columns behind all others, for who compiles whatever holds a record by value: kernels, which get
- * pointers, need not know of them (tests/more_columns.h). */
+/* Additional columns, appended by code that compiles all users of a record by value; kernels take
+ * pointers and do not depend on them (tests/more_columns.h). */
 #ifndef GN_MORE_CONTACT_COLUMNS
 #define GN_MORE_CONTACT_COLUMNS(Y, X)
 #define GN_MORE_WALL_CONTACT_COLUMNS(Y, X)
@@ -263,14 +265,15 @@ typedef struct gn_elements {
 
 #undef GN_DECLARE_POINTER
 
-/* Why a bond does not hold. One that left with a removed particle was whole until then. */
+/* The reason why a bond does not hold. GN_BOND_LEFT: it was intact until its particle was
+ * removed. */
 typedef enum gn_cause {
     GN_INTACT = 0,
     GN_BROKEN_TENSION = 1,
     GN_BROKEN_SHEAR = 2,
     GN_BOND_LEFT = 3
 } gn_cause;
-/* Bits of what happens to a bond for the first time. */
+/* Bits of events that happen to a bond for the first time. */
 typedef enum gn_happening {
     GN_HAPPENED_BREAK = 1,
     GN_HAPPENED_SOFTENING = 2,
@@ -285,13 +288,14 @@ extern const gn_record gn_contact_record;
 extern const gn_record gn_wall_contact_record;
 extern const gn_record gn_element_record;
 
-/* Doubles in a row of forces: 8 with rotation in space, else 4 (gn_partials has rows alike). */
+/* Returns the doubles in a row of forces: 8 with rotation in space, else 4. Rows of gn_partials
+ * have the same width. */
 static inline int gn_row_width(bool space, bool rotation) {
     return space && rotation ? 8 : 4;
 }
 
-/* The rows that the contact kernel writes, whichever width is active; NULL when they are not kept.
- */
+/* Returns the rows written by the contact kernel, whichever width is active; NULL if they are not
+ * stored. */
 static inline double *gn_contacts_row(const gn_contacts *contacts) {
     return contacts->row8 ? contacts->row8 : contacts->row4;
 }
@@ -300,20 +304,20 @@ static inline int gn_contacts_row_width(const gn_contacts *contacts) {
                         contacts->soa.effects & GN_FX_ROTATION);
 }
 
-/* Whether contact c is a bond that holds. */
+/* Tells whether contact c is an intact bond. */
 static inline bool gn_contact_bonded(const gn_contacts *contacts, size_t c) {
     return contacts->cause && contacts->cause[c] == GN_INTACT;
 }
 
-/* Whether contact c carries force. In 2D the third slot of a row is no force. */
+/* Tells whether contact c carries force. In 2D the third entry of a row is not a force. */
 static inline bool gn_contact_carries(const gn_contacts *contacts, size_t c) {
     const double *row = gn_contacts_row(contacts) + (size_t)gn_contacts_row_width(contacts) * c;
     bool space = contacts->soa.effects & GN_FX_SPACE;
     return row[0] != 0.0 || row[1] != 0.0 || (space && row[2] != 0.0);
 }
 
-/* Padded contacts point at two null particles behind the last one: apart, at rest, without radius.
- */
+/* Padding contacts refer to two null particles behind the last one, which are separated, at rest
+ * and without radius. */
 static inline int32_t gn_null_first(const gn_particles *p) {
     return (int32_t)p->soa.count;
 }
@@ -321,29 +325,29 @@ static inline int32_t gn_null_second(const gn_particles *p) {
     return (int32_t)p->soa.count + 1;
 }
 
-/* Puts the null particles `distance` apart (below half of any periodic length). */
+/* Sets the distance of the null particles (below half of any periodic length). */
 void gn_particles_set_null(gn_particles *particles, double distance);
 
-/* Points the padding of a contact list at the null particles. */
+/* Makes the padding of a contact list refer to the null particles. */
 void gn_contacts_pad(gn_contacts *contacts, const gn_particles *particles);
 
 static inline int gn_elements_dimension(const gn_elements *elements) {
     return elements->soa.effects & GN_FX_SPACE ? 3 : 2;
 }
 
-/* The column of node a of all elements. */
+/* Returns the column of node a of all elements. */
 static inline int32_t *gn_elements_node(const gn_elements *elements, int a) {
     return a == 3 ? elements->node3 : elements->node + (size_t)a * elements->soa.capacity;
 }
 
-/* The column of dN_a/dX_k, a > 0. */
+/* Returns the column of dN_a/dX_k, a > 0. */
 static inline double *gn_elements_gradient(const gn_elements *elements, int a, int k) {
     int dimension = gn_elements_dimension(elements);
     double *first = dimension == 3 ? elements->gradient3 : elements->gradient2;
     return first + (size_t)(dimension * (a - 1) + k) * elements->soa.capacity;
 }
 
-/* Points the padding of elements at a null node (it has no volume and exerts no force). */
+/* Makes the padding of elements refer to a null node (zero volume and no force). */
 void gn_elements_pad(gn_elements *elements, const gn_particles *nodes);
 
 #endif

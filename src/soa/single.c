@@ -12,7 +12,7 @@ static void row_to_single(float *to, const double *from, const double *origin, d
 void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads) {
     const gn_particles *q = particles;
     if (!q->travel_f) return;
-    size_t count = q->soa.count + 2; /* with the null particles, whose origin is 0 */
+    size_t count = q->soa.count + 2; /* includes the null particles, whose origin is 0 */
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t p = 0; p < count; p++) {
         row_to_single(q->travel_f + 4 * p, q->pos + 4 * p, origin + 4 * p, q->pos[4 * p + 3]);
@@ -21,22 +21,24 @@ void gn_particles_to_single(const gn_particles *particles, const double *origin,
     }
 }
 
-static void contact_to_single(gn_contacts *k, const gn_particles *q, const double period[3],
-                              size_t c) {
-    const double *xi = q->ref + 4 * (int64_t)k->i[c], *xj = q->ref + 4 * (int64_t)k->j[c];
+static void contact_to_single(gn_contacts *list, const gn_particles *particles,
+                              const double period[3], size_t c) {
+    const double *xi = particles->ref + 4 * (int64_t)list->i[c],
+                 *xj = particles->ref + 4 * (int64_t)list->j[c];
     double square = 0.0;
     for (size_t a = 0; a < 3; a++) {
         double d = gn_nearest(xj[a] - xi[a], period[a]);
-        k->branch_f[c + a * k->soa.capacity] = (float)d;
+        list->branch_f[c + a * list->soa.capacity] = (float)d;
         square += d * d;
     }
-    double free = q->pos[4 * (int64_t)k->i[c] + 3] + q->pos[4 * (int64_t)k->j[c] + 3];
-    if (k->length0) free = k->length0[c];
-    k->stretch_f[c] = (float)(sqrt(square) - free);
+    double free =
+        particles->pos[4 * (int64_t)list->i[c] + 3] + particles->pos[4 * (int64_t)list->j[c] + 3];
+    if (list->length0) free = list->length0[c];
+    list->stretch_f[c] = (float)(sqrt(square) - free);
 }
 
-/* A column in single precision and the double that it is made of; false if one of them is absent,
- * as the double is where the other has its place. */
+/* Finds a column in single precision and the double column from which it is converted; returns
+ * false if one is absent, as the double is where the single replaces it. */
 static bool find_twins(const gn_record *record, const gn_field *field, const void *single_holder,
                        const void *double_holder, float **single, double **wide) {
     if (!field->single_of) return false;
@@ -52,7 +54,7 @@ static void columns_to_single(const gn_record *record, const void *soa, int thre
     const gn_soa *head = soa;
     for (size_t f = 0; f < record->field_count; f++) {
         const gn_field *field = &record->fields[f];
-        size_t count = (size_t)field->components * head->capacity; /* with padding */
+        size_t count = (size_t)field->components * head->capacity; /* includes the padding */
         float *to;
         double *from;
         if (!find_twins(record, field, soa, soa, &to, &from)) continue;
@@ -69,7 +71,7 @@ void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
     for (size_t c = 0; c < contacts->soa.count; c++)
         contact_to_single(contacts, particles, period, c);
     for (size_t c = contacts->soa.count; c < contacts->soa.capacity; c++)
-        contacts->branch_f[c] = 1.0F; /* padding: apart */
+        contacts->branch_f[c] = 1.0F; /* padding: separated */
 }
 
 void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from) {

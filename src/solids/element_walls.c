@@ -163,7 +163,7 @@ static gneiss_status foresee_and_return(foresight *q, gneiss_error *error) {
     memcpy(place, b->nodes.pos, size * sizeof *place);
     gneiss_status status = foresee(q, error);
     memcpy(b->nodes.pos, place, size * sizeof *place);
-    gn_fem_moved(b);
+    gn_fem_positions_changed(b);
     gn_free(place);
     return status;
 }

@@ -316,8 +316,8 @@ gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids,
         ctx->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     for (size_t k = 0; k < solids->count; k++) {
         gn_element_model *q = solids->elements[k];
-        GN_TRY(gn_fem_surround(&q->solid, ctx->scene.gravity, damping,
-                               ctx->scene.background_coefficient, error));
+        GN_TRY(gn_fem_set_environment(&q->solid, ctx->scene.gravity, damping,
+                                      ctx->scene.background_coefficient, error));
         look_at_loads(q);
         gn_elements_set_loads(q, ctx->time);
         set_velocities(ctx, q, ctx->time, true);
@@ -573,7 +573,7 @@ static gneiss_status full_limit(const gn_step_context *ctx, gn_element_model *q,
 /* What the bound is made of, so that the first conversion need not look at all elements. */
 static gneiss_status know_bound(gn_element_model *q, gneiss_error *error) {
     gn_fem_limit same = q->limit;
-    return gn_fem_bound_again(&q->solid, &same, error);
+    return gn_fem_bound_update(&q->solid, &same, error);
 }
 
 static gneiss_status body_limit(const gn_step_context *ctx, const gn_solids *solids,
@@ -601,7 +601,7 @@ gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, b
 }
 
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
-    GN_TRY(gn_fem_bound_again(&q->solid, &q->limit, error));
+    GN_TRY(gn_fem_bound_update(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
     q->stiffening = 0.0; /* the next look says what is due */

@@ -1,15 +1,15 @@
-/* The path of equilibria of a loaded specimen, up to shortly before its first break.
+/* The path of equilibria of a loaded specimen up to shortly before its first bond failure.
  *
- * An increment of time moves what is prescribed; Newton's method brings the rest into equilibrium,
- * with the forces of the real contacts (timestep/trial.h) and the tangent of the stability limit,
- * whose contacts open, close and slide as they do at the last trial. Increments begin from the
- * rates of the last one. When each bond reaches its strength is extrapolated from its forces at the
- * ends of the last increment, by the law's own criterion; the path ends at the wanted fraction of
- * the earliest.
+ * An increment of time moves the prescribed particles and walls; Newton's method brings the rest
+ * into equilibrium, with the forces of the actual contacts (timestep/trial.h) and the tangent of
+ * the stability limit, whose contacts open, close and slide as in the last trial. Increments start
+ * from the rates of the previous one. The failure time of each bond is extrapolated from its forces
+ * at the ends of the last increment by the law's own criterion; the path ends at the wanted
+ * fraction of the earliest.
  *
- * Steady loading: what moves at a constant rate has no resultant, so that non-viscous damping,
- * which is a part of the resultant, has nothing to act on, and the state is the same with or
- * without it. Viscous damping drags at every particle with a m v, which the contacts carry. */
+ * In steady loading, what moves at a constant rate has no resultant. Non-viscous damping is
+ * proportional to the resultant and therefore vanishes, and the state is the same with or without
+ * it. Viscous damping acts on every particle with a m v, which the contacts balance. */
 #include "static/first_break.h"
 
 #include "base/memory.h"
@@ -25,31 +25,33 @@
 
 enum {
     N = GN_COMPONENTS,
-    INCREMENTS = 8, /* wanted up to the start */
+    INCREMENTS = 8, /* target number of increments up to the start */
     INCREMENTS_MOST = 200,
-    SOLUTIONS_MOST = 12, /* for one increment */
+    SOLUTIONS_MOST = 12, /* limit for one increment */
     HALVINGS_MOST = 30
 };
 
-/* Mean load on a particle over the mean contact force at which a state is an equilibrium: the
- * first, which only has to tell how far to go, those on the way, and the start; the largest may be
- * so many times that. Tests run with 1e-3 and more. */
+/* Mean unbalanced load of a particle over the mean contact force at which a state counts as
+ * equilibrium: for the first, which only determines the range, for those on the path, and for the
+ * start. The largest unbalanced load may be `balanced_worst` times that. Tests run with 1e-3 and
+ * more. */
 static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
 static const double balanced_worst = 300.0;
-/* A linear system is solved to this part of what its solution is to leave over, and to these parts
- * of its load at least and at most. */
+/* A linear system is solved to this fraction of the wanted unbalanced load, but at least and at
+ * most to these fractions of its load. */
 static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 /* The path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
-/* Loads at the start that move nothing by more than this part of it are rounding. */
+/* Initial loads whose displacements are below this fraction of the smallest radius are rounding. */
 static const double no_path = 1e-9;
-/* Speeds over the largest prescribed one that nothing held has: a lever of 1000. */
+/* Largest speed of a free particle over the largest prescribed one: a lever ratio of 1000. */
 static const double rates_most = 1e3;
-/* The mean contact force below which loads are compared with this part of the weakest strength. */
+/* Below this fraction of the weakest strength, the mean contact force is no scale for loads; the
+ * fraction is used instead. */
 static const double strength_part = 1e-2;
-/* A start that is nearer to time 0 saves nothing. */
+/* A start closer to time 0 saves nothing. */
 static const double steps_least = 2.0;
-/* The start may fall short of the fraction by this part. */
+/* Relative tolerance of the fraction at the start. */
 static const double near_enough = 1e-3;
 
 typedef struct bond_force {
@@ -62,54 +64,56 @@ typedef struct search {
     gn_trial trial;
     const gn_first_break_watch *watch;
     gn_first_break *found;
-    double *path, *rate;      /* [particles][6] of the increment; its rate in the last one */
+    double *path, *rate;      /* [particles][6] of the increment; their rates in the previous one */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
     double scale;             /* N, of forces: see in_balance */
-    double speed;             /* m/s, of what is prescribed */
+    double speed;             /* m/s, of the prescribed motion */
 } search;
 
 __attribute__((format(printf, 3, 4))) static gneiss_status
-refuse(const gn_world *w, gneiss_error *error, const char *format, ...) {
+refuse(const gn_world *world, gneiss_error *error, const char *format, ...) {
     char text[600];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s",
-                   gn_scene_at(&w->ctx.scene, w->ctx.scene.start_where, "time.start").text, text);
+                   gn_scene_at(&world->ctx.scene, world->ctx.scene.start_where, "time.start").text,
+                   text);
 }
 
 /* --- bonds --- */
 
-static void read_bonds(search *s) {
-    bond_force *old = s->before;
-    s->before = s->now;
-    s->now = old;
-    for (size_t c = 0; c < s->w->dem.bonds.soa.count; c++)
-        s->now[c].holds = gn_trial_bond(&s->trial, c, &s->now[c].normal, s->now[c].shear);
+static void read_bonds(search *run) {
+    bond_force *old = run->before;
+    run->before = run->now;
+    run->now = old;
+    for (size_t c = 0; c < run->w->dem.bonds.soa.count; c++)
+        run->now[c].holds = gn_trial_bond(&run->trial, c, &run->now[c].normal, run->now[c].shear);
 }
 
-/* The law's criterion of a bond `share` increments after the last one. */
-static double criterion(const search *s, size_t c, double share) {
-    const gn_contacts *list = &s->w->dem.bonds;
-    const bond_force *a = &s->before[c], *b = &s->now[c];
+/* Returns the value of a bond's failure criterion `share` increments after the last one. */
+static double criterion(const search *run, size_t c, double share) {
+    const gn_contacts *list = &run->w->dem.bonds;
+    const bond_force *a = &run->before[c], *b = &run->now[c];
     double t[3];
     for (int k = 0; k < 3; k++) t[k] = b->shear[k] + share * (b->shear[k] - a->shear[k]);
     return gn_law_of(list->soa.effects)
         ->criterion(list, c, b->normal + share * (b->normal - a->normal), 0.0, sqrt(gn_dot3(t, t)));
 }
 
-/* Increments until the first bond breaks, INFINITY: none does within `most`. */
-static double increments_left(const search *s, double most, size_t *bond) {
+/* Returns the number of increments until the first bond fails, INFINITY if none does within
+ * `most`. */
+static double increments_left(const search *run, double most, size_t *bond) {
     double least = most;
     bool any = false;
-    for (size_t c = 0; c < s->w->dem.bonds.soa.count; c++) {
-        if (!s->now[c].holds || !(criterion(s, c, least) >= 1.0)) continue;
+    for (size_t c = 0; c < run->w->dem.bonds.soa.count; c++) {
+        if (!run->now[c].holds || !(criterion(run, c, least) >= 1.0)) continue;
         double low = 0.0, high = least;
         for (int k = 0; k < 60 && high - low > 1e-12 * high; k++) {
             double middle = 0.5 * (low + high);
-            *(criterion(s, c, middle) >= 1.0 ? &high : &low) = middle;
+            *(criterion(run, c, middle) >= 1.0 ? &high : &low) = middle;
         }
         least = high;
         *bond = c;
@@ -118,160 +122,162 @@ static double increments_left(const search *s, double most, size_t *bond) {
     return any ? least : INFINITY;
 }
 
-/* s; INFINITY: not before the end. */
-static double time_of_break(search *s) {
-    const gn_contacts *list = &s->w->dem.bonds;
+/* Returns the time of the first failure, s; INFINITY: not before the end. */
+static double time_of_break(search *run) {
+    const gn_contacts *list = &run->w->dem.bonds;
     size_t c = 0;
-    if (!(s->span > 0.0)) return INFINITY;
-    double left = increments_left(s, (s->w->ctx.scene.end - s->w->ctx.time) / s->span, &c);
+    if (!(run->span > 0.0)) return INFINITY;
+    double left = increments_left(run, (run->w->ctx.scene.end - run->w->ctx.time) / run->span, &c);
     if (left == INFINITY) return INFINITY;
-    const double *x = s->w->dem.particles.pos + 4 * (int64_t)list->i[c];
+    const double *x = run->w->dem.particles.pos + 4 * (int64_t)list->i[c];
     double d[3], middle[3];
-    gn_branch(&s->w->ctx, x, s->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
+    gn_branch(&run->w->ctx, x, run->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
     for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * d[a];
-    gn_world_point_out(&s->w->ctx, middle, s->found->place);
-    s->found->i = s->w->dem.particles.id[list->i[c]];
-    s->found->j = s->w->dem.particles.id[list->j[c]];
-    return s->w->ctx.time + left * s->span;
+    gn_world_point_out(&run->w->ctx, middle, run->found->place);
+    run->found->i = run->w->dem.particles.id[list->i[c]];
+    run->found->j = run->w->dem.particles.id[list->j[c]];
+    return run->w->ctx.time + left * run->span;
 }
 
 /* --- one increment --- */
 
 typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
 
-/* Where next to nothing is loaded its forces are no measure for what is left over: a part of the
- * strength of bonds is. */
-static bool in_balance(const search *s, double balanced) {
-    const gn_trial *t = &s->trial;
-    double most = balanced * fmax(t->mean_force, s->scale);
+/* Tells whether the state is in equilibrium. If almost nothing is loaded, contact forces are no
+ * scale for the residual; a fraction of the bond strengths is used. */
+static bool in_balance(const search *run, double balanced) {
+    const gn_trial *t = &run->trial;
+    double most = balanced * fmax(t->mean_force, run->scale);
     return t->mean_load <= most && t->most_load <= balanced_worst * most;
 }
 
-static gneiss_status correct(search *s, double balanced, gn_equilibrium *linear,
+static gneiss_status correct(search *run, double balanced, gn_equilibrium *linear,
                              gneiss_error *error) {
-    const gn_trial *t = &s->trial;
-    double wanted = solved * balanced * fmax(t->mean_force, s->scale) / t->mean_load;
+    const gn_trial *t = &run->trial;
+    double wanted = solved * balanced * fmax(t->mean_force, run->scale) / t->mean_load;
     wanted = fmin(fmax(wanted, solved_most), solved_least);
-    GN_TRY(gn_trial_correct(&s->trial, wanted, s->path, linear, error));
-    s->found->solutions++;
-    s->found->iterations += linear->iterations;
+    GN_TRY(gn_trial_correct(&run->trial, wanted, run->path, linear, error));
+    run->found->solutions++;
+    run->found->iterations += linear->iterations;
     return GNEISS_OK;
 }
 
-/* Newton's method from the path as it stands. */
-static gneiss_status balance(search *s, double span, bool loads, double balanced, outcome *what,
+/* Runs Newton's method from the present path. */
+static gneiss_status balance(search *run, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
-    gn_trial *t = &s->trial;
-    *linear = (gn_equilibrium){.loose = -1};
+    gn_trial *t = &run->trial;
+    *linear = (gn_equilibrium){.unsupported = -1};
     for (int k = 0;; k++) {
-        gn_trial_go(t, s->path, span, loads);
+        gn_trial_go(t, run->path, span, loads);
         *what = t->broken ? BROKE : BALANCED;
-        if (t->broken || in_balance(s, balanced)) return GNEISS_OK;
+        if (t->broken || in_balance(run, balanced)) return GNEISS_OK;
         *what = STUCK;
         if (k == SOLUTIONS_MOST) return GNEISS_OK;
-        GN_TRY(correct(s, balanced, linear, error));
+        GN_TRY(correct(run, balanced, linear, error));
     }
 }
 
-static gneiss_status no_equilibrium(const search *s, const gn_equilibrium *linear, bool loads,
+static gneiss_status no_equilibrium(const search *run, const gn_equilibrium *linear, bool loads,
                                     gneiss_error *error) {
     const char *when = loads ? "under the loads at the start" : "under the prescribed motion";
-    if (linear->loose >= 0)
+    if (linear->unsupported >= 0)
         return refuse(
-            s->w, error,
+            run->w, error,
             "expected an equilibrium %s, found that particle %d is driven off and nothing "
-            "holds it, alone or with what it hangs on (t = %g s)",
-            when, linear->loose, s->w->ctx.time);
-    return refuse(s->w, error,
+            "holds it, alone or with the particles bonded to it (t = %g s)",
+            when, linear->unsupported, run->w->ctx.time);
+    return refuse(run->w, error,
                   "expected an equilibrium %s, found none in %d solutions: at t = %g s particle %d "
                   "has the largest of loads that are %.2g of the contact forces",
-                  when, SOLUTIONS_MOST, s->w->ctx.time, s->trial.worst,
-                  s->trial.mean_load / s->trial.mean_force);
+                  when, SOLUTIONS_MOST, run->w->ctx.time, run->trial.worst,
+                  run->trial.mean_load / run->trial.mean_force);
 }
 
-static gneiss_status tell(const search *s, gneiss_error *error) {
-    if (!s->watch || !s->watch->state) return GNEISS_OK;
-    return s->watch->state(s->watch->context, s->found, error);
+static gneiss_status tell(const search *run, gneiss_error *error) {
+    if (!run->watch || !run->watch->state) return GNEISS_OK;
+    return run->watch->state(run->watch->context, run->found, error);
 }
 
-/* In a mechanism next to nothing resists, and particles go anywhere: none of a body that is held
- * moves, or turns over at its surface, many times as fast as what is prescribed. */
-static gneiss_status check_rates(const search *s, double span, gneiss_error *error) {
-    const gn_particles *p = &s->w->dem.particles;
-    for (size_t k = 0; k < s->trial.count; k++)
+/* Detects mechanisms, which have almost no stiffness, so that displacements are arbitrary: no
+ * particle of a held body, or a rotation at its surface, is many times as fast as the prescribed
+ * motion. */
+static gneiss_status check_rates(const search *run, double span, gneiss_error *error) {
+    const gn_particles *p = &run->w->dem.particles;
+    for (size_t k = 0; k < run->trial.count; k++)
         for (size_t a = 0; a < N; a++) {
             double arm = a < 3 ? 1.0 : p->pos[4 * k + 3];
-            double rate = arm * fabs(s->path[N * k + a]) / span;
-            if (rate <= rates_most * s->speed) continue;
-            return refuse(s->w, error,
+            double rate = arm * fabs(run->path[N * k + a]) / span;
+            if (rate <= rates_most * run->speed) continue;
+            return refuse(run->w, error,
                           "first_break: expected a specimen that is held in every direction, found "
                           "particle %d at %.2g times the prescribed speeds (t = %g s)",
-                          p->id[k], rate / s->speed, s->w->ctx.time);
+                          p->id[k], rate / run->speed, run->w->ctx.time);
         }
     return GNEISS_OK;
 }
 
-static gneiss_status take(search *s, double span, bool loads, gneiss_error *error) {
-    if (!loads) GN_TRY(check_rates(s, span, error));
-    GN_TRY(gn_trial_take(&s->trial, s->path, span, loads, error));
-    for (size_t k = 0; !loads && k < N * s->trial.count; k++) s->rate[k] = s->path[k] / span;
-    s->span = loads ? 0.0 : span;
-    s->found->start = s->w->ctx.time;
-    s->found->increments += !loads;
-    read_bonds(s);
+static gneiss_status take(search *run, double span, bool loads, gneiss_error *error) {
+    if (!loads) GN_TRY(check_rates(run, span, error));
+    GN_TRY(gn_trial_take(&run->trial, run->path, span, loads, error));
+    for (size_t k = 0; !loads && k < N * run->trial.count; k++) run->rate[k] = run->path[k] / span;
+    run->span = loads ? 0.0 : span;
+    run->found->start = run->w->ctx.time;
+    run->found->increments += !loads;
+    read_bonds(run);
     return GNEISS_OK;
 }
 
-static bool moves(const search *s) {
+static bool moves(const search *run) {
     double most = 0.0;
-    for (size_t p = 0; p < s->trial.count; p++)
-        for (size_t a = 0; a < 3; a++) most = fmax(most, fabs(s->path[N * p + a]));
-    return most > no_path * s->w->dem.radius_min;
+    for (size_t p = 0; p < run->trial.count; p++)
+        for (size_t a = 0; a < 3; a++) most = fmax(most, fabs(run->path[N * p + a]));
+    return most > no_path * run->w->dem.radius_min;
 }
 
-/* Gravity, applied forces, contacts that are pressed from the start. */
-static gneiss_status take_up_loads(search *s, gneiss_error *error) {
+/* Applies gravity, applied forces and initially compressed contacts. */
+static gneiss_status take_up_loads(search *run, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what;
-    const double slow = 1e6; /* s: for dashpots as good as at rest */
-    memset(s->path, 0, N * s->trial.count * sizeof *s->path);
-    gn_trial_go(&s->trial, s->path, slow, true);
-    if (s->trial.most_load == 0.0 || in_balance(s, balanced_start)) return GNEISS_OK;
-    GN_TRY(correct(s, balanced_start, &linear, error));
-    if (linear.loose < 0 && !moves(s)) return GNEISS_OK;
-    GN_TRY(balance(s, slow, true, balanced_start, &what, &linear, error));
+    const double slow = 1e6; /* s: slow enough for dashpots to be at rest */
+    memset(run->path, 0, N * run->trial.count * sizeof *run->path);
+    gn_trial_go(&run->trial, run->path, slow, true);
+    if (run->trial.most_load == 0.0 || in_balance(run, balanced_start)) return GNEISS_OK;
+    GN_TRY(correct(run, balanced_start, &linear, error));
+    if (linear.unsupported < 0 && !moves(run)) return GNEISS_OK;
+    GN_TRY(balance(run, slow, true, balanced_start, &what, &linear, error));
     if (what == BROKE)
         return refuse(
-            s->w, error,
+            run->w, error,
             "expected an equilibrium under the loads at the start, found bonds that break");
-    if (what == STUCK) return no_equilibrium(s, &linear, true, error);
-    return take(s, slow, true, error);
+    if (what == STUCK) return no_equilibrium(run, &linear, true, error);
+    return take(run, slow, true, error);
 }
 
-/* Whether something may have come into touch on the path that the lists do not know of. */
-static bool beyond_lists(const search *s, double span) {
-    const gn_verlet *v = &s->w->dem.verlet;
-    const double other = gn_boundary_travel(&s->w->ctx, &s->w->boundary, true) + s->speed * span;
+/* Tells whether particles may have come into contact on the path that the lists do not contain. */
+static bool beyond_lists(const search *run, double span) {
+    const gn_verlet *v = &run->w->dem.verlet;
+    const double other =
+        gn_boundary_travel(&run->w->ctx, &run->w->boundary, true) + run->speed * span;
     double most = 0.0;
-    for (size_t p = 0; p < s->trial.count; p++)
-        most = fmax(most, gn_dot3(s->path + N * p, s->path + N * p));
+    for (size_t p = 0; p < run->trial.count; p++)
+        most = fmax(most, gn_dot3(run->path + N * p, run->path + N * p));
     double own = v->drift + sqrt(most);
     return 2.0 * own > v->skin || own + other > v->skin;
 }
 
-/* An increment of up to `span` s; shorter where bonds would break on the way, or what is near has
- * to be looked for again. */
-static gneiss_status increment(search *s, double span, double balanced, gneiss_error *error) {
+/* Makes an increment of up to `span` s; it is shorter if bonds would fail, or if contact lists must
+ * be rebuilt. */
+static gneiss_status increment(search *run, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
     for (int k = 0; k < HALVINGS_MOST; k++, span *= 0.5) {
-        for (size_t at = 0; at < N * s->trial.count; at++) s->path[at] = span * s->rate[at];
-        gn_trial_prescribe(&s->trial, span, s->path);
-        GN_TRY(balance(s, span, false, balanced, &what, &linear, error));
-        if (what == BALANCED && !beyond_lists(s, span)) return take(s, span, false, error);
-        if (what == STUCK && linear.loose >= 0) break;
+        for (size_t at = 0; at < N * run->trial.count; at++) run->path[at] = span * run->rate[at];
+        gn_trial_prescribe(&run->trial, span, run->path);
+        GN_TRY(balance(run, span, false, balanced, &what, &linear, error));
+        if (what == BALANCED && !beyond_lists(run, span)) return take(run, span, false, error);
+        if (what == STUCK && linear.unsupported >= 0) break;
     }
-    return no_equilibrium(s, &linear, false, error);
+    return no_equilibrium(run, &linear, false, error);
 }
 
 /* --- the path --- */
@@ -282,7 +288,7 @@ static double largest(const gn_table *table) {
     return most;
 }
 
-/* m/s: no component of what is prescribed is faster. */
+/* Returns the largest component of all prescribed velocities, m/s. */
 static double fastest(const gn_step_context *ctx, const gn_dem *dem) {
     double most = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -297,71 +303,72 @@ static double fastest(const gn_step_context *ctx, const gn_dem *dem) {
     return most;
 }
 
-/* The next increment: a part of what is left up to the wanted fraction; while no bond is loaded
- * twice the last one, to find out where that begins. */
-static double next_span(const search *s, double breaks, double first) {
-    const gn_world *w = s->w;
-    if (breaks == INFINITY) return fmin(fmax(2.0 * s->span, first), w->ctx.scene.end - w->ctx.time);
+/* Returns the next increment: twice the last one while no failure is predicted, then a fraction of
+ * the time to the target. */
+static double next_span(const search *run, double breaks, double first) {
+    const gn_world *w = run->w;
+    if (breaks == INFINITY)
+        return fmin(fmax(2.0 * run->span, first), w->ctx.scene.end - w->ctx.time);
     double target = w->ctx.scene.start_fraction * breaks, left = target - w->ctx.time;
-    return fmin(left, fmax(target / INCREMENTS, s->span));
+    return fmin(left, fmax(target / INCREMENTS, run->span));
 }
 
-static gneiss_status follow(search *s, gneiss_error *error) {
-    gn_world *w = s->w;
-    double speed = s->speed = fastest(&w->ctx, &w->dem), breaks = INFINITY;
+static gneiss_status follow(search *run, gneiss_error *error) {
+    gn_world *w = run->w;
+    double speed = run->speed = fastest(&w->ctx, &w->dem), breaks = INFINITY;
     if (!(speed > 0.0))
         return refuse(w, error, "first_break: expected walls or sets that move, found none");
     const double first = fmin(first_path * w->dem.radius_min / speed, 1e-3 * w->ctx.scene.end);
     for (int k = 0; k < INCREMENTS_MOST; k++) {
-        double span = next_span(s, breaks, first);
+        double span = next_span(run, breaks, first);
         if (breaks < INFINITY && span <= near_enough * w->ctx.scene.start_fraction * breaks)
             return GNEISS_OK;
         if (!(span > 0.0)) break;
-        if (k > 0) GN_TRY(tell(s, error)); /* not of the last one, which the first step reads */
+        if (k > 0) GN_TRY(tell(run, error)); /* the last one is reported by the first step */
         bool last =
             breaks < INFINITY && w->ctx.time + span >= 0.99 * w->ctx.scene.start_fraction * breaks;
         double wanted = breaks < INFINITY ? balanced_on_the_way : balanced_first;
-        GN_TRY(increment(s, span, last ? balanced_start : wanted, error));
-        breaks = s->found->time = time_of_break(s);
-        s->found->unbalanced = s->trial.mean_load / s->trial.mean_force;
+        GN_TRY(increment(run, span, last ? balanced_start : wanted, error));
+        breaks = run->found->time = time_of_break(run);
+        run->found->unbalanced = run->trial.mean_load / run->trial.mean_force;
         if (w->ctx.time >= w->ctx.scene.end * (1.0 - 1e-12)) break;
     }
     return refuse(w, error, "first_break: expected a bond that breaks before time.end, found none");
 }
 
-/* The velocities of steady loading: a short increment, by the tangent alone. */
-static gneiss_status leave(search *s, gneiss_error *error) {
-    gn_trial *t = &s->trial;
+/* Sets the velocities of steady loading from a short increment by the tangent alone. */
+static gneiss_status leave(search *run, gneiss_error *error) {
+    gn_trial *t = &run->trial;
     gn_equilibrium linear;
-    const double span = 1e-3 * s->w->ctx.time;
-    if (!(s->w->ctx.time >= steps_least * s->w->ctx.dt))
-        return refuse(s->w, error,
+    const double span = 1e-3 * run->w->ctx.time;
+    if (!(run->w->ctx.time >= steps_least * run->w->ctx.dt))
+        return refuse(run->w, error,
                       "first_break: expected a start that is at least %g steps after time 0, found "
                       "the first break at %g s and a step of %g s",
-                      steps_least, s->found->time, s->w->ctx.dt);
-    for (size_t at = 0; at < N * t->count; at++) s->path[at] = span * s->rate[at];
-    gn_trial_prescribe(t, span, s->path);
-    gn_trial_go(t, s->path, span, false);
-    if (!in_balance(s, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
-    GN_TRY(gn_trial_leave(t, s->path, span, error));
-    s->w->ctx.step = s->w->ctx.first_step = s->found->steps =
-        llround(s->w->ctx.time / s->w->ctx.dt);
-    s->found->shortfall = t->shortfall;
+                      steps_least, run->found->time, run->w->ctx.dt);
+    for (size_t at = 0; at < N * t->count; at++) run->path[at] = span * run->rate[at];
+    gn_trial_prescribe(t, span, run->path);
+    gn_trial_go(t, run->path, span, false);
+    if (!in_balance(run, balanced_start)) GN_TRY(correct(run, balanced_start, &linear, error));
+    GN_TRY(gn_trial_leave(t, run->path, span, error));
+    run->w->ctx.step = run->w->ctx.first_step = run->found->steps =
+        llround(run->w->ctx.time / run->w->ctx.dt);
+    run->found->shortfall = t->shortfall;
     return GNEISS_OK;
 }
 
-static gneiss_status allocate(search *s, gneiss_error *error) {
-    size_t particles = s->w->dem.particles.soa.count, bonds = s->w->dem.bonds.soa.count;
-    s->path = gn_alloc_array(particles + 1, N * sizeof *s->path);
-    s->rate = gn_alloc_array(particles + 1, N * sizeof *s->rate);
-    s->before = gn_alloc_array(bonds + 1, sizeof *s->before);
-    s->now = gn_alloc_array(bonds + 1, sizeof *s->now);
-    if (s->path && s->rate && s->before && s->now) return GNEISS_OK;
+static gneiss_status allocate(search *run, gneiss_error *error) {
+    size_t particles = run->w->dem.particles.soa.count, bonds = run->w->dem.bonds.soa.count;
+    run->path = gn_alloc_array(particles + 1, N * sizeof *run->path);
+    run->rate = gn_alloc_array(particles + 1, N * sizeof *run->rate);
+    run->before = gn_alloc_array(bonds + 1, sizeof *run->before);
+    run->now = gn_alloc_array(bonds + 1, sizeof *run->now);
+    if (run->path && run->rate && run->before && run->now) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                    particles);
 }
 
-/* N. */
+/* Returns the weakest bond strength, N. */
 static double weakest(const gn_dem *dem) {
     const gn_contacts *list = &dem->bonds;
     double least = INFINITY;
@@ -373,24 +380,24 @@ static double weakest(const gn_dem *dem) {
     return least < INFINITY ? least : 0.0;
 }
 
-static gneiss_status find(search *s, gneiss_error *error) {
-    GN_TRY(allocate(s, error));
-    GN_TRY(gn_trial_begin(s->w, &s->trial, error));
-    s->found->time = INFINITY;
-    s->scale = strength_part * weakest(&s->w->dem);
-    read_bonds(s);
-    GN_TRY(tell(s, error));
-    GN_TRY(take_up_loads(s, error));
-    GN_TRY(follow(s, error));
-    return leave(s, error);
+static gneiss_status find(search *run, gneiss_error *error) {
+    GN_TRY(allocate(run, error));
+    GN_TRY(gn_trial_begin(run->w, &run->trial, error));
+    run->found->time = INFINITY;
+    run->scale = strength_part * weakest(&run->w->dem);
+    read_bonds(run);
+    GN_TRY(tell(run, error));
+    GN_TRY(take_up_loads(run, error));
+    GN_TRY(follow(run, error));
+    return leave(run, error);
 }
 
-gneiss_status gn_first_break_start(gn_world *w, const gn_first_break_watch *watch,
+gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error) {
     *found = (gn_first_break){0};
-    if (!w->dem.bonds.soa.count)
-        return refuse(w, error, "first_break: expected bonds, found none in this specimen");
-    search s = {.w = w, .watch = watch, .found = found};
+    if (!world->dem.bonds.soa.count)
+        return refuse(world, error, "first_break: expected bonds, found none in this specimen");
+    search s = {.w = world, .watch = watch, .found = found};
     gneiss_status status = find(&s, error);
     gn_trial_free(&s.trial);
     gn_free(s.path);

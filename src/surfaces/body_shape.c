@@ -10,10 +10,10 @@
 
 static const double pi = 3.14159265358979323846;
 
-static gn_place_text place_of(const gn_scene *s, size_t index) {
+static gn_place_text place_of(const gn_scene *scene, size_t index) {
     char path[32];
     snprintf(path, sizeof path, "bodies[%zu]", index);
-    return gn_scene_at(s, s->bodies[index].where, path);
+    return gn_scene_at(scene, scene->bodies[index].where, path);
 }
 
 /* --- shapes as meshes --- */
@@ -51,36 +51,38 @@ static gneiss_status make_box(const double size[3], gn_mesh *mesh, gneiss_error 
     return GNEISS_OK;
 }
 
-/* Two rings of corners; end faces as fans about their centres. */
-static gneiss_status make_cylinder(const gn_body_cylinder *c, gn_mesh *mesh, gneiss_error *error) {
-    int32_t n = (int32_t)c->sides;
+/* Makes two rings of corners; end faces are fans about their centres. */
+static gneiss_status make_cylinder(const gn_body_cylinder *cylinder, gn_mesh *mesh,
+                                   gneiss_error *error) {
+    int32_t n = (int32_t)cylinder->sides;
     GN_TRY(allocate(mesh, 2 * (size_t)n + 2, 4 * (size_t)n, error));
-    double upper = c->upper_diameter > 0.0 ? c->upper_diameter : c->diameter;
+    double upper = cylinder->upper_diameter > 0.0 ? cylinder->upper_diameter : cylinder->diameter;
     for (int32_t k = 0; k < n; k++) {
         double angle = 2.0 * pi * k / n;
         for (int end = 0; end < 2; end++) {
-            double *x = mesh->node + 3 * (end * n + k), radius = 0.5 * (end ? upper : c->diameter);
+            double *x = mesh->node + 3 * (end * n + k),
+                   radius = 0.5 * (end ? upper : cylinder->diameter);
             x[0] = radius * cos(angle);
             x[1] = radius * sin(angle);
-            x[2] = end ? c->height : 0.0;
+            x[2] = end ? cylinder->height : 0.0;
         }
     }
-    mesh->node[3 * (2 * n + 1) + 2] = c->height;
-    if (c->open) mesh->node_count -= 2;
+    mesh->node[3 * (2 * n + 1) + 2] = cylinder->height;
+    if (cylinder->open) mesh->node_count -= 2;
     for (int32_t k = 0; k < n; k++) {
         int32_t next = (k + 1) % n;
         add_triangle(mesh, k, next, n + next);
         add_triangle(mesh, k, n + next, n + k);
-        if (c->open) continue;
+        if (cylinder->open) continue;
         add_triangle(mesh, 2 * n, next, k);
         add_triangle(mesh, 2 * n + 1, n + k, n + next);
     }
     return GNEISS_OK;
 }
 
-static gneiss_status make_mesh(const gn_scene *s, size_t index, gn_mesh *mesh,
+static gneiss_status make_mesh(const gn_scene *scene, size_t index, gn_mesh *mesh,
                                gneiss_error *error) {
-    const gn_body_def *def = &s->bodies[index];
+    const gn_body_def *def = &scene->bodies[index];
     gneiss_status status;
     if (def->has_box)
         status = make_box(def->box_size, mesh, error);
@@ -93,7 +95,7 @@ static gneiss_status make_mesh(const gn_scene *s, size_t index, gn_mesh *mesh,
         status = gn_mesh_close_surface(mesh, "surface", &volume, error);
     if (status == GNEISS_OK) return status;
     gn_mesh_free(mesh);
-    gn_fail_context(error, "%s (%s): ", place_of(s, index).text, def->name);
+    gn_fail_context(error, "%s (%s): ", place_of(scene, index).text, def->name);
     return status;
 }
 
@@ -117,7 +119,8 @@ static void place(const gn_body_def *def, const double *local, double *x) {
         x[a] = def->origin[a] + (def->has_rotation ? gn_dot3(m + 3 * a, scaled) : scaled[a]);
 }
 
-/* Height over the longest side of a triangle below rounding; a segment without length. */
+/* Tells whether a triangle's height is below rounding of its longest side, or a segment has no
+ * length. */
 static bool is_degenerate(const gn_body_shape *shape, const int32_t *corner, int corners) {
     const double *x[3] = {0};
     double e[3][3], normal[3], longest = 0.0;
@@ -198,7 +201,7 @@ static void add_cone(const double x[3][3], int corners, integrals *sum) {
     }
     for (int c = 0; c < corners; c++)
         for (int a = 0; a < 3; a++) total[a] += x[c][a];
-    double n = corners + 1.0; /* corners of the cone, its tip at the origin */
+    double n = corners + 1.0; /* corners of the cone, whose tip is the origin */
     sum->volume += part;
     for (int a = 0; a < 3; a++) sum->first[a] += part * total[a] / n;
     for (int a = 0; a < 3; a++)
@@ -226,7 +229,8 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
             }
         add_cone((const double(*)[3])x, corners, &sum);
     }
-    double sign = sum.volume < 0.0 ? -1.0 : 1.0; /* of a polygon in the other sense */
+    /* negative for a polygon of the opposite orientation */
+    double sign = sum.volume < 0.0 ? -1.0 : 1.0;
     shape->volume = sign * sum.volume;
     if (!(shape->volume > 1e-12 * pow(size, corners)))
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected a body with a volume, found %g m3",
@@ -243,7 +247,7 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
     return GNEISS_OK;
 }
 
-/* Files and scales can each be sensible and give together what no key may say. */
+/* A file and a scale that are both valid may give coordinates that no key may have. */
 static gneiss_status check_places(const gn_body_shape *shape, gneiss_error *error) {
     for (size_t v = 0; v < shape->vertices; v++) {
         const double *x = shape->vertex + 4 * v;
@@ -255,28 +259,28 @@ static gneiss_status check_places(const gn_body_shape *shape, gneiss_error *erro
     return GNEISS_OK;
 }
 
-gneiss_status gn_body_shape_make(const gn_scene *s, size_t index, gn_body_shape *shape,
+gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_shape *shape,
                                  gneiss_error *error) {
-    const gn_body_def *def = &s->bodies[index];
-    int corners = (int)s->dimension;
+    const gn_body_def *def = &scene->bodies[index];
+    int corners = (int)scene->dimension;
     gn_mesh mesh = {0};
     gneiss_status status;
     *shape = (gn_body_shape){0};
-    if (corners == 3) GN_TRY(make_mesh(s, index, &mesh, error));
+    if (corners == 3) GN_TRY(make_mesh(scene, index, &mesh, error));
     status = corners == 3 ? from_mesh(def, &mesh, shape, error) : from_line(def, shape, error);
     gn_mesh_free(&mesh);
     if (status == GNEISS_OK) {
         status = check_places(shape, error);
         if (status == GNEISS_OK && gn_body_is_weighed(def)) status = weigh(shape, corners, error);
         if (status != GNEISS_OK)
-            gn_fail_context(error, "%s (%s): ", place_of(s, index).text, def->name);
+            gn_fail_context(error, "%s (%s): ", place_of(scene, index).text, def->name);
     }
     if (status == GNEISS_OK) {
         drop_degenerate(shape, corners);
         if (!shape->facets)
             status = gn_fail(error, GNEISS_ERROR_INPUT,
                              "%s (%s): expected facets, found none but %zu without area",
-                             place_of(s, index).text, def->name, shape->dropped);
+                             place_of(scene, index).text, def->name, shape->dropped);
     }
     if (status != GNEISS_OK) gn_body_shape_free(shape);
     return status;

@@ -8,19 +8,20 @@
 
 /* --- room --- */
 
-/* A face of the overlap: points among all of them, and the plane of its body that it lies on. */
+/* A face of the overlap: its points among all points, and the plane of its body on which it
+ * lies. */
 typedef struct face {
     size_t begin, count;
     int32_t plane;
 } face;
 
-/* One of both, in place: what of its surface lies in the other. */
+/* One of the bodies in its pose, and the part of its surface that lies in the other. */
 typedef struct side {
     const gn_convex *shape;
     double *plane, *corner; /* as in the shape */
     face *faces;
     size_t count;
-    int32_t *near; /* planes that are somewhere in the overlap the nearest to a point */
+    int32_t *near; /* planes that are the nearest for some point of the overlap */
     size_t near_count;
 } side;
 
@@ -29,51 +30,51 @@ typedef struct work {
     double *point;
     size_t points, most;
     double *buffer[2];
-    double origin[3]; /* a point of the overlap; integrals are about it */
-    double reach;     /* m, of the overlap from there */
+    double origin[3]; /* a point of the overlap, the origin of the integrals */
+    double reach;     /* m, largest distance of the overlap from the origin */
     int dimension;
 } work;
 
-/* Points of all faces: twelve of a facet, where those of triangles in space are six in the mean. */
+/* Points of all faces: twelve per facet; faces of triangles in space have six on average. */
 enum { MOST_POINTS = 12, MORE_POINTS = 64 };
 
-static size_t buffer_points(const gn_convex_room *r) {
-    return 2 * r->planes + 16;
+static size_t buffer_points(const gn_convex_room *room) {
+    return 2 * room->planes + 16;
 }
-static size_t room_doubles(const gn_convex_room *r) {
-    size_t own = 4 * r->planes + 12 * r->polygons;
-    return 2 * own + 6 * buffer_points(r) + 3 * (2 * MOST_POINTS * r->polygons + MORE_POINTS);
+static size_t room_doubles(const gn_convex_room *room) {
+    size_t own = 4 * room->planes + 12 * room->polygons;
+    return 2 * own + 6 * buffer_points(room) + 3 * (2 * MOST_POINTS * room->polygons + MORE_POINTS);
 }
 
-gneiss_status gn_convex_room_make(size_t planes, size_t polygons, gn_convex_room *r,
+gneiss_status gn_convex_room_make(size_t planes, size_t polygons, gn_convex_room *room,
                                   gneiss_error *error) {
-    *r = (gn_convex_room){.planes = planes, .polygons = polygons};
-    r->memory = gn_alloc(room_doubles(r) * sizeof(double) + 2 * polygons * sizeof(face) +
-                         2 * planes * sizeof(int32_t));
-    return r->memory ? GNEISS_OK
-                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for overlaps of bodies");
+    *room = (gn_convex_room){.planes = planes, .polygons = polygons};
+    room->memory = gn_alloc(room_doubles(room) * sizeof(double) + 2 * polygons * sizeof(face) +
+                            2 * planes * sizeof(int32_t));
+    return room->memory ? GNEISS_OK
+                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for overlaps of bodies");
 }
 
-void gn_convex_room_free(gn_convex_room *r) {
-    gn_free(r->memory);
-    *r = (gn_convex_room){0};
+void gn_convex_room_free(gn_convex_room *room) {
+    gn_free(room->memory);
+    *room = (gn_convex_room){0};
 }
 
-static void share_out(gn_convex_room *r, work *w) {
-    double *at = r->memory;
-    face *faces = (face *)(void *)(r->memory + room_doubles(r));
-    int32_t *near = (int32_t *)(void *)(faces + 2 * r->polygons);
+static void share_out(gn_convex_room *room, work *task) {
+    double *at = room->memory;
+    face *faces = (face *)(void *)(room->memory + room_doubles(room));
+    int32_t *near = (int32_t *)(void *)(faces + 2 * room->polygons);
     for (size_t k = 0; k < 2; k++) {
-        w->of[k].plane = at;
-        w->of[k].corner = at + 4 * r->planes;
-        at += 4 * r->planes + 12 * r->polygons;
-        w->buffer[k] = at;
-        at += 3 * buffer_points(r);
-        w->of[k].faces = faces + k * r->polygons;
-        w->of[k].near = near + k * r->planes;
+        task->of[k].plane = at;
+        task->of[k].corner = at + 4 * room->planes;
+        at += 4 * room->planes + 12 * room->polygons;
+        task->buffer[k] = at;
+        at += 3 * buffer_points(room);
+        task->of[k].faces = faces + k * room->polygons;
+        task->of[k].near = near + k * room->planes;
     }
-    w->point = at;
-    w->most = 2 * MOST_POINTS * r->polygons + MORE_POINTS;
+    task->point = at;
+    task->most = 2 * MOST_POINTS * room->polygons + MORE_POINTS;
 }
 
 /* --- in place --- */
@@ -82,17 +83,18 @@ static void turn(const double axes[9], const double x[3], double y[3]) {
     for (int a = 0; a < 3; a++) y[a] = gn_dot3(axes + 3 * a, x);
 }
 
-static void put(const gn_convex *shape, const gn_convex_pose *at, const double from[3], side *s) {
+static void put(const gn_convex *shape, const gn_convex_pose *at, const double from[3],
+                side *body) {
     double d[3];
-    *s = (side){shape, s->plane, s->corner, s->faces, 0, s->near, 0};
+    *body = (side){shape, body->plane, body->corner, body->faces, 0, body->near, 0};
     for (int a = 0; a < 3; a++) d[a] = at->place[a] - from[a];
     for (size_t k = 0; k < shape->planes; k++) {
-        turn(at->axes, shape->plane + 4 * k, s->plane + 4 * k);
-        s->plane[4 * k + 3] = shape->plane[4 * k + 3] + gn_dot3(s->plane + 4 * k, d);
+        turn(at->axes, shape->plane + 4 * k, body->plane + 4 * k);
+        body->plane[4 * k + 3] = shape->plane[4 * k + 3] + gn_dot3(body->plane + 4 * k, d);
     }
     for (size_t k = 0; k < shape->polygons * (size_t)shape->corners; k++) {
-        turn(at->axes, shape->corner + 3 * k, s->corner + 3 * k);
-        for (size_t a = 0; a < 3; a++) s->corner[3 * k + a] += d[a];
+        turn(at->axes, shape->corner + 3 * k, body->corner + 3 * k);
+        for (size_t a = 0; a < 3; a++) body->corner[3 * k + a] += d[a];
     }
 }
 
@@ -112,21 +114,21 @@ size_t gn_polygon_cut(const double *from, size_t count, const double n[3], doubl
     return kept > 2 ? kept : 0;
 }
 
-/* The polygon in buffer[*in]; *in changes if anything was cut off. */
-static size_t cut_there(work *w, int *in, size_t count, const double n[3], double at) {
+/* Cuts the polygon in buffer[*in]; *in changes if anything was cut off. */
+static size_t cut_there(work *task, int *in, size_t count, const double n[3], double at) {
     bool cuts = false;
-    for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, w->buffer[*in] + 3 * k) > at;
+    for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, task->buffer[*in] + 3 * k) > at;
     if (!cuts) return count;
-    count = gn_polygon_cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
+    count = gn_polygon_cut(task->buffer[*in], count, n, at, task->buffer[1 - *in]);
     *in = 1 - *in;
     return count;
 }
 
-/* What of a face of one body is behind a plane of the other, n.x <= at. Two faces that look the
- * same way part where their planes are as far out, of which the second counts farther in by
- * `slack`, m, so that one of both counts where they lie in each other. For both that is one plane,
- * to the bit: each cut at the plane of the other, two that are turned by rounding alone part
- * anywhere, and the surface of the overlap has gaps or counts twice. */
+/* Computes the half space n.x <= at to which a plane of one body cuts a face of the other. Two
+ * faces of the same direction part where their planes have equal distances; the second is moved
+ * inward by `slack`, m, so that exactly one of two coincident faces counts. For both bodies that is
+ * one plane to the bit: if each face were cut at the plane of the other, faces that differ by
+ * rounding would part anywhere, and the surface of the overlap would have gaps or count twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
     bool same_way = gn_dot3(mine, other) > 0.9;
@@ -134,80 +136,84 @@ static void part_at(const double mine[4], const double other[4], double slack, d
     *at = same_way ? other[3] - mine[3] + slack : other[3];
 }
 
-/* Faces of one body in the other; `slack` is above 0 for the first and below for the second. */
-static void find_faces(work *w, int mine, double slack) {
-    side *s = &w->of[mine], *other = &w->of[1 - mine];
+/* Finds the faces of one body in the other; `slack` is positive for the first body and negative for
+ * the second. */
+static void find_faces(work *task, int mine, double slack) {
+    side *s = &task->of[mine], *other = &task->of[1 - mine];
     size_t corners = (size_t)s->shape->corners, planes = other->shape->planes, last = 0;
     for (size_t f = 0; f < s->shape->polygons; f++) {
         int in = 0;
         size_t count = corners;
-        memcpy(w->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
+        memcpy(task->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
         for (size_t k = 0; k < planes && count; k++) {
-            size_t p = (last + k) % planes; /* what cut off the last one first */
+            size_t p = (last + k) % planes; /* the plane that cut off the last face comes first */
             double n[3], at;
             part_at(s->plane + 4 * s->shape->on[f], other->plane + 4 * p, slack, n, &at);
-            count = cut_there(w, &in, count, n, at);
+            count = cut_there(task, &in, count, n, at);
             if (!count) last = p;
         }
-        if (!count || w->points + count > w->most) continue;
-        s->faces[s->count++] = (face){w->points, count, s->shape->on[f]};
-        memcpy(w->point + 3 * w->points, w->buffer[in], 3 * count * sizeof(double));
-        w->points += count;
+        if (!count || task->points + count > task->most) continue;
+        s->faces[s->count++] = (face){task->points, count, s->shape->on[f]};
+        memcpy(task->point + 3 * task->points, task->buffer[in], 3 * count * sizeof(double));
+        task->points += count;
     }
 }
 
 /* --- which faces are near --- */
 
-static double depth_at(const side *s, size_t plane, const double x[3]) {
-    return s->plane[4 * plane + 3] - gn_dot3(s->plane + 4 * plane, x);
+static double depth_at(const side *body, size_t plane, const double x[3]) {
+    return body->plane[4 * plane + 3] - gn_dot3(body->plane + 4 * plane, x);
 }
 
-/* A plane that is at every corner of the overlap farther than another one is, is so everywhere. */
-static bool is_behind(const work *w, const side *s, size_t a, size_t b) {
-    for (size_t v = 0; v < w->points; v++)
-        if (depth_at(s, a, w->point + 3 * v) < depth_at(s, b, w->point + 3 * v)) return false;
+/* Tells whether plane a is farther than plane b at every corner of the overlap, and hence
+ * everywhere. */
+static bool is_behind(const work *task, const side *body, size_t a, size_t b) {
+    for (size_t v = 0; v < task->points; v++)
+        if (depth_at(body, a, task->point + 3 * v) < depth_at(body, b, task->point + 3 * v))
+            return false;
     return true;
 }
 
-static void find_near(const work *w, side *s) {
+static void find_near(const work *task, side *body) {
     double least = (double)INFINITY;
     for (int pass = 0; pass < 2; pass++)
-        for (size_t p = 0; p < s->shape->planes; p++) {
+        for (size_t p = 0; p < body->shape->planes; p++) {
             double low = (double)INFINITY, high = -(double)INFINITY;
-            for (size_t v = 0; v < w->points; v++) {
-                double d = depth_at(s, p, w->point + 3 * v);
+            for (size_t v = 0; v < task->points; v++) {
+                double d = depth_at(body, p, task->point + 3 * v);
                 low = fmin(low, d);
                 high = fmax(high, d);
             }
             if (pass == 0) least = fmin(least, high);
-            if (pass == 1 && low <= least) s->near[s->near_count++] = (int32_t)p;
+            if (pass == 1 && low <= least) body->near[body->near_count++] = (int32_t)p;
         }
     size_t kept = 0;
-    for (size_t a = 0; a < s->near_count; a++) {
+    for (size_t a = 0; a < body->near_count; a++) {
         bool behind = false;
-        for (size_t b = 0; b < s->near_count && !behind; b++)
-            behind = b != a && is_behind(w, s, (size_t)s->near[a], (size_t)s->near[b]) &&
-                     (b < a || !is_behind(w, s, (size_t)s->near[b], (size_t)s->near[a]));
-        if (!behind) s->near[kept++] = s->near[a];
+        for (size_t b = 0; b < body->near_count && !behind; b++)
+            behind =
+                b != a && is_behind(task, body, (size_t)body->near[a], (size_t)body->near[b]) &&
+                (b < a || !is_behind(task, body, (size_t)body->near[b], (size_t)body->near[a]));
+        if (!behind) body->near[kept++] = body->near[a];
     }
-    s->near_count = kept;
+    body->near_count = kept;
 }
 
 /* --- integrals --- */
 
-/* By path of the second body and by turn about the origin. */
+/* Derivatives by displacement of the second body and by its rotation about the origin. */
 typedef struct sums {
     double volume, whole; /* V, W */
     double by_volume[6], by_whole[6];
-    double weight, first[3], second[9]; /* of faces, weighed by depth */
+    double weight, first[3], second[9]; /* over faces, weighted by depth */
 } sums;
 
-/* The middles of the sides of a triangle: exact for what is quadratic. */
+/* Midpoints of the sides of a triangle, which integrate quadratic functions exactly. */
 typedef struct spot {
     double x[3], area; /* from the origin; m2 */
 } spot;
 
-static void spots_of(const work *w, const double *point, size_t k, spot spots[3]) {
+static void spots_of(const work *task, const double *point, size_t k, spot spots[3]) {
     const double *c[3] = {point, point + 3 * k, point + 3 * (k + 1)};
     double u[3], v[3], n[3];
     for (int a = 0; a < 3; a++) {
@@ -218,7 +224,7 @@ static void spots_of(const work *w, const double *point, size_t k, spot spots[3]
     for (int m = 0; m < 3; m++) {
         spots[m].area = sqrt(gn_dot3(n, n)) / 6.0;
         for (int a = 0; a < 3; a++)
-            spots[m].x[a] = 0.5 * (c[m][a] + c[(m + 1) % 3][a]) - w->origin[a];
+            spots[m].x[a] = 0.5 * (c[m][a] + c[(m + 1) % 3][a]) - task->origin[a];
     }
 }
 
@@ -231,28 +237,29 @@ static void add_swept(double sum[6], const double n[3], const double x[3], doubl
     }
 }
 
-/* A face of the overlap. */
-static void add_face(const work *w, int mine, const face *f, sums *s) {
-    const double *n = w->of[mine].plane + 4 * f->plane;
+/* Adds a face of the overlap. */
+static void add_face(const work *task, int mine, const face *polygon, sums *total) {
+    const double *n = task->of[mine].plane + 4 * polygon->plane;
     spot spots[3];
-    for (size_t k = 1; k + 1 < f->count; k++) {
-        spots_of(w, w->point + 3 * f->begin, k, spots);
+    for (size_t k = 1; k + 1 < polygon->count; k++) {
+        spots_of(task, task->point + 3 * polygon->begin, k, spots);
         for (int m = 0; m < 3; m++) {
-            s->volume += gn_dot3(n, spots[m].x) * spots[m].area / w->dimension;
-            if (mine == 1) add_swept(s->by_volume, n, spots[m].x, spots[m].area);
+            total->volume += gn_dot3(n, spots[m].x) * spots[m].area / task->dimension;
+            if (mine == 1) add_swept(total->by_volume, n, spots[m].x, spots[m].area);
         }
     }
 }
 
-/* m, the depth below a plane of a point from the origin. */
-static double depth_of(const work *w, const double plane[4], const double x[3]) {
-    return plane[3] - gn_dot3(plane, w->origin) - gn_dot3(plane, x);
+/* Returns the depth below a plane of a point from the origin, m. */
+static double depth_of(const work *task, const double plane[4], const double x[3]) {
+    return plane[3] - gn_dot3(plane, task->origin) - gn_dot3(plane, x);
 }
 
-/* The second moment of a triangle of spots, weighed by depth: of the third order, so that corners
- * and the middle count as well (exact up to there). With the middles of sides alone it depended on
- * how faces are cut into triangles. */
-static void add_second(const work *w, const double plane[4], const spot spots[3], double sum[9]) {
+/* Adds the second moment of a triangle, weighted by depth. It is of third order, so that corners
+ * and the centroid count as well (exact to that order). With the midpoints of sides alone it
+ * depended on the triangulation of faces. */
+static void add_second(const work *task, const double plane[4], const spot spots[3],
+                       double sum[9]) {
     double x[7][3];
     for (int a = 0; a < 3; a++) {
         const double all = spots[0].x[a] + spots[1].x[a] + spots[2].x[a];
@@ -264,181 +271,190 @@ static void add_second(const work *w, const double plane[4], const spot spots[3]
     }
     for (int m = 0; m < 7; m++) {
         const double weight = m < 3 ? 2.0 / 15.0 : m < 6 ? 1.0 / 20.0 : 9.0 / 20.0;
-        const double part = 3.0 * weight * spots[0].area * depth_of(w, plane, x[m]);
+        const double part = 3.0 * weight * spots[0].area * depth_of(task, plane, x[m]);
         for (int a = 0; a < 9; a++) sum[a] += part * x[m][a / 3] * x[m][a % 3];
     }
 }
 
-/* A part of such a face, of which plane `p` of the other body is the nearest. */
-static void add_part(const work *w, int mine, const face *f, const double *point, size_t count,
-                     size_t p, sums *s) {
-    const double *n = w->of[mine].plane + 4 * f->plane, *q = w->of[1 - mine].plane + 4 * p;
+/* Adds the part of a face to which plane `p` of the other body is the nearest. */
+static void add_part(const work *task, int mine, const face *polygon, const double *point,
+                     size_t count, size_t p, sums *total) {
+    const double *n = task->of[mine].plane + 4 * polygon->plane,
+                 *q = task->of[1 - mine].plane + 4 * p;
     double out = -gn_dot3(q, n), sign = mine == 1 ? 1.0 : -1.0;
     spot spots[3];
     for (size_t k = 1; k + 1 < count; k++) {
-        spots_of(w, point, k, spots);
+        spots_of(task, point, k, spots);
         for (int m = 0; m < 3; m++) {
             const double *x = spots[m].x;
-            double depth = depth_of(w, q, x), part = depth * spots[m].area;
-            s->whole += 0.5 * out * depth * part;
-            add_swept(s->by_whole, n, x, sign * part);
-            s->weight += part;
-            for (int a = 0; a < 3; a++) s->first[a] += part * x[a];
+            double depth = depth_of(task, q, x), part = depth * spots[m].area;
+            total->whole += 0.5 * out * depth * part;
+            add_swept(total->by_whole, n, x, sign * part);
+            total->weight += part;
+            for (int a = 0; a < 3; a++) total->first[a] += part * x[a];
         }
-        add_second(w, q, spots, s->second);
+        add_second(task, q, spots, total->second);
     }
 }
 
-/* Cuts what is in buffer[*in] to where plane `p` of a body is the nearest. */
-static size_t cut_to_nearest(work *w, const side *s, size_t p, size_t but, int *in, size_t count) {
-    const double *mine = s->plane + 4 * p;
-    for (size_t k = 0; k < s->near_count && count; k++) {
-        const double *q = s->plane + 4 * s->near[k];
+/* Cuts the polygon in buffer[*in] to the region where plane `p` of a body is the nearest. */
+static size_t cut_to_nearest(work *task, const side *body, size_t p, size_t but, int *in,
+                             size_t count) {
+    const double *mine = body->plane + 4 * p;
+    for (size_t k = 0; k < body->near_count && count; k++) {
+        const double *q = body->plane + 4 * body->near[k];
         double n[3];
-        if ((size_t)s->near[k] == p || (size_t)s->near[k] == but) continue;
+        if ((size_t)body->near[k] == p || (size_t)body->near[k] == but) continue;
         for (int a = 0; a < 3; a++) n[a] = q[a] - mine[a];
-        count = cut_there(w, in, count, n, q[3] - mine[3]);
+        count = cut_there(task, in, count, n, q[3] - mine[3]);
     }
     return count;
 }
 
-static void add_parts(work *w, int mine, const face *f, sums *s) {
-    const side *other = &w->of[1 - mine];
+static void add_parts(work *task, int mine, const face *polygon, sums *total) {
+    const side *other = &task->of[1 - mine];
     for (size_t k = 0; k < other->near_count; k++) {
         size_t p = (size_t)other->near[k];
         int in = 0;
-        memcpy(w->buffer[0], w->point + 3 * f->begin, 3 * f->count * sizeof(double));
-        size_t count = cut_to_nearest(w, other, p, p, &in, f->count);
-        if (count) add_part(w, mine, f, w->buffer[in], count, p, s);
+        memcpy(task->buffer[0], task->point + 3 * polygon->begin,
+               3 * polygon->count * sizeof(double));
+        size_t count = cut_to_nearest(task, other, p, p, &in, polygon->count);
+        if (count) add_part(task, mine, polygon, task->buffer[in], count, p, total);
     }
 }
 
-/* A square on the plane n.x = at that covers the overlap, n not a unit vector. */
-static void put_square(work *w, const double n[3], double at) {
-    double size2 = gn_dot3(n, n), off = (at - gn_dot3(n, w->origin)) / size2, e[2][3] = {{0}};
+/* Puts a square on the plane n.x = at that covers the overlap; n need not be a unit vector. */
+static void put_square(work *task, const double n[3], double at) {
+    double size2 = gn_dot3(n, n), off = (at - gn_dot3(n, task->origin)) / size2, e[2][3] = {{0}};
     int least = 0;
     for (int a = 1; a < 3; a++)
         if (fabs(n[a]) < fabs(n[least])) least = a;
-    e[0][w->dimension == 2 ? 2 : least] = 1.0;
+    e[0][task->dimension == 2 ? 2 : least] = 1.0;
     gn_cross3(n, e[0], e[1]);
     gn_cross3(e[1], n, e[0]);
     for (int k = 0; k < 2; k++) {
         double size = sqrt(gn_dot3(e[k], e[k]));
-        double half = k == 0 && w->dimension == 2 ? 0.5 : 2.0 * w->reach;
+        double half = k == 0 && task->dimension == 2 ? 0.5 : 2.0 * task->reach;
         for (int a = 0; a < 3; a++) e[k][a] *= half / size;
     }
     for (int c = 0; c < 4; c++)
         for (int a = 0; a < 3; a++) {
-            double middle = w->dimension == 2 && a == 2 ? 0.0 : w->origin[a] + off * n[a];
-            w->buffer[0][3 * c + a] =
+            double middle = task->dimension == 2 && a == 2 ? 0.0 : task->origin[a] + off * n[a];
+            task->buffer[0][3 * c + a] =
                 middle + (c == 0 || c == 3 ? -1.0 : 1.0) * e[0][a] + (c < 2 ? -1.0 : 1.0) * e[1][a];
         }
 }
 
-/* Whether points of the overlap lie on both sides of where two planes are as near. */
-static bool parts_overlap(const work *w, const double n[3], double at) {
+/* Tells whether the overlap has points on both sides of the bisector of two planes. */
+static bool parts_overlap(const work *task, const double n[3], double at) {
     bool below = false, above = false;
-    for (size_t v = 0; v < w->points; v++) {
-        double d = gn_dot3(n, w->point + 3 * v) - at;
+    for (size_t v = 0; v < task->points; v++) {
+        double d = gn_dot3(n, task->point + 3 * v) - at;
         below = below || d < 0.0;
         above = above || d > 0.0;
     }
     return below && above;
 }
 
-/* Where two planes of a body are as near, the depth has a fold: of the integral over the volume,
- * that of the divergence of half its square along its gradient, something is there too. */
-static void add_fold(work *w, int mine, size_t p, size_t q, sums *s) {
-    const side *me = &w->of[mine], *other = &w->of[1 - mine];
+/* Adds the contribution of a fold: where two planes of a body are equally near, the depth has a
+ * kink, and the volume integral, which is that of the divergence of half its square along its
+ * gradient, has a term there. */
+static void add_fold(work *task, int mine, size_t p, size_t q, sums *total) {
+    const side *me = &task->of[mine], *other = &task->of[1 - mine];
     const double *a = me->plane + 4 * p, *b = me->plane + 4 * q;
     double n[3], at = b[3] - a[3];
     int in = 0;
     size_t count = 4;
     for (int k = 0; k < 3; k++) n[k] = b[k] - a[k];
-    if (!(gn_dot3(n, n) > 1e-18) || !parts_overlap(w, n, at)) return;
-    put_square(w, n, at);
-    count = cut_there(w, &in, count, a, a[3]);
-    count = cut_to_nearest(w, me, p, q, &in, count);
+    if (!(gn_dot3(n, n) > 1e-18) || !parts_overlap(task, n, at)) return;
+    put_square(task, n, at);
+    count = cut_there(task, &in, count, a, a[3]);
+    count = cut_to_nearest(task, me, p, q, &in, count);
     for (size_t k = 0; k < other->near_count && count; k++) {
         const double *c = other->plane + 4 * other->near[k];
-        count = cut_there(w, &in, count, c, c[3]);
+        count = cut_there(task, &in, count, c, c[3]);
     }
     spot spots[3];
     for (size_t k = 1; k + 1 < count; k++) {
-        spots_of(w, w->buffer[in], k, spots);
+        spots_of(task, task->buffer[in], k, spots);
         for (int m = 0; m < 3; m++) {
-            double depth = depth_of(w, a, spots[m].x);
-            s->whole += 0.5 * depth * depth * sqrt(gn_dot3(n, n)) * spots[m].area;
+            double depth = depth_of(task, a, spots[m].x);
+            total->whole += 0.5 * depth * depth * sqrt(gn_dot3(n, n)) * spots[m].area;
         }
     }
 }
 
-static void add_all(work *w, sums *s) {
+static void add_all(work *task, sums *total) {
     for (int mine = 0; mine < 2; mine++) {
-        const side *me = &w->of[mine];
+        const side *me = &task->of[mine];
         for (size_t k = 0; k < me->count; k++) {
-            add_face(w, mine, &me->faces[k], s);
-            add_parts(w, mine, &me->faces[k], s);
+            add_face(task, mine, &me->faces[k], total);
+            add_parts(task, mine, &me->faces[k], total);
         }
         for (size_t p = 0; p < me->near_count; p++)
             for (size_t q = p + 1; q < me->near_count; q++)
-                add_fold(w, mine, (size_t)me->near[p], (size_t)me->near[q], s);
+                add_fold(task, mine, (size_t)me->near[p], (size_t)me->near[q], total);
     }
 }
 
 /* --- together --- */
 
-/* The push goes along a line, but for what little it turns about that. */
-static void put_point(const work *w, const sums *s, const double moment[3], gn_convex_overlap *o) {
-    double across[3], at[3], size2 = gn_dot3(o->along, o->along);
-    gn_cross3(o->along, moment, across);
-    for (int a = 0; a < 3; a++) at[a] = s->first[a] / s->weight;
+/* Sets the point of the contact force; a small couple about its line remains. */
+static void put_point(const work *task, const sums *total, const double moment[3],
+                      gn_convex_overlap *overlap) {
+    double across[3], at[3], size2 = gn_dot3(overlap->along, overlap->along);
+    gn_cross3(overlap->along, moment, across);
+    for (int a = 0; a < 3; a++) at[a] = total->first[a] / total->weight;
     if (size2 > 1e-12) {
-        double off = gn_dot3(o->along, at) / size2;
-        for (int a = 0; a < 3; a++) at[a] = across[a] / size2 + off * o->along[a];
+        double off = gn_dot3(overlap->along, at) / size2;
+        for (int a = 0; a < 3; a++) at[a] = across[a] / size2 + off * overlap->along[a];
     }
-    gn_cross3(at, o->along, across);
+    gn_cross3(at, overlap->along, across);
     for (int a = 0; a < 3; a++) {
-        o->about[a] = moment[a] - across[a];
-        o->point[a] = w->origin[a] + at[a];
+        overlap->about[a] = moment[a] - across[a];
+        overlap->point[a] = task->origin[a] + at[a];
     }
     for (int a = 0; a < 9; a++) {
         int p = a / 3, q = a % 3;
-        o->spread[a] =
-            (s->second[a] - s->first[p] * at[q] - at[p] * s->first[q]) / s->weight + at[p] * at[q];
+        overlap->spread[a] =
+            (total->second[a] - total->first[p] * at[q] - at[p] * total->first[q]) / total->weight +
+            at[p] * at[q];
     }
 }
 
-static void in_plane(sums *s) {
-    double *rows[] = {s->by_volume, s->by_whole};
+static void in_plane(sums *total) {
+    double *rows[] = {total->by_volume, total->by_whole};
     for (int k = 0; k < 2; k++) rows[k][2] = rows[k][3] = rows[k][4] = 0.0;
-    s->first[2] = 0.0;
+    total->first[2] = 0.0;
     for (int a = 0; a < 9; a++)
-        if (a / 3 == 2 || a % 3 == 2) s->second[a] = 0.0;
+        if (a / 3 == 2 || a % 3 == 2) total->second[a] = 0.0;
 }
 
-static bool read_sums(const work *w, sums *s, double least, gn_convex_overlap *o) {
+static bool read_sums(const work *task, sums *total, double least, gn_convex_overlap *overlap) {
     double moment[3];
-    /* Of one body all faces and of the other none are there only where one holds the other; a face
-     * on a face is not. */
-    bool all = w->of[0].count && w->of[1].count;
-    if (!all && !(s->volume > 1e-6 * pow(w->reach, w->dimension))) return false;
-    if (!(s->volume > 0.0) || !(s->whole > least * s->volume) || !(s->weight > 0.0)) return false;
-    if (w->dimension == 2) in_plane(s);
-    o->volume = s->volume;
-    o->depth = s->whole / s->volume;
+    /* Faces of one body only are there if that body lies inside the other, not if two faces
+     * coincide. */
+    bool all = task->of[0].count && task->of[1].count;
+    if (!all && !(total->volume > 1e-6 * pow(task->reach, task->dimension))) return false;
+    if (!(total->volume > 0.0) || !(total->whole > least * total->volume) || !(total->weight > 0.0))
+        return false;
+    if (task->dimension == 2) in_plane(total);
+    overlap->volume = total->volume;
+    overlap->depth = total->whole / total->volume;
     for (int a = 0; a < 3; a++) {
-        o->along[a] = (s->by_whole[a] - o->depth * s->by_volume[a]) / s->volume;
-        moment[a] = (s->by_whole[3 + a] - o->depth * s->by_volume[3 + a]) / s->volume;
+        overlap->along[a] =
+            (total->by_whole[a] - overlap->depth * total->by_volume[a]) / total->volume;
+        moment[a] =
+            (total->by_whole[3 + a] - overlap->depth * total->by_volume[3 + a]) / total->volume;
     }
-    put_point(w, s, moment, o);
-    if (w->dimension == 2) o->point[2] = 0.0;
+    put_point(task, total, moment, overlap);
+    if (task->dimension == 2) overlap->point[2] = 0.0;
     return true;
 }
 
 bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
                     const gn_convex_pose *at_b, double least, gn_convex_room *room,
-                    gn_convex_overlap *o) {
+                    gn_convex_overlap *overlap) {
     work w = {.dimension = a->corners == 3 ? 3 : 2};
     sums s = {0};
     share_out(room, &w);
@@ -454,12 +470,12 @@ bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_con
     find_near(&w, &w.of[0]);
     find_near(&w, &w.of[1]);
     add_all(&w, &s);
-    return read_sums(&w, &s, least, o);
+    return read_sums(&w, &s, least, overlap);
 }
 
 /* --- apart --- */
 
-/* m, the least distance of corners of b from a plane of a; the largest of all planes. */
+/* Returns the largest distance of all planes of a to the nearest corner of b, m. */
 static double apart_by(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
                        const gn_convex_pose *at_b) {
     double most = -(double)INFINITY;

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Distances of one point reckoned from two facets differ by rounding. */
+/* Relative tolerance of distances of one point computed from two facets. */
 static const double same = 1e-10;
 
 /* --- nearest point --- */
@@ -17,7 +17,8 @@ static void set_point(gn_facet_near *near, const double p[3], unsigned feature) 
     near->feature = feature;
 }
 
-/* On the side from corner i to corner j, given relative to the centre; ends included. */
+/* Finds the nearest point on the side from corner i to corner j, which are relative to the centre;
+ * ends included. */
 static void on_side(const double a[3], const double b[3], int i, int j, gn_facet_near *near) {
     double side[3], p[3];
     for (int k = 0; k < 3; k++) side[k] = b[k] - a[k];
@@ -38,8 +39,9 @@ static void on_side(const double a[3], const double b[3], int i, int j, gn_facet
     set_point(near, p, feature);
 }
 
-/* Inside a triangle the point is taken along the normal, so that a slender triangle does not tilt
- * it. Barycentric coordinates by areas; where one is not positive, the nearest of those sides. */
+/* Finds the nearest point of a triangle. Inside, it is taken along the normal, so that a slender
+ * triangle does not tilt it. Barycentric coordinates are ratios of areas; if one is not positive,
+ * the nearest of those sides counts. */
 static void on_triangle(double x[3][3], gn_facet_near *near) {
     double e1[3], e2[3], normal[3], part[3], weight[3];
     for (int k = 0; k < 3; k++) {
@@ -91,7 +93,8 @@ void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item)
         list[(*count)++] = *item;
         return;
     }
-    /* Whatever suppresses a minimum is at least as near: the farthest can go. */
+    /* A minimum that suppresses another is at least as near, so that the farthest can be
+     * dropped. */
     size_t worst = 0;
     for (size_t k = 1; k < *count; k++)
         if (list[k].distance > list[worst].distance) worst = k;
@@ -104,7 +107,7 @@ static int size_of(unsigned feature) {
     return __builtin_popcount(feature);
 }
 
-/* Whether all corners of a's feature are corners of b. */
+/* Tells whether all corners of a's feature are corners of b. */
 static bool holds(const gn_facet_near *b, const gn_facet_near *a) {
     for (int k = 0; k < 3; k++) {
         if (!(a->feature >> k & 1)) continue;
@@ -115,7 +118,7 @@ static bool holds(const gn_facet_near *b, const gn_facet_near *a) {
     return true;
 }
 
-/* Whether b, which has a's feature, comes nearer, or counts for it at the same point. */
+/* Tells whether b, which has a's feature, is nearer, or takes precedence at the same point. */
 static bool suppresses(const gn_facet_near *b, const gn_facet_near *a, bool b_first) {
     if (!holds(b, a)) return false;
     if (b->distance < a->distance * (1.0 - same)) return true;
@@ -145,19 +148,19 @@ size_t gn_facet_minima(gn_facet_near *list, size_t count) {
 
 /* --- sharing --- */
 
-enum { ACTIVE = 40 }; /* minima that press and share */
+enum { ACTIVE = 40 }; /* overlapping minima that share stiffness */
 
-/* The problem of facet.h. */
+/* The complementarity problem of facet.h. */
 typedef struct sharing {
     size_t count;
-    double m[GN_FACET_TOUCHES][3]; /* from the surface to the centre */
+    double m[GN_FACET_TOUCHES][3]; /* unit normals from the surface to the centre */
     double depth[GN_FACET_TOUCHES], lambda[GN_FACET_TOUCHES];
     double slack;
     size_t actives, active[ACTIVE];
 } sharing;
 
-/* f of two unit normals, and its derivative by their cosine. The angle from the chord is exact for
- * small ones. */
+/* Returns f of two unit normals and its derivative by their cosine. The angle from the chord is
+ * exact for small angles. */
 static double share_of(const double a[3], const double b[3], double *slope) {
     double chord2 = 0.0;
     for (int k = 0; k < 3; k++) chord2 += (a[k] - b[k]) * (a[k] - b[k]);
@@ -171,29 +174,30 @@ static double share_of(const double a[3], const double b[3], double *slope) {
     return (1.0 + 4.0 * x) * rest * cube;
 }
 
-static double share(const sharing *s, size_t i, size_t j) {
+static double share(const sharing *problem, size_t i, size_t j) {
     double slope;
-    return i == j ? 1.0 : share_of(s->m[i], s->m[j], &slope);
+    return i == j ? 1.0 : share_of(problem->m[i], problem->m[j], &slope);
 }
 
-/* What of an overlap the active ones do not make yet. */
-static double missing(const sharing *s, size_t i) {
-    double sum = s->depth[i];
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t j = s->active[k];
-        sum -= share(s, i, j) * s->lambda[j];
+/* Returns the part of an overlap that the active minima do not yet account for. */
+static double missing(const sharing *problem, size_t i) {
+    double sum = problem->depth[i];
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t j = problem->active[k];
+        sum -= share(problem, i, j) * problem->lambda[j];
     }
     return sum;
 }
 
-/* z of the active ones alone, by Cholesky; false: two of them have the same normal. */
-static bool solve_active(const sharing *s, double z[ACTIVE]) {
+/* Solves for z of the active minima by Cholesky; returns false if two of them have the same
+ * normal. */
+static bool solve_active(const sharing *problem, double z[ACTIVE]) {
     double low[ACTIVE][ACTIVE];
-    size_t n = s->actives;
+    size_t n = problem->actives;
     for (size_t r = 0; r < n; r++) {
-        double value = s->depth[s->active[r]];
+        double value = problem->depth[problem->active[r]];
         for (size_t c = 0; c <= r; c++) {
-            double sum = share(s, s->active[r], s->active[c]);
+            double sum = share(problem, problem->active[r], problem->active[c]);
             for (size_t k = 0; k < c; k++) sum -= low[r][k] * low[c][k];
             if (c == r && !(sum > 1e-10)) return false;
             low[r][c] = c == r ? sqrt(sum) : sum / low[c][c];
@@ -208,54 +212,54 @@ static bool solve_active(const sharing *s, double z[ACTIVE]) {
     return true;
 }
 
-/* Goes from the lambda to z as far as none turns negative; what has come to zero leaves. False: all
- * the way. */
-static bool step_back(sharing *s, const double z[ACTIVE]) {
+/* Moves lambda towards z until the first one reaches zero, and removes that from the active set;
+ * returns false if z is reached. */
+static bool step_back(sharing *problem, const double z[ACTIVE]) {
     double way = 1.0;
-    for (size_t k = 0; k < s->actives; k++) {
-        double old = s->lambda[s->active[k]];
+    for (size_t k = 0; k < problem->actives; k++) {
+        double old = problem->lambda[problem->active[k]];
         if (!(z[k] > 0.0)) way = fmin(way, old > z[k] ? old / (old - z[k]) : 0.0);
     }
     bool left = false;
     size_t kept = 0;
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t i = s->active[k];
-        s->lambda[i] += way * (z[k] - s->lambda[i]);
-        bool leaves = !(z[k] > 0.0) && !(s->lambda[i] > s->slack);
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t i = problem->active[k];
+        problem->lambda[i] += way * (z[k] - problem->lambda[i]);
+        bool leaves = !(z[k] > 0.0) && !(problem->lambda[i] > problem->slack);
         if (leaves)
-            s->lambda[i] = 0.0;
+            problem->lambda[i] = 0.0;
         else
-            s->active[kept++] = i;
+            problem->active[kept++] = i;
         left = left || leaves;
     }
-    s->actives = kept;
+    problem->actives = kept;
     return left;
 }
 
-/* Active sets (Lawson and Hanson 1974, chapter 23): the most missing one joins, then whoever would
- * pull leaves. */
-static void solve(sharing *s) {
+/* Solves by active sets (Lawson and Hanson 1974, chapter 23): the minimum with the largest deficit
+ * joins, then those that would pull leave. */
+static void solve(sharing *problem) {
     bool refused[GN_FACET_TOUCHES] = {false};
-    for (size_t round = 0; round < 4 * s->count + 8 && s->actives < ACTIVE; round++) {
-        double most = s->slack, z[ACTIVE];
-        size_t next = s->count;
-        for (size_t i = 0; i < s->count; i++) {
-            if (refused[i] || s->lambda[i] > 0.0) continue;
-            double lacks = missing(s, i);
+    for (size_t round = 0; round < 4 * problem->count + 8 && problem->actives < ACTIVE; round++) {
+        double most = problem->slack, z[ACTIVE];
+        size_t next = problem->count;
+        for (size_t i = 0; i < problem->count; i++) {
+            if (refused[i] || problem->lambda[i] > 0.0) continue;
+            double lacks = missing(problem, i);
             if (lacks > most) {
                 most = lacks;
                 next = i;
             }
         }
-        if (next == s->count) return;
-        s->active[s->actives++] = next;
-        if (!solve_active(s, z)) {
-            refused[next] = true; /* one with its normal is deeper */
-            s->actives--;
+        if (next == problem->count) return;
+        problem->active[problem->actives++] = next;
+        if (!solve_active(problem, z)) {
+            refused[next] = true; /* a deeper minimum has the same normal */
+            problem->actives--;
             continue;
         }
-        while (step_back(s, z))
-            if (!solve_active(s, z)) return;
+        while (step_back(problem, z))
+            if (!solve_active(problem, z)) return;
     }
 }
 
@@ -269,8 +273,9 @@ void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_fa
     }
 }
 
-/* The part of v across the normal m that the feature of a minimum leaves (an edge: along it, a
- * face: all of it), and the rest, by which its normal turns when the particle moves by v. */
+/* Splits the part of v across the normal m: the component along the feature of a minimum (an edge:
+ * along it, a face: all of it), and the rest, by which its normal rotates when the particle moves
+ * by v. */
 static void across(const gn_facet_near *near, const double m[3], const double v[3], double along[3],
                    double turning[3]) {
     double normal = gn_dot3(m, v), edge = 0.0, size2 = gn_dot3(near->along, near->along);
@@ -283,19 +288,21 @@ static void across(const gn_facet_near *near, const double m[3], const double v[
     }
 }
 
-/* Where a normal turns with the particle, f changes, and the potential with it: with w_i = sum_j
- * f'_ij lambda_j m_j the gradient is k lambda_i (m_i + (what m_i turns by w_i)/distance). Forces
- * act on the surface where its own turning does the work that is missing: w_i along the feature off
- * the point. Both together leave no moment about the centre. */
-static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet_contact *out) {
+/* Adds the forces from rotating normals. Where a normal rotates with the particle, f changes, and
+ * the potential with it: with w_i = sum_j f'_ij lambda_j m_j the gradient is k lambda_i (m_i +
+ * (rotation of m_i by w_i)/distance). Forces act on the surface where its own rotation does the
+ * missing work: w_i along the feature off the point. Together they have no moment about the
+ * centre. */
+static void lean(const sharing *problem, size_t i, const gn_facet_near *near,
+                 gn_facet_contact *out) {
     double w[3] = {0, 0, 0}, along[3], turning[3], slope;
-    for (size_t k = 0; k < s->actives; k++) {
-        size_t j = s->active[k];
+    for (size_t k = 0; k < problem->actives; k++) {
+        size_t j = problem->active[k];
         if (j == i) continue;
-        out->crowd += share_of(s->m[i], s->m[j], &slope);
-        for (int a = 0; a < 3; a++) w[a] += slope * s->lambda[j] * s->m[j][a];
+        out->crowd += share_of(problem->m[i], problem->m[j], &slope);
+        for (int a = 0; a < 3; a++) w[a] += slope * problem->lambda[j] * problem->m[j][a];
     }
-    across(near, s->m[i], w, along, turning);
+    across(near, problem->m[i], w, along, turning);
     for (int a = 0; a < 3; a++) {
         out->n[a] -= turning[a] / near->distance;
         out->arm[a] += along[a];
@@ -304,17 +311,17 @@ static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet
     for (int a = 0; a < 3; a++) out->n[a] /= size;
 }
 
-/* Whether any two of them share. */
-static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *s) {
+/* Sets up the problem; returns whether any two minima share stiffness. */
+static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *problem) {
     bool any = false;
-    s->count = count;
-    s->actives = 0;
-    s->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
+    problem->count = count;
+    problem->actives = 0;
+    problem->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
     for (size_t i = 0; i < count; i++) {
-        s->lambda[i] = 0.0;
-        s->depth[i] = radius - minima[i].distance;
-        for (int a = 0; a < 3; a++) s->m[i][a] = -minima[i].away[a] / minima[i].distance;
-        for (size_t j = 0; j < i && !any; j++) any = share(s, i, j) > 0.0;
+        problem->lambda[i] = 0.0;
+        problem->depth[i] = radius - minima[i].distance;
+        for (int a = 0; a < 3; a++) problem->m[i][a] = -minima[i].away[a] / minima[i].distance;
+        for (size_t j = 0; j < i && !any; j++) any = share(problem, i, j) > 0.0;
     }
     return any;
 }

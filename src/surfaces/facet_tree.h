@@ -1,4 +1,4 @@
-/* A tree of boxes over facets: which of them come near a point. */
+/* A bounding box tree over facets for queries near a point. */
 #ifndef GN_SURFACES_FACET_TREE_H
 #define GN_SURFACES_FACET_TREE_H
 
@@ -9,7 +9,7 @@
 
 typedef struct gn_facet_box {
     double lower[3], upper[3];
-    /* of `order`, of a leaf; count 0: two boxes, this one's next and `right` */
+    /* range of `order` in a leaf; count 0: the children are the next box and `right` */
     int32_t begin, count;
     int32_t right;
 } gn_facet_box;
@@ -20,7 +20,7 @@ typedef struct gn_facet_tree {
     int32_t *order; /* [facets] */
 } gn_facet_tree;
 
-/* What the tree is about: borrowed. */
+/* The facets of a tree (borrowed). */
 typedef struct gn_facet_set {
     int corners; /* of a facet: 2 segments in the plane, 3 triangles */
     size_t count;
@@ -30,11 +30,11 @@ typedef struct gn_facet_set {
 
 gneiss_status gn_facet_tree_build(const gn_facet_set *set, gn_facet_tree *tree,
                                   gneiss_error *error);
-/* After vertices moved. */
+/* Updates the boxes after vertices moved. */
 void gn_facet_tree_refit(const gn_facet_set *set, gn_facet_tree *tree);
 void gn_facet_tree_free(gn_facet_tree *tree);
 
-/* Facets nearer to the centre than `reach`, ascending, into `found` (NULL: only counted). */
+/* Finds the facets nearer to the centre than `reach`, ascending; `found` NULL only counts them. */
 size_t gn_facet_tree_near(const gn_facet_tree *tree, const gn_facet_set *set,
                           const double centre[3], double reach, int32_t *found);
 

@@ -9,7 +9,7 @@ static const double pi = 3.14159265358979323846;
 
 /* --- in space --- */
 
-/* Integrals over the part of a triangle that is in the particle, in its plane with the foot of the
+/* Integrals over the part of a triangle inside the particle, in its plane with the foot of the
  * centre as origin. */
 typedef struct integrals {
     double angle;     /* solid angle, int y/s^3 dA */
@@ -18,11 +18,12 @@ typedef struct integrals {
 } integrals;
 
 typedef struct disc {
-    double radius, y, circle; /* m: of the particle, of the plane from the centre, of the cut */
+    /* m: radius of the particle, distance of the plane, radius of the cut */
+    double radius, y, circle;
 } disc;
 
-/* Part of a line through two corners, at the distance `off` from the foot, positive where the foot
- * is on its left; from and to: places along it from the point that is nearest to the foot. */
+/* Part of a line through two corners, at the distance `off` from the foot, positive if the foot is
+ * on its left; `from` and `to` are positions along it from the point nearest to the foot. */
 typedef struct piece {
     double along[2], off, from, to;
 } piece;
@@ -32,61 +33,61 @@ static void find_point(const piece *line, double place, double point[2]) {
     point[1] = place * line->along[1] - line->off * line->along[0];
 }
 
-/* An arc of the circle, from the direction of a to that of b, negative backwards; less than half
- * the circle, since a side that leaves the circle does not contain the foot there. */
-static void add_arc(const disc *d, const double a[2], const double b[2], integrals *sum) {
+/* Adds an arc of the circle from the direction of a to that of b, negative backwards. It is less
+ * than half the circle, since a side that leaves the circle there does not contain the foot. */
+static void add_arc(const disc *cut, const double a[2], const double b[2], integrals *sum) {
     const double size_a = hypot(a[0], a[1]), size_b = hypot(b[0], b[1]);
     if (!(size_a > 0.0) || !(size_b > 0.0)) return;
     const double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-    const double depth = d->radius - d->y;
-    sum->angle += turn * depth / d->radius;
+    const double depth = cut->radius - cut->y;
+    sum->angle += turn * depth / cut->radius;
     sum->potential += 0.5 * turn * depth * depth;
-    sum->across[0] -= d->circle / d->radius * (b[1] / size_b - a[1] / size_a);
-    sum->across[1] += d->circle / d->radius * (b[0] / size_b - a[0] / size_a);
+    sum->across[0] -= cut->circle / cut->radius * (b[1] / size_b - a[1] / size_a);
+    sum->across[1] += cut->circle / cut->radius * (b[0] / size_b - a[0] / size_a);
 }
 
-/* A straight piece of the boundary, with what lies between it and the foot. Its solid angle is that
- * of a triangle by one arctangent (van Oosterom and Strackee 1983) of which the second argument is
- * positive: it is regular where the foot lies on the line or at an end of the piece. */
-static void add_piece(const disc *d, const piece *line, integrals *sum) {
-    const double q = line->off, y = d->y, length = line->to - line->from;
+/* Adds the region between a straight piece of the boundary and the foot. Its solid angle is that of
+ * a triangle by one arctangent (van Oosterom and Strackee 1983) whose second argument is positive:
+ * it is regular where the foot lies on the line or at an end of the piece. */
+static void add_piece(const disc *cut, const piece *line, integrals *sum) {
+    const double q = line->off, y = cut->y, length = line->to - line->from;
     const double flat = hypot(q, y);
     const double a = hypot(flat, line->from), b = hypot(flat, line->to);
     const double reach = asinh(line->to / flat) - asinh(line->from / flat);
     const double angle =
         2.0 * atan2(q * length, a * b + line->from * line->to + flat * flat + y * (a + b));
     sum->angle += angle;
-    sum->potential += q * (d->radius * reach - 0.5 * length) - d->radius * y * angle;
+    sum->potential += q * (cut->radius * reach - 0.5 * length) - cut->radius * y * angle;
     sum->across[0] -= line->along[1] * reach;
     sum->across[1] += line->along[0] * reach;
 }
 
-/* The side from p to q of a triangle, cut where it leaves the circle; fills *line but for corners
- * that coincide. */
-static void add_side(const disc *d, const double p[2], const double q[2], piece *line,
+/* Adds the side from p to q of a triangle, cut where it leaves the circle; fills *line unless the
+ * corners coincide. */
+static void add_side(const disc *cut, const double p[2], const double q[2], piece *line,
                      integrals *sum) {
     const double side[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(side[0], side[1]);
     if (!(length > 0.0)) return;
     for (int k = 0; k < 2; k++) line->along[k] = side[k] / length;
     line->off = p[0] * line->along[1] - p[1] * line->along[0];
     const double begin = p[0] * line->along[0] + p[1] * line->along[1], end = begin + length;
-    const double square = (d->circle - fabs(line->off)) * (d->circle + fabs(line->off));
+    const double square = (cut->circle - fabs(line->off)) * (cut->circle + fabs(line->off));
     const double half = sqrt(fmax(0.0, square));
     line->from = fmax(begin, -half);
     line->to = fmin(end, half);
     if (!(line->from < line->to)) {
-        add_arc(d, p, q, sum);
+        add_arc(cut, p, q, sum);
         return;
     }
     double a[2], b[2];
     find_point(line, line->from, a);
     find_point(line, line->to, b);
-    if (line->from > begin) add_arc(d, p, a, sum);
-    add_piece(d, line, sum);
-    if (line->to < end) add_arc(d, b, q, sum);
+    if (line->from > begin) add_arc(cut, p, a, sum);
+    add_piece(cut, line, sum);
+    if (line->to < end) add_arc(cut, b, q, sum);
 }
 
-/* Two unit vectors across a unit vector, by which a third turns into right-handed ones. */
+/* Finds two unit vectors normal to n that form a right-handed system with it. */
 static void find_across(const double n[3], double first[3], double second[3]) {
     int least = 0;
     double unit[3] = {0.0, 0.0, 0.0};
@@ -99,7 +100,8 @@ static void find_across(const double n[3], double first[3], double second[3]) {
     gn_cross3(n, first, second);
 }
 
-/* Barycentric coordinates of a point of the plane, relative to the centre as the corners are. */
+/* Computes the barycentric coordinates of a point of the plane; it is relative to the centre, as
+ * the corners are. */
 static void weigh_corners(double x[3][3], const double normal[3], double area2,
                           gn_facet_near *near) {
     double sum = 0.0;
@@ -120,7 +122,7 @@ static void weigh_corners(double x[3][3], const double normal[3], double area2,
     }
 }
 
-/* Tells whether a triangle is farther from the foot than the circle, for sure. */
+/* Tells whether a triangle is certainly outside of the circle. */
 static bool is_far(double corner[3][2], double circle) {
     double middle[2] = {0.0, 0.0}, reach = 0.0;
     for (int c = 0; c < 3; c++)
@@ -130,12 +132,12 @@ static bool is_far(double corner[3][2], double circle) {
     return hypot(middle[0], middle[1]) > circle + reach;
 }
 
-/* Where the force acts, in the plane: the mean of the pressure, which lies in the part that is in
- * the particle. Where the centre is nearly in the plane both angle and y vanish, and the bounds of
- * that part hold what their quotient does not. */
-static void find_mean(const disc *d, const piece lines[3], const integrals *sum, double mean[2]) {
+/* Finds the centre of pressure in the plane, which lies in the part inside the particle. Where the
+ * centre is nearly in the plane, both angle and y vanish, and the bounds of that part limit the
+ * quotient. */
+static void find_mean(const disc *cut, const piece lines[3], const integrals *sum, double mean[2]) {
     const double across = hypot(sum->across[0], sum->across[1]);
-    double least = 0.0, most = d->circle;
+    double least = 0.0, most = cut->circle;
     mean[0] = mean[1] = 0.0;
     if (!(across > 0.0)) return;
     const double way[2] = {sum->across[0] / across, sum->across[1] / across};
@@ -146,8 +148,8 @@ static void find_mean(const disc *d, const piece lines[3], const integrals *sum,
         if (leaves < 0.0) least = fmax(least, l->off / leaves);
     }
     double far = most;
-    if (d->y * across < far * sum->angle) far = d->y * across / sum->angle;
-    far = fmax(far, fmin(least, d->circle));
+    if (cut->y * across < far * sum->angle) far = cut->y * across / sum->angle;
+    far = fmax(far, fmin(least, cut->circle));
     for (int k = 0; k < 2; k++) mean[k] = far * way[k];
 }
 
@@ -172,7 +174,7 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
         corner[c][1] = gn_dot3(x[c], second);
     }
     if (is_far(corner, d.circle)) return false;
-    /* Counter-clockwise about n: backwards where the facet looks the other way. */
+    /* The orientation is counter-clockwise about n, and reversed if the facet faces away. */
     integrals sum = {0};
     piece lines[3] = {{{0.0, 0.0}, 0.0, 0.0, 0.0}};
     for (int c = 0; c < 3; c++) {
@@ -193,12 +195,12 @@ static bool press_triangle(double x[3][3], double radius, gn_facet_near *near,
 
 /* --- in the plane --- */
 
-/* Antiderivatives along a line at the distance y, at the place t from the foot, without differences
- * of nearly equal angles: atan2(t R, y v) is the sum of `turn` and `rest`. */
+/* Adds antiderivatives along a line at the distance y, at position t from the foot, without
+ * differences of nearly equal angles: atan2(t R, y v) is the sum of `turn` and `rest`. */
 static void add_end(double radius, double y, double t, double sign, double force[2],
                     double *potential) {
     const double half2 = (radius - y) * (radius + y), v = sqrt(fmax(0.0, half2 - t * t));
-    const double turn = atan2(t, v); /* as rounded as v, so that both cancel where v is small */
+    const double turn = atan2(t, v); /* rounded as v is, so that both cancel where v is small */
     const double gap = radius - y, rest = atan2(t * v * gap, y * v * v + radius * t * t);
     const double depth = radius * asinh(v / hypot(t, y)) - v; /* pi G */
     force[0] += sign * (radius * rest + gap * turn) / pi;
@@ -259,13 +261,13 @@ double gn_patch_share(double cosine) {
     return x > 0.0 ? x * x * (3.0 - 2.0 * x) : 0.0;
 }
 
-/* With forces V and potentials U over k, of all that belong together, the overlap is D = 2 U/V, so
- * that parts V_i/D of the stiffness have both. By Hertz's law the potential goes with the power 5/4
- * of U: the forces are (2 U)^(1/4) of those of the linear one. Where the surface has taken the
- * shape of the particle, V is more than D. */
+/* With forces V and potentials U over k of all facets of a contact, the overlap is D = 2 U/V, and
+ * fractions V_i/D of the stiffness give both. By Hertz's law the potential is proportional to
+ * U^(5/4): the forces are (2 U)^(1/4) times the linear ones. Where the surface has adapted to the
+ * shape of the particle, V exceeds D. */
 void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, size_t count,
                        bool hertz, gn_facet_contact *contacts) {
-    const double least = 1e-9; /* of the radius: there U is rounding of coordinates */
+    const double least = 1e-9; /* of the radius: below it U is rounding of coordinates */
     for (size_t i = 0; i < count; i++) {
         gn_facet_contact *out = &contacts[i];
         *out = (gn_facet_contact){.member = (int)i};
@@ -285,7 +287,7 @@ void gn_patch_contacts(const gn_facet_near *near, const gn_patch_facet *facet, s
         contacts[i].overlap = -overlap;
         contacts[i].part = facet[i].force / overlap;
         contacts[i].crowd = fmax(1.0, force / overlap);
-        /* Twice the potential of that overlap, which is positive where U is rounding. */
+        /* Uses twice the potential of that overlap, which is positive even if U is rounding. */
         if (hertz) contacts[i].part *= sqrt(sqrt(force * overlap) / overlap);
     }
 }

@@ -4,20 +4,22 @@
 
 static const double risen = 0.05;
 
-static void look(gn_beginning *b, const double *strain, const double *stress, size_t row) {
+static void look(gn_beginning *beginning, const double *strain, const double *stress, size_t row) {
     const bool known = strain && !isnan(strain[row]) && !isnan(strain[0]);
-    if (!b->moved && row > 0) b->moved = !known || strain[row] > strain[0];
-    if (!b->moved) {
-        b->first = b->least = row;
+    if (!beginning->moved && row > 0) beginning->moved = !known || strain[row] > strain[0];
+    if (!beginning->moved) {
+        beginning->first = beginning->least = row;
         return;
     }
-    if (b->begun) return;
-    const double before = stress[b->first];
-    if (before > 0.0 && stress[row] < stress[b->least]) b->least = row;
-    b->begun =
-        !(before > 0.0) || stress[row] > before || stress[row] > stress[b->least] + risen * before;
+    if (beginning->begun) return;
+    const double before = stress[beginning->first];
+    if (before > 0.0 && stress[row] < stress[beginning->least]) beginning->least = row;
+    beginning->begun = !(before > 0.0) || stress[row] > before ||
+                       stress[row] > stress[beginning->least] + risen * before;
 }
 
-void gn_beginning_look(gn_beginning *b, const double *strain, const double *stress, size_t rows) {
-    for (; b->rows < rows; b->rows++) look(b, strain, stress, b->rows);
+void gn_beginning_update(gn_beginning *beginning, const double *strain, const double *stress,
+                         size_t rows) {
+    for (; beginning->rows < rows; beginning->rows++)
+        look(beginning, strain, stress, beginning->rows);
 }

@@ -23,28 +23,30 @@ static gn_tested_shape beam(const gn_test_sizes *t, const gn_tested_specimen *x)
     return s;
 }
 
-static void read_bending(const gn_curves *c, gn_readings *r) {
+static void read_bending(const gn_curves *curves, gn_readings *readings) {
     const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    const double *gauge = gn_history_column(c->history, "opening");
-    const double *force = gn_history_column(c->history, "force"),
-                 *way = gn_history_column(c->history, "deflection");
-    gn_read_at_peak(c, GN_READING_flexural_strength, c->stress, 1.0, &r->flexural_strength, r);
-    gn_read_at_peak(c, GN_READING_peak_force, force, 1.0, &r->peak_force, r);
-    gn_need_elastic_rows(c, GN_READING_stiffness, r);
+    gn_line_fit f = gn_line(curves, curves->strain, curves->stress, curves->elastic);
+    const double *gauge = gn_history_column(curves->history, "opening");
+    const double *force = gn_history_column(curves->history, "force"),
+                 *way = gn_history_column(curves->history, "deflection");
+    gn_read_at_peak(curves, GN_READING_flexural_strength, curves->stress, 1.0,
+                    &readings->flexural_strength, readings);
+    gn_read_at_peak(curves, GN_READING_peak_force, force, 1.0, &readings->peak_force, readings);
+    gn_need_elastic_rows(curves, GN_READING_stiffness, readings);
     if (force && way) {
-        gn_line_fit s = gn_line(c, way, force, c->elastic);
-        r->stiffness = s.slope;
-        gn_need_modulus(s, GN_READING_stiffness, r);
+        gn_line_fit s = gn_line(curves, way, force, curves->elastic);
+        readings->stiffness = s.slope;
+        gn_need_modulus(s, GN_READING_stiffness, readings);
     }
-    r->flexural_modulus = f.slope;
-    gn_need_elastic_rows(c, modulus, r);
-    gn_need_modulus(f, modulus, r);
-    if (c->tested->notched)
-        gn_reading_absent(r, modulus, "a notch: the strain of the fibre above it is not known");
-    if (!gauge) gn_reading_absent(r, opening, "the test has no gauge (test.opening)");
-    gn_read_at_peak(c, opening, gauge, 1.0, &r->opening_at_peak, r);
-    gn_read_fracture_energy(c, r);
+    readings->flexural_modulus = f.slope;
+    gn_need_elastic_rows(curves, modulus, readings);
+    gn_need_modulus(f, modulus, readings);
+    if (curves->tested->notched)
+        gn_reading_absent(readings, modulus,
+                          "a notch: the strain of the fibre above it is not known");
+    if (!gauge) gn_reading_absent(readings, opening, "the test has no gauge (test.opening)");
+    gn_read_at_peak(curves, opening, gauge, 1.0, &readings->opening_at_peak, readings);
+    gn_read_fracture_energy(curves, readings);
 }
 
 const gn_test_descriptor gn_test_bending = {

@@ -17,32 +17,35 @@ static gn_tested_shape disc(const gn_test_sizes *t, const gn_tested_specimen *x)
     return s;
 }
 
-static void ratio_in_the_middle(const gn_curves *c, gn_reading which, const double *column,
-                                double sign, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->stress, column, c->elastic);
+static void ratio_in_the_middle(const gn_curves *curves, gn_reading which, const double *column,
+                                double sign, double *value, gn_readings *readings) {
+    gn_line_fit f = gn_line(curves, curves->stress, column, curves->elastic);
     *value = sign * f.slope;
-    gn_need_elastic_rows(c, which, r);
+    gn_need_elastic_rows(curves, which, readings);
     if (f.error > gn_scatter_allowed * fmax(1.0, fabs(f.slope)))
-        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.2g", f.error);
+        gn_reading_absent(readings, which, "the rows scatter: standard error of the slope %.2g",
+                          f.error);
 }
 
-static void read_brazilian(const gn_curves *c, gn_readings *r) {
+static void read_brazilian(const gn_curves *curves, gn_readings *readings) {
     static const char none[] = "the scene has no particles in the middle of the disc";
-    int axis = c->tested->axis;
-    const double *across = gn_curves_tensor(c, "centre_stress", 1 - axis),
-                 *along = gn_curves_tensor(c, "centre_stress", axis);
-    gn_read_at_peak(c, GN_READING_indirect_tensile_strength, c->stress, 1.0,
-                    &r->indirect_tensile_strength, r);
+    int axis = curves->tested->axis;
+    const double *across = gn_curves_tensor(curves, "centre_stress", 1 - axis),
+                 *along = gn_curves_tensor(curves, "centre_stress", axis);
+    gn_read_at_peak(curves, GN_READING_indirect_tensile_strength, curves->stress, 1.0,
+                    &readings->indirect_tensile_strength, readings);
     if (!across || !along) {
-        gn_reading_absent(r, GN_READING_centre_tension, "%s", none);
-        gn_reading_absent(r, GN_READING_centre_ratio, "%s", none);
-        gn_reading_absent(r, GN_READING_centre_compression_ratio, "%s", none);
+        gn_reading_absent(readings, GN_READING_centre_tension, "%s", none);
+        gn_reading_absent(readings, GN_READING_centre_ratio, "%s", none);
+        gn_reading_absent(readings, GN_READING_centre_compression_ratio, "%s", none);
         return;
     }
-    gn_read_at_peak(c, GN_READING_centre_tension, across, 1.0, &r->centre_tension, r);
-    ratio_in_the_middle(c, GN_READING_centre_ratio, across, 1.0, &r->centre_ratio, r);
-    ratio_in_the_middle(c, GN_READING_centre_compression_ratio, along, -1.0,
-                        &r->centre_compression_ratio, r);
+    gn_read_at_peak(curves, GN_READING_centre_tension, across, 1.0, &readings->centre_tension,
+                    readings);
+    ratio_in_the_middle(curves, GN_READING_centre_ratio, across, 1.0, &readings->centre_ratio,
+                        readings);
+    ratio_in_the_middle(curves, GN_READING_centre_compression_ratio, along, -1.0,
+                        &readings->centre_compression_ratio, readings);
 }
 
 const gn_test_descriptor gn_test_brazilian = {

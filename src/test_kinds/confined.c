@@ -2,15 +2,17 @@
  * strain. */
 #include "test_kinds/curves.h"
 
-static void read_confined(const gn_curves *c, gn_readings *r) {
-    const double *pressure = gn_history_column(c->history, "membrane_pressure");
-    gn_read_at_peak(c, GN_READING_confinement, pressure, 1.0, &r->confinement, r);
-    gn_read_at_peak(c, GN_READING_axial_strength, c->stress, 1.0, &r->axial_strength, r);
-    if (pressure) r->axial_strength += pressure[c->largest];
-    gn_read_strain_at_peak(c, GN_READING_volumetric_strain_at_peak, "volumetric_strain",
-                           &r->volumetric_strain_at_peak, r);
-    gn_read_strain_at_peak(c, GN_READING_lateral_strain_at_peak, "lateral_strain",
-                           &r->lateral_strain_at_peak, r);
+static void read_confined(const gn_curves *curves, gn_readings *readings) {
+    const double *pressure = gn_history_column(curves->history, "membrane_pressure");
+    gn_read_at_peak(curves, GN_READING_confinement, pressure, 1.0, &readings->confinement,
+                    readings);
+    gn_read_at_peak(curves, GN_READING_axial_strength, curves->stress, 1.0,
+                    &readings->axial_strength, readings);
+    if (pressure) readings->axial_strength += pressure[curves->largest];
+    gn_read_strain_at_peak(curves, GN_READING_volumetric_strain_at_peak, "volumetric_strain",
+                           &readings->volumetric_strain_at_peak, readings);
+    gn_read_strain_at_peak(curves, GN_READING_lateral_strain_at_peak, "lateral_strain",
+                           &readings->lateral_strain_at_peak, readings);
 }
 
 #define CONFINED                                                                                   \

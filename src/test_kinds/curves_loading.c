@@ -5,165 +5,176 @@
 #include <stdio.h>
 
 /* At the peak, if there is one. */
-void gn_read_at_peak(const gn_curves *c, gn_reading which, const double *column, double factor,
-                     double *value, gn_readings *r) {
-    const char *reason = gn_no_peak(c);
-    if (reason) gn_reading_absent(r, which, "%s", reason);
-    if (column) *value = factor * column[c->largest];
+void gn_read_at_peak(const gn_curves *curves, gn_reading which, const double *column, double factor,
+                     double *value, gn_readings *readings) {
+    const char *reason = gn_no_peak(curves);
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
+    if (column) *value = factor * column[curves->largest];
 }
 
 /* One of the average strain. */
-void gn_read_strain_at_peak(const gn_curves *c, gn_reading which, const char *name, double *value,
-                            gn_readings *r) {
-    const double *column = gn_history_column(c->history, name);
-    const char *reason = column ? gn_no_average_strain(column, c->largest) : NULL;
-    gn_read_at_peak(c, which, column, 1.0, value, r);
-    if (reason) gn_reading_absent(r, which, "%s", reason);
+void gn_read_strain_at_peak(const gn_curves *curves, gn_reading which, const char *name,
+                            double *value, gn_readings *readings) {
+    const double *column = gn_history_column(curves->history, name);
+    const char *reason = column ? gn_no_average_strain(column, curves->largest) : NULL;
+    gn_read_at_peak(curves, which, column, 1.0, value, readings);
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
 }
 
-const double *gn_curves_tensor(const gn_curves *c, const char *name, int axis) {
+const double *gn_curves_tensor(const gn_curves *curves, const char *name, int axis) {
     char full[32];
     snprintf(full, sizeof full, "%s_%c%c", name, "xyz"[axis], "xyz"[axis]);
-    return gn_history_column(c->history, full);
+    return gn_history_column(curves->history, full);
 }
 
-void gn_read_slope(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    const char *none = gn_no_average_strain(c->strain, c->history->row_count - 1);
+void gn_read_slope(const gn_curves *curves, gn_reading which, double *value,
+                   gn_readings *readings) {
+    gn_line_fit f = gn_line(curves, curves->strain, curves->stress, curves->elastic);
+    const char *none = gn_no_average_strain(curves->strain, curves->history->row_count - 1);
     *value = f.slope;
-    gn_need_elastic_rows(c, which, r);
-    if (gn_test_of(c->tested->kind)->isotropic && isnan(f.slope) && none)
-        gn_reading_absent(r, which, "%s", none);
-    gn_need_modulus(f, which, r);
+    gn_need_elastic_rows(curves, which, readings);
+    if (gn_test_of(curves->tested->kind)->isotropic && isnan(f.slope) && none)
+        gn_reading_absent(readings, which, "%s", none);
+    gn_need_modulus(f, which, readings);
 }
 
 /* --- fracture energy --- */
 
-/* What is left of the load when a section counts as broken through. */
+/* Fraction of the largest load below which a section counts as separated. */
 static const double broken_through = 0.1;
 
 /* Trapezoidal, from the first row to the last. */
-void gn_read_fracture_energy(const gn_curves *c, gn_readings *r) {
+void gn_read_fracture_energy(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_fracture_energy;
-    const double *force = gn_history_column(c->history, "force"),
-                 *way = gn_history_column(c->history, "deflection");
-    const char *reason = gn_no_peak(c);
-    size_t rows = c->history->row_count;
-    if (reason) gn_reading_absent(r, which, "%s", reason);
-    if (c->tested->falls)
-        gn_reading_absent(r, which, "gravity does work on the specimen beside the ends");
-    if (c->tested->halted)
-        gn_reading_absent(r, which,
-                          "conversion ended the run (conversion_halted): what elements beside the "
-                          "crack would have borne or broken from there on is not known");
+    const double *force = gn_history_column(curves->history, "force"),
+                 *way = gn_history_column(curves->history, "deflection");
+    const char *reason = gn_no_peak(curves);
+    size_t rows = curves->history->row_count;
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
+    if (curves->tested->under_gravity)
+        gn_reading_absent(readings, which,
+                          "gravity does work on the specimen in addition to the ends");
+    if (curves->tested->conversion_halted)
+        gn_reading_absent(
+            readings, which,
+            "conversion ended the run (conversion_halted): the further load of elements beside the "
+            "crack is not known");
     if (!force || !way) return;
-    double left = force[rows - 1] / force[c->largest], work = 0;
+    double left = force[rows - 1] / force[curves->largest], work = 0;
     if (left > broken_through)
-        gn_reading_absent(r, which,
+        gn_reading_absent(readings, which,
                           "the run ended with %.0f %% of the largest load, at most %.0f %% are "
                           "needed (time.stop.peak_drop, time.end)",
                           100 * left, 100 * broken_through);
     for (size_t k = 1; k < rows; k++)
         work += 0.5 * (force[k] + force[k - 1]) * (way[k] - way[k - 1]);
-    r->fracture_energy = work / c->tested->section;
+    readings->fracture_energy = work / curves->tested->section;
 }
 
 /* --- of any loading along an axis --- */
 
-/* Rows from the first with a share of the largest stress to the first with another. */
-static gn_row_span between(const gn_curves *c, double low, double high) {
-    gn_row_span s = {.first = c->begin};
-    const double most = c->stress[c->largest];
-    while (s.first < c->largest && !(c->stress[s.first] >= low * most)) s.first++;
+/* Returns the rows from the first with one fraction of the largest stress to the first with
+ * another. */
+static gn_row_span between(const gn_curves *curves, double low, double high) {
+    gn_row_span s = {.first = curves->begin};
+    const double most = curves->stress[curves->largest];
+    while (s.first < curves->largest && !(curves->stress[s.first] >= low * most)) s.first++;
     s.last = s.first;
-    while (s.last < c->largest && !(c->stress[s.last] > high * most)) s.last++;
+    while (s.last < curves->largest && !(curves->stress[s.last] > high * most)) s.last++;
     return s;
 }
 
-static void slope_between(const gn_curves *c, gn_reading which, double low, double high,
-                          double *value, gn_readings *r) {
-    gn_row_span s = between(c, low, high);
-    gn_line_fit f = gn_line(c, c->strain, c->stress, s);
-    *value = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
+static void slope_between(const gn_curves *curves, gn_reading which, double low, double high,
+                          double *value, gn_readings *readings) {
+    gn_row_span s = between(curves, low, high);
+    gn_line_fit f = gn_line(curves, curves->strain, curves->stress, s);
+    *value = gn_modulus_by(curves->tested->by_ends, f.slope, which, readings);
     if (s.last - s.first < 3)
-        gn_reading_absent(r, which,
+        gn_reading_absent(readings, which,
                           "%zu history rows between %.0f and %.0f %% of the largest stress, 3 are "
                           "needed (output.history_rows)",
                           s.last - s.first, 100 * low, 100 * high);
-    gn_need_axial(c, c->loading, which, r);
-    gn_need_modulus(f, which, r);
+    gn_need_axial(curves, curves->loading, which, readings);
+    gn_need_modulus(f, which, readings);
 }
 
-/* Between two rows, whatever broke or yielded from the one to the other. */
-static void read_secant(const gn_curves *c, gn_readings *r) {
+/* Reads the modulus between two rows, whatever broke or yielded in between. */
+static void read_secant(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_secant_modulus;
-    const gn_row_span s = c->loading;
-    double way = c->strain ? c->strain[s.last] - c->strain[s.first] : NAN;
-    r->secant_modulus =
-        gn_modulus_by(c->tested->by_ends, (c->stress[s.last] - c->stress[s.first]) / way, which, r);
-    if (!(way > 0)) gn_reading_absent(r, which, "the strain does not grow up to half the stress");
-    if (gn_reading_belongs(GN_READING_young_modulus, c->tested->kind, false))
-        gn_need_axial(c, c->loading, which, r);
+    const gn_row_span s = curves->loading;
+    double way = curves->strain ? curves->strain[s.last] - curves->strain[s.first] : NAN;
+    readings->secant_modulus =
+        gn_modulus_by(curves->tested->by_ends,
+                      (curves->stress[s.last] - curves->stress[s.first]) / way, which, readings);
+    if (!(way > 0))
+        gn_reading_absent(readings, which, "the strain does not grow up to half the stress");
+    if (gn_reading_belongs(GN_READING_young_modulus, curves->tested->kind, false))
+        gn_need_axial(curves, curves->loading, which, readings);
 }
 
-static void read_initiation(const gn_curves *c, gn_readings *r) {
+static void read_initiation(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_crack_initiation_stress;
-    const char *reason = gn_no_peak(c);
-    double all = gn_breaks_until(c, c->largest);
-    size_t row = c->begin;
-    while (row < c->largest && !(gn_breaks_until(c, row) >= 0.01 * all)) row++;
-    r->crack_initiation_stress = c->stress[row];
-    if (isnan(c->tested->fragments)) gn_reading_absent(r, which, "the scene has no bonds");
-    if (reason) gn_reading_absent(r, which, "%s", reason);
+    const char *reason = gn_no_peak(curves);
+    double all = gn_breaks_until(curves, curves->largest);
+    size_t row = curves->begin;
+    while (row < curves->largest && !(gn_breaks_until(curves, row) >= 0.01 * all)) row++;
+    readings->crack_initiation_stress = curves->stress[row];
+    if (isnan(curves->tested->fragments))
+        gn_reading_absent(readings, which, "the scene has no bonds");
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
     if (all < 100)
-        gn_reading_absent(r, which, "%.0f bonds are broken at the peak, of 100 the first is 1 %%",
-                          all);
+        gn_reading_absent(readings, which,
+                          "%.0f bonds are broken at the peak, of 100 the first is 1 %%", all);
 }
 
-/* The row of the least volume, if there are rows behind it before the peak. */
-static void read_damage(const gn_curves *c, gn_readings *r) {
+/* Finds the row of the least volume, if rows follow it before the peak. */
+static void read_damage(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_crack_damage_stress;
-    const char *reason = gn_no_peak(c);
-    size_t row = c->begin;
+    const char *reason = gn_no_peak(curves);
+    size_t row = curves->begin;
     double least = INFINITY;
-    for (size_t k = c->begin; k <= c->largest; k++) {
+    for (size_t k = curves->begin; k <= curves->largest; k++) {
         double volume = 0;
-        for (int a = 0; a < c->tested->dimension; a++)
-            volume += c->average[a] ? c->average[a][k] : NAN;
+        for (int a = 0; a < curves->tested->dimension; a++)
+            volume += curves->average[a] ? curves->average[a][k] : NAN;
         if (volume < least) least = volume, row = k;
     }
-    r->crack_damage_stress = least < INFINITY ? c->stress[row] : NAN;
-    if (reason) gn_reading_absent(r, which, "%s", reason);
-    if (row == c->largest) gn_reading_absent(r, which, "the specimen loses volume up to the peak");
-    if (row < c->loading.first || row == 0)
-        gn_reading_absent(r, which, "the specimen gains volume from the start of loading on");
+    readings->crack_damage_stress = least < INFINITY ? curves->stress[row] : NAN;
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
+    if (row == curves->largest)
+        gn_reading_absent(readings, which, "the specimen loses volume up to the peak");
+    if (row < curves->loading.first || row == 0)
+        gn_reading_absent(readings, which, "the specimen gains volume from the start of loading");
 }
 
-static void read_brittleness(const gn_curves *c, gn_readings *r) {
-    const char *reason = gn_no_peak(c);
-    double last = c->stress[c->history->row_count - 1];
-    r->brittleness = 1 - fmax(last, 0) / c->stress[c->largest];
-    if (reason) gn_reading_absent(r, GN_READING_brittleness, "%s", reason);
+static void read_brittleness(const gn_curves *curves, gn_readings *readings) {
+    const char *reason = gn_no_peak(curves);
+    double last = curves->stress[curves->history->row_count - 1];
+    readings->brittleness = 1 - fmax(last, 0) / curves->stress[curves->largest];
+    if (reason) gn_reading_absent(readings, GN_READING_brittleness, "%s", reason);
 }
 
-void gn_readings_of_loading(const gn_curves *c, gn_readings *r) {
-    slope_between(c, GN_READING_tangent_modulus, 0.4, 0.6, &r->tangent_modulus, r);
-    slope_between(c, GN_READING_average_modulus, 0.2, 0.8, &r->average_modulus, r);
-    read_secant(c, r);
-    read_initiation(c, r);
-    read_damage(c, r);
-    read_brittleness(c, r);
+void gn_readings_of_loading(const gn_curves *curves, gn_readings *readings) {
+    slope_between(curves, GN_READING_tangent_modulus, 0.4, 0.6, &readings->tangent_modulus,
+                  readings);
+    slope_between(curves, GN_READING_average_modulus, 0.2, 0.8, &readings->average_modulus,
+                  readings);
+    read_secant(curves, readings);
+    read_initiation(curves, readings);
+    read_damage(curves, readings);
+    read_brittleness(curves, readings);
 }
 
-void gn_readings_of_breaks(const gn_tested *tested, gn_readings *r) {
+void gn_readings_of_breaks(const gn_tested *tested, gn_readings *readings) {
     const gn_reading which[] = {GN_READING_events, GN_READING_b_value, GN_READING_fragments,
                                 GN_READING_largest_fragment};
-    for (size_t k = 0; k < sizeof which / sizeof *which; k++) gn_reason_of(r, which[k])[0] = '\0';
-    gn_readings_of_bursts(tested, r);
-    r->fragments = tested->fragments;
-    r->largest_fragment = tested->largest_fragment;
-    if (isnan(r->fragments)) {
-        gn_reading_absent(r, GN_READING_fragments, "the scene has no bonds");
-        gn_reading_absent(r, GN_READING_largest_fragment, "the scene has no bonds");
+    for (size_t k = 0; k < sizeof which / sizeof *which; k++)
+        gn_reason_of(readings, which[k])[0] = '\0';
+    gn_readings_of_bursts(tested, readings);
+    readings->fragments = tested->fragments;
+    readings->largest_fragment = tested->largest_fragment;
+    if (isnan(readings->fragments)) {
+        gn_reading_absent(readings, GN_READING_fragments, "the scene has no bonds");
+        gn_reading_absent(readings, GN_READING_largest_fragment, "the scene has no bonds");
     }
 }

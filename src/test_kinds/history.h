@@ -1,4 +1,4 @@
-/* A growing table of doubles with named columns: what is recorded while running. */
+/* A growing table of doubles with named columns: the record of a run. */
 #ifndef GN_TEST_KINDS_HISTORY_H
 #define GN_TEST_KINDS_HISTORY_H
 
@@ -13,7 +13,7 @@ typedef struct gn_column {
     char name[GN_COLUMN_NAME_SIZE]; /* "stress", "wall_top_force_z" */
     char unit[24];
     char text[160];
-    bool absent;   /* the scene does not give it: not a number in every row */
+    bool absent;   /* the scene does not provide it: NaN in every row */
     double *value; /* [rows] */
 } gn_column;
 
@@ -29,10 +29,10 @@ gneiss_status gn_history_add_column(gn_history *history, const char *name, const
 /* Appends a row of `column_count` values. */
 gneiss_status gn_history_append(gn_history *history, const double *row, gneiss_error *error);
 
-/* Removes the rows from `begin` on for which `keep` (indexed by the number of the row) is false. */
+/* Removes the rows from `begin` on for which `keep` (indexed by row) is false. */
 void gn_history_keep(gn_history *history, size_t begin, const bool *keep);
 
-/* Values of a column by name, NULL if there is none. Valid until the next append. */
+/* Returns the values of a column by name, NULL if there is none. Valid until the next append. */
 const double *gn_history_column(const gn_history *history, const char *name);
 
 void gn_history_free(gn_history *history);

@@ -7,8 +7,8 @@ static gn_tested_shape unit(const gn_test_sizes *t, const gn_tested_specimen *x)
     return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};
 }
 
-static void read_hydrostatic(const gn_curves *c, gn_readings *r) {
-    gn_read_slope(c, GN_READING_bulk_modulus, &r->bulk_modulus, r);
+static void read_hydrostatic(const gn_curves *curves, gn_readings *readings) {
+    gn_read_slope(curves, GN_READING_bulk_modulus, &readings->bulk_modulus, readings);
 }
 
 const gn_test_descriptor gn_test_hydrostatic = {

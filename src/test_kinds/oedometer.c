@@ -1,18 +1,22 @@
 /* Compression along an axis between sides that stand. */
 #include "test_kinds/curves.h"
 
-static void read_oedometer(const gn_curves *c, gn_readings *r) {
+static void read_oedometer(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_lateral_stress_ratio;
-    int axis = c->tested->axis, dimension = c->tested->dimension;
+    int axis = curves->tested->axis, dimension = curves->tested->dimension;
     double lateral = 0;
-    gn_read_slope(c, GN_READING_oedometric_modulus, &r->oedometric_modulus, r);
+    gn_read_slope(curves, GN_READING_oedometric_modulus, &readings->oedometric_modulus, readings);
     for (int a = 0; a < dimension; a++)
         if (a != axis)
-            lateral += gn_line(c, c->stress, gn_curves_tensor(c, "stress", a), c->elastic).slope /
+            lateral += gn_line(curves, curves->stress, gn_curves_tensor(curves, "stress", a),
+                               curves->elastic)
+                           .slope /
                        (dimension - 1);
-    r->lateral_stress_ratio =
-        lateral / gn_line(c, c->stress, gn_curves_tensor(c, "stress", axis), c->elastic).slope;
-    gn_need_elastic_rows(c, which, r);
+    readings->lateral_stress_ratio =
+        lateral /
+        gn_line(curves, curves->stress, gn_curves_tensor(curves, "stress", axis), curves->elastic)
+            .slope;
+    gn_need_elastic_rows(curves, which, readings);
 }
 
 const gn_test_descriptor gn_test_oedometer = {

@@ -8,27 +8,28 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Other stresses that grow by the share k of the axial one leave (nu - k (1 - nu))/(1 - 2 nu k) to
- * be read as nu and E/(1 - 2 nu k) as E. Rough ends do that: k is 0.03 in a cylinder twice as high
- * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
+/* If other stresses grow by the fraction k of the axial one, (nu - k (1 - nu))/(1 - 2 nu k) is read
+ * as nu and E/(1 - 2 nu k) as E. Rough ends cause that: k is 0.03 in a cylinder with a height of
+ * two widths between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
 /* --- absent --- */
 
-/* Reasons show 0 without a sign. */
+/* Removes the sign of zero for reasons. */
 static double unsigned_zero(double x) {
     return x == 0 ? 0 : x;
 }
 
-static void all_absent(gn_readings *r, const char *reason) {
-    for (int k = 0; k < GN_READING_COUNT; k++) gn_reading_absent(r, (gn_reading)k, "%s", reason);
+static void all_absent(gn_readings *readings, const char *reason) {
+    for (int k = 0; k < GN_READING_COUNT; k++)
+        gn_reading_absent(readings, (gn_reading)k, "%s", reason);
 }
 
 _Static_assert(offsetof(gn_readings, reason) == GN_READING_COUNT * sizeof(double),
                "doubles in a row, then reasons");
 
-static double *values_of(gn_readings *r) {
-    return &r->young_modulus; /* the first of them */
+static double *values_of(gn_readings *readings) {
+    return &readings->young_modulus; /* the first of all readings */
 }
 
 const char *gn_reading_name(gn_reading which) {
@@ -42,30 +43,30 @@ bool gn_reading_belongs(gn_reading which, gn_test_kind kind, bool zones) {
     return which == GN_READING_returned_energy ? zones : gn_test_of(kind)->readings >> which & 1;
 }
 
-static void leave_others(const gn_tested *of, gn_readings *r) {
+static void leave_others(const gn_tested *of, gn_readings *readings) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
         if (gn_reading_belongs((gn_reading)k, of->kind, of->zones)) continue;
-        r->reason[k][0] = '\0';
-        gn_reading_absent(r, (gn_reading)k, "a reading of other tests");
+        readings->reason[k][0] = '\0';
+        gn_reading_absent(readings, (gn_reading)k, "a reading of other tests");
     }
 }
 
-/* Whatever the test is, or without one. */
-static void read_zones(const gn_tested *of, gn_readings *r) {
+/* Reads the energy of zones, for any test or none. */
+static void read_zones(const gn_tested *of, gn_readings *readings) {
     const gn_reading which = GN_READING_returned_energy;
     if (!of->zones) return;
-    r->reason[which][0] = '\0';
-    r->returned_energy = of->returned;
-    if (isnan(of->returned))
-        gn_reading_absent(r, which, "no energy was there or came in but what rounding makes");
+    readings->reason[which][0] = '\0';
+    readings->returned_energy = of->returned_energy;
+    if (isnan(of->returned_energy))
+        gn_reading_absent(readings, which, "there was no energy beyond rounding");
 }
 
-/* What has a reason is no number; what is none has a reason. */
-static void settle(gn_readings *r) {
+/* Makes readings with a reason NaN, and gives NaN readings a reason. */
+static void settle(gn_readings *readings) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
-        if (r->reason[k][0]) values_of(r)[k] = NAN;
-        if (isnan(values_of(r)[k]))
-            gn_reading_absent(r, (gn_reading)k, "there is nothing to read it from");
+        if (readings->reason[k][0]) values_of(readings)[k] = NAN;
+        if (isnan(values_of(readings)[k]))
+            gn_reading_absent(readings, (gn_reading)k, "there is nothing to read it from");
     }
 }
 
@@ -78,8 +79,8 @@ static size_t largest_row(const double *stress, size_t begin, size_t rows) {
     return largest;
 }
 
-/* From the first crossing of 1 % of the largest stress up to the first crossing of 50 %, both
- * before it. */
+/* Returns the rows from the first crossing of 1 % of the largest stress up to the first crossing of
+ * 50 %, both before it. */
 static gn_row_span loading_span(const double *stress, size_t begin, size_t largest) {
     gn_row_span s = {.first = begin};
     while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
@@ -88,7 +89,7 @@ static gn_row_span loading_span(const double *stress, size_t begin, size_t large
     return s;
 }
 
-/* Of the later half, which no start leaves out. */
+/* Returns the interval of the later half, which every kind of start includes. */
 static double interval_of(const double *time, size_t rows) {
     size_t half = rows / 2;
     return time && rows > half + 1 ? (time[rows - 1] - time[half]) / (double)(rows - 1 - half) : 0;
@@ -96,264 +97,279 @@ static double interval_of(const double *time, size_t rows) {
 
 /* --- what the scene lets be read --- */
 
-/* Slope of a mean stress of the specimen over that of the test. */
-static double follows(const gn_curves *c, gn_row_span span, int a, int b) {
+/* Returns the slope of a mean stress of the specimen over that of the test. */
+static double follows(const gn_curves *curves, gn_row_span span, int a, int b) {
     char name[16];
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
-    return gn_line(c, c->stress, gn_history_column(c->history, name), span).slope;
+    return gn_line(curves, curves->stress, gn_history_column(curves->history, name), span).slope;
 }
 
-/* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
- * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
-static void need_one_axis(const gn_curves *c, gn_row_span span, gn_reading which, double limit,
-                          gn_readings *r) {
-    const int axis = c->tested->axis;
-    double along = c->tested->sign * follows(c, span, axis, axis);
-    if (isnan(along)) return; /* no mean stress to look at */
+/* Requires uniaxial loading: a modulus is stress over strain along one axis with all other stresses
+ * constant, zero or those of a cell. Scenes that load or hold the sides, or shear, violate that. */
+static void need_one_axis(const gn_curves *curves, gn_row_span span, gn_reading which, double limit,
+                          gn_readings *readings) {
+    const int axis = curves->tested->axis;
+    double along = curves->tested->sign * follows(curves, span, axis, axis);
+    if (isnan(along)) return; /* there is no mean stress */
     if (!(along > 0.5 && along < 2))
         gn_reading_absent(
-            r, which,
+            readings, which,
             "the mean stress of the specimen along %c changes by %.3g of that of the ends (area "
             "and volume of one specimen?)",
             "xyz"[axis], unsigned_zero(along));
-    for (int a = 0; a < c->tested->dimension; a++)
-        for (int b = a; b < c->tested->dimension; b++) {
-            double other = follows(c, span, a, b) / along;
+    for (int a = 0; a < curves->tested->dimension; a++)
+        for (int b = a; b < curves->tested->dimension; b++) {
+            double other = follows(curves, span, a, b) / along;
             if ((a == axis && b == axis) || !(fabs(other) > limit)) continue;
             gn_reading_absent(
-                r, which,
+                readings, which,
                 "the specimen is not loaded along %c alone: stress_%c%c changes by %.2g of the "
                 "axial stress (sides held, loaded or sheared)",
                 "xyz"[axis], "xyz"[a], "xyz"[b], fabs(other));
         }
 }
 
-/* How the ends' way compares with the mean strain: where far more of it goes into bending, or into
- * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
-static void need_ways(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
-    double ways = c->tested->sign * gn_line(c, c->stress, c->average[c->tested->axis], span).slope *
-                  gn_line(c, c->strain, c->stress, span).slope;
+/* Compares the displacement of the ends with the mean strain: if far more of it goes into bending,
+ * or into the ends themselves, the mean strains are not those of a specimen loaded along its
+ * axis. */
+static void need_ways(const gn_curves *curves, gn_row_span span, gn_reading which,
+                      gn_readings *readings) {
+    double ways =
+        curves->tested->sign *
+        gn_line(curves, curves->stress, curves->average[curves->tested->axis], span).slope *
+        gn_line(curves, curves->strain, curves->stress, span).slope;
     if (ways < 0.5 || ways > 2)
         gn_reading_absent(
-            r, which,
+            readings, which,
             "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
             "ends)",
             unsigned_zero(ways));
 }
 
-/* The mean strains are those of a specimen loaded along its axis whatever the ends did, if the mean
- * stress is what the ends exert: then all of the load goes through all of it, and only the ends are
- * soft. */
-static void need_ways_or_stress(const gn_curves *c, gn_row_span span, gn_reading which,
-                                gn_readings *r) {
-    int axis = c->tested->axis;
-    double along = c->tested->sign * follows(c, span, axis, axis);
-    if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, span, which, r);
+/* Requires either that, or that the mean stress is that of the ends: then the whole load passes
+ * through the whole section, and only the ends are soft, so that the mean strains are those of a
+ * specimen loaded along its axis. */
+static void need_ways_or_stress(const gn_curves *curves, gn_row_span span, gn_reading which,
+                                gn_readings *readings) {
+    int axis = curves->tested->axis;
+    double along = curves->tested->sign * follows(curves, span, axis, axis);
+    if (!(fabs(along - 1) <= beside_modulus)) need_ways(curves, span, which, readings);
 }
 
-void gn_need_axial(const gn_curves *c, gn_row_span span, gn_reading which, gn_readings *r) {
-    if (c->tested->axis < 0) return; /* as a hydrostatic test, which loads along all */
-    need_one_axis(c, span, which, beside_modulus, r);
-    need_ways(c, span, which, r);
+void gn_need_axial(const gn_curves *curves, gn_row_span span, gn_reading which,
+                   gn_readings *readings) {
+    if (curves->tested->axis < 0) return; /* as in a hydrostatic test, which loads along all */
+    need_one_axis(curves, span, which, beside_modulus, readings);
+    need_ways(curves, span, which, readings);
 }
 
 /* --- readings --- */
 
-static double modulus_of(const gn_curves *c, gn_row_span span) {
-    return gn_line(c, c->strain, c->stress, span).slope;
+static double modulus_of(const gn_curves *curves, gn_row_span span) {
+    return gn_line(curves, curves->strain, curves->stress, span).slope;
 }
 
-static void read_modulus(const gn_curves *c, gn_readings *r) {
+static void read_modulus(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_young_modulus;
-    gn_line_fit f = gn_line(c, c->strain, c->stress, c->elastic);
-    r->young_modulus = gn_modulus_by(c->tested->by_ends, f.slope, which, r);
-    r->nonlinearity[which] = gn_nonlinearity(c, modulus_of);
-    gn_need_elastic_rows(c, which, r);
-    need_one_axis(c, c->elastic, which, beside_modulus, r);
-    gn_need_modulus(f, which, r);
-    need_ways(c, c->elastic, which, r);
+    gn_line_fit f = gn_line(curves, curves->strain, curves->stress, curves->elastic);
+    readings->young_modulus = gn_modulus_by(curves->tested->by_ends, f.slope, which, readings);
+    readings->nonlinearity[which] = gn_nonlinearity(curves, modulus_of);
+    gn_need_elastic_rows(curves, which, readings);
+    need_one_axis(curves, curves->elastic, which, beside_modulus, readings);
+    gn_need_modulus(f, which, readings);
+    need_ways(curves, curves->elastic, which, readings);
 }
 
-/* In the rows that are fitted. */
-static void need_average_strain(const gn_curves *c, gn_reading which, gn_readings *r) {
-    const size_t last = c->elastic.last;
+/* Requires average strains in the rows of the fit. */
+static void need_average_strain(const gn_curves *curves, gn_reading which, gn_readings *readings) {
+    const size_t last = curves->elastic.last;
     const char *reason =
-        gn_no_average_strain(c->average[0], last > c->elastic.first ? last - 1 : 0);
-    if (reason) gn_reading_absent(r, which, "%s", reason);
+        gn_no_average_strain(curves->average[0], last > curves->elastic.first ? last - 1 : 0);
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
 }
 
-static double average_modulus_of(const gn_curves *c, gn_row_span span) {
-    return gn_line(c, c->average[c->tested->axis], c->stress, span).slope;
+static double average_modulus_of(const gn_curves *curves, gn_row_span span) {
+    return gn_line(curves, curves->average[curves->tested->axis], curves->stress, span).slope;
 }
 
-static void read_average_modulus(const gn_curves *c, gn_readings *r) {
+static void read_average_modulus(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_young_modulus_average;
-    gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->elastic);
-    f.slope *= c->tested->sign;
-    r->young_modulus_average = gn_modulus_by(c->tested->by_mean, f.slope, which, r);
-    r->nonlinearity[which] = gn_nonlinearity(c, average_modulus_of);
-    gn_need_elastic_rows(c, which, r);
-    need_average_strain(c, which, r);
-    need_one_axis(c, c->elastic, which, beside_modulus, r);
-    gn_need_modulus(f, which, r);
-    need_ways_or_stress(c, c->elastic, which, r);
+    gn_line_fit f =
+        gn_line(curves, curves->average[curves->tested->axis], curves->stress, curves->elastic);
+    f.slope *= curves->tested->sign;
+    readings->young_modulus_average =
+        gn_modulus_by(curves->tested->by_mean, f.slope, which, readings);
+    readings->nonlinearity[which] = gn_nonlinearity(curves, average_modulus_of);
+    gn_need_elastic_rows(curves, which, readings);
+    need_average_strain(curves, which, readings);
+    need_one_axis(curves, curves->elastic, which, beside_modulus, readings);
+    gn_need_modulus(f, which, readings);
+    need_ways_or_stress(curves, curves->elastic, which, readings);
 }
 
-/* -1 to 0.5 is what an elastic solid can have; in the plane up to 1, as plane strain shows it. */
-static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_readings *r) {
+/* An elastic solid has -1 to 0.5; in 2D up to 1, because of plane strain. */
+static void need_possible_ratio(int dimension, double nu, gn_reading which, gn_readings *readings) {
     double most = dimension == 2 ? 1 : 0.5;
     if (!(fabs(nu) <= 1))
-        gn_reading_absent(r, which, "the sides move more than the ends (%.3g)", nu);
+        gn_reading_absent(readings, which, "the sides move more than the ends (%.3g)", nu);
     if (nu > most)
         gn_reading_absent(
-            r, which, "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)",
-            nu, most);
+            readings, which,
+            "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)", nu, most);
 }
 
-/* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
- * instead would be biased towards zero by the vibrations in the axial average; over the stress such
- * scatter averages out of both slopes. */
-static gn_line_fit ratio_fit(const gn_curves *c, gn_row_span span) {
-    int axis = c->tested->axis, dimension = c->tested->dimension;
+/* Fits both strains over the stress and divides the slopes. A fit of lateral over axial strain
+ * would be biased towards zero by vibrations in the axial average; over the stress such scatter
+ * averages out of both slopes. */
+static gn_line_fit ratio_fit(const gn_curves *curves, gn_row_span span) {
+    int axis = curves->tested->axis, dimension = curves->tested->dimension;
     double lateral = 0, variance = 0;
     for (int a = 0; a < dimension; a++) {
         if (a == axis) continue;
-        gn_line_fit f = gn_line(c, c->stress, c->average[a], span);
+        gn_line_fit f = gn_line(curves, curves->stress, curves->average[a], span);
         lateral += f.slope / (dimension - 1);
         variance += f.error * f.error / ((dimension - 1) * (dimension - 1));
     }
-    gn_line_fit axial = gn_line(c, c->stress, c->average[axis], span);
+    gn_line_fit axial = gn_line(curves, curves->stress, curves->average[axis], span);
     const double ratio = -lateral / axial.slope;
     return (gn_line_fit){ratio, hypot(sqrt(variance), ratio * axial.error) / fabs(axial.slope)};
 }
 
-static double ratio_of(const gn_curves *c, gn_row_span span) {
-    return ratio_fit(c, span).slope;
+static double ratio_of(const gn_curves *curves, gn_row_span span) {
+    return ratio_fit(curves, span).slope;
 }
 
-static void read_poisson(const gn_curves *c, gn_readings *r) {
+static void read_poisson(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_poisson_ratio;
-    const gn_line_fit f = ratio_fit(c, c->elastic);
-    r->poisson_ratio = f.slope;
-    (void)gn_modulus_by(c->tested->by_mean, f.slope, which, r);
-    r->nonlinearity[which] = gn_nonlinearity(c, ratio_of);
-    gn_need_elastic_rows(c, which, r);
-    need_average_strain(c, which, r);
-    need_one_axis(c, c->elastic, which, beside_ratio, r);
+    const gn_line_fit f = ratio_fit(curves, curves->elastic);
+    readings->poisson_ratio = f.slope;
+    (void)gn_modulus_by(curves->tested->by_mean, f.slope, which, readings);
+    readings->nonlinearity[which] = gn_nonlinearity(curves, ratio_of);
+    gn_need_elastic_rows(curves, which, readings);
+    need_average_strain(curves, which, readings);
+    need_one_axis(curves, curves->elastic, which, beside_ratio, readings);
     if (f.error > gn_scatter_allowed)
-        gn_reading_absent(r, which, "the rows scatter: standard error %.2g", f.error);
-    need_ways_or_stress(c, c->elastic, which, r);
-    need_possible_ratio(c->tested->dimension, f.slope, which, r);
+        gn_reading_absent(readings, which, "the rows scatter: standard error %.2g", f.error);
+    need_ways_or_stress(curves, curves->elastic, which, readings);
+    need_possible_ratio(curves->tested->dimension, f.slope, which, readings);
 }
 
-/* Between two rows, whatever broke or yielded from the one to the other. */
-static void read_secant_ratio(const gn_curves *c, gn_readings *r) {
+/* Reads the ratio between two rows, whatever broke or yielded in between. */
+static void read_secant_ratio(const gn_curves *curves, gn_readings *readings) {
     const gn_reading which = GN_READING_secant_poisson_ratio;
-    const gn_row_span s = c->loading;
-    int axis = c->tested->axis, dimension = c->tested->dimension;
+    const gn_row_span s = curves->loading;
+    int axis = curves->tested->axis, dimension = curves->tested->dimension;
     double lateral = 0, axial = NAN;
     for (int a = 0; a < dimension; a++) {
-        const double way = c->average[a] ? c->average[a][s.last] - c->average[a][s.first] : NAN;
+        const double way =
+            curves->average[a] ? curves->average[a][s.last] - curves->average[a][s.first] : NAN;
         if (a == axis)
             axial = way;
         else
             lateral += way / (dimension - 1);
     }
-    r->secant_poisson_ratio = -lateral / axial;
-    (void)gn_modulus_by(c->tested->by_mean, -lateral / axial, which, r);
-    const char *reason = gn_no_average_strain(c->average[0], s.last);
-    if (reason) gn_reading_absent(r, which, "%s", reason);
-    need_one_axis(c, s, which, beside_ratio, r);
-    if (!(c->tested->sign * axial > 0))
-        gn_reading_absent(r, which, "the strain does not grow up to half the stress");
-    need_ways_or_stress(c, s, which, r);
-    need_possible_ratio(dimension, r->secant_poisson_ratio, which, r);
+    readings->secant_poisson_ratio = -lateral / axial;
+    (void)gn_modulus_by(curves->tested->by_mean, -lateral / axial, which, readings);
+    const char *reason = gn_no_average_strain(curves->average[0], s.last);
+    if (reason) gn_reading_absent(readings, which, "%s", reason);
+    need_one_axis(curves, s, which, beside_ratio, readings);
+    if (!(curves->tested->sign * axial > 0))
+        gn_reading_absent(readings, which, "the strain does not grow up to half the stress");
+    need_ways_or_stress(curves, s, which, readings);
+    need_possible_ratio(dimension, readings->secant_poisson_ratio, which, readings);
 }
 
 /* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
-static void read_plane(const gn_curves *c, gn_readings *r) {
+static void read_plane(const gn_curves *curves, gn_readings *readings) {
     const gn_reading modulus = GN_READING_plane_young_modulus,
                      ratio = GN_READING_plane_poisson_ratio;
-    if (c->tested->dimension != 2) {
-        gn_reading_absent(r, modulus, "a reading of 2D scenes");
-        gn_reading_absent(r, ratio, "a reading of 2D scenes");
+    if (curves->tested->dimension != 2) {
+        gn_reading_absent(readings, modulus, "a reading of 2D scenes");
+        gn_reading_absent(readings, ratio, "a reading of 2D scenes");
         return;
     }
-    double nu = r->poisson_ratio / (1 + r->poisson_ratio);
-    r->plane_poisson_ratio = nu;
-    r->plane_young_modulus = r->young_modulus * (1 - nu * nu);
-    const char *no_ratio = gn_reason_of(r, GN_READING_poisson_ratio),
-               *no_modulus = gn_reason_of(r, GN_READING_young_modulus);
-    if (*no_modulus) gn_reading_absent(r, modulus, "%s", no_modulus);
-    if (*no_ratio) gn_reading_absent(r, modulus, "%s", no_ratio);
-    if (*no_ratio) gn_reading_absent(r, ratio, "%s", no_ratio);
+    double nu = readings->poisson_ratio / (1 + readings->poisson_ratio);
+    readings->plane_poisson_ratio = nu;
+    readings->plane_young_modulus = readings->young_modulus * (1 - nu * nu);
+    const char *no_ratio = gn_reason_of(readings, GN_READING_poisson_ratio),
+               *no_modulus = gn_reason_of(readings, GN_READING_young_modulus);
+    if (*no_modulus) gn_reading_absent(readings, modulus, "%s", no_modulus);
+    if (*no_ratio) gn_reading_absent(readings, modulus, "%s", no_ratio);
+    if (*no_ratio) gn_reading_absent(readings, ratio, "%s", no_ratio);
     if (nu < -1)
-        gn_reading_absent(r, modulus, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
+        gn_reading_absent(readings, modulus, "plane strain does not allow a ratio of %.3g",
+                          readings->poisson_ratio);
     if (nu < -1)
-        gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
+        gn_reading_absent(readings, ratio, "plane strain does not allow a ratio of %.3g",
+                          readings->poisson_ratio);
 }
 
-/* How far apart the rows around the largest stress are, and what became of it. */
-static void note_rows(const gn_curves *c, gn_readings *r) {
-    const size_t k = c->largest, last = c->history->row_count - 1;
-    r->peak_fall = 1.0 - c->stress[last] / c->stress[k];
-    r->peak_rise = k > 0 ? fmin(1.0, 1.0 - c->stress[k - 1] / c->stress[k]) : 1.0;
-    if (!c->strain) return;
-    r->peak_strain_least = c->strain[k > 0 ? k - 1 : k] + 0.0; /* no -0 */
-    r->peak_strain_most = c->strain[k < last ? k + 1 : k];
+/* Records the spacing of the rows around the largest stress, and the decrease after it. */
+static void note_rows(const gn_curves *curves, gn_readings *readings) {
+    const size_t k = curves->largest, last = curves->history->row_count - 1;
+    readings->peak_fall = 1.0 - curves->stress[last] / curves->stress[k];
+    readings->peak_rise = k > 0 ? fmin(1.0, 1.0 - curves->stress[k - 1] / curves->stress[k]) : 1.0;
+    if (!curves->strain) return;
+    readings->peak_strain_least = curves->strain[k > 0 ? k - 1 : k] + 0.0; /* avoids -0 */
+    readings->peak_strain_most = curves->strain[k < last ? k + 1 : k];
 }
 
-static void read_peak(const gn_curves *c, gn_readings *r) {
-    r->largest_stress = r->peak_stress = c->stress[c->largest];
-    r->largest_strain = r->peak_strain = c->strain ? c->strain[c->largest] : NAN;
-    note_rows(c, r);
-    const char *reason = gn_no_peak(c);
-    if (reason) gn_reading_absent(r, GN_READING_peak_stress, "%s", reason);
-    if (reason) gn_reading_absent(r, GN_READING_peak_strain, "%s", reason);
+static void read_peak(const gn_curves *curves, gn_readings *readings) {
+    readings->largest_stress = readings->peak_stress = curves->stress[curves->largest];
+    readings->largest_strain = readings->peak_strain =
+        curves->strain ? curves->strain[curves->largest] : NAN;
+    note_rows(curves, readings);
+    const char *reason = gn_no_peak(curves);
+    if (reason) gn_reading_absent(readings, GN_READING_peak_stress, "%s", reason);
+    if (reason) gn_reading_absent(readings, GN_READING_peak_strain, "%s", reason);
 }
 
-/* Signed sums: waves that run to and fro between the ends cancel, a part that is missing stays. */
-static void read_balance(const gn_curves *c, gn_readings *r) {
-    const double *lower = gn_history_column(c->history, "stress_lower"),
-                 *upper = gn_history_column(c->history, "stress_upper");
-    if (c->tested->watched)
-        gn_reading_absent(r, GN_READING_end_imbalance,
-                          "one end is only watched and has the other's force");
+/* Sums are signed: waves between the ends cancel, and a missing part remains. */
+static void read_balance(const gn_curves *curves, gn_readings *readings) {
+    const double *lower = gn_history_column(curves->history, "stress_lower"),
+                 *upper = gn_history_column(curves->history, "stress_upper");
+    if (curves->tested->one_sided)
+        gn_reading_absent(readings, GN_READING_end_imbalance,
+                          "one end has the other's force by definition");
     if (!lower || !upper) return;
-    size_t rows = c->largest + 1 - c->loading.first;
+    size_t rows = curves->largest + 1 - curves->loading.first;
     if (rows < 3)
-        gn_reading_absent(r, GN_READING_end_imbalance, "%zu history row%s up to the largest stress",
-                          rows, rows == 1 ? "" : "s");
+        gn_reading_absent(readings, GN_READING_end_imbalance,
+                          "%zu history row%s up to the largest stress", rows, rows == 1 ? "" : "s");
     double difference = 0, sum = 0;
-    for (size_t k = c->loading.first; k <= c->largest; k++) {
+    for (size_t k = curves->loading.first; k <= curves->largest; k++) {
         difference += upper[k] - lower[k];
         sum += 0.5 * (fabs(upper[k]) + fabs(lower[k]));
     }
-    r->end_imbalance = fabs(difference) / sum;
+    readings->end_imbalance = fabs(difference) / sum;
 }
 
-static const double held = 0.05; /* share that a load which is held may waver by */
+static const double held = 0.05; /* relative fluctuation of a constant load */
 
-/* Ends that never moved in the sense of the test leave all rows to it, and no strength. */
-static void find_beginning(gn_curves *c, gn_readings *r) {
+/* Finds the beginning of the test. If the ends never moved in the sense of the test, all rows
+ * belong to it, and there is no strength. */
+static void find_beginning(gn_curves *curves, gn_readings *readings) {
     gn_beginning b = {0};
-    gn_beginning_look(&b, c->strain, c->stress, c->history->row_count);
-    c->still = !b.moved && c->strain && c->history->row_count && !isnan(c->strain[0]);
+    gn_beginning_update(&b, curves->strain, curves->stress, curves->history->row_count);
+    curves->never_strained =
+        !b.moved && curves->strain && curves->history->row_count && !isnan(curves->strain[0]);
     if (!b.moved) return;
-    r->initial_stress = c->stress[b.first];
-    r->initial_fall = c->stress[b.first] - c->stress[b.least];
-    c->begin = b.begun ? b.least : b.first;
-    if (b.begun || !(r->initial_fall > held * r->initial_stress)) return; /* a dead load */
+    readings->initial_stress = curves->stress[b.first];
+    readings->initial_fall = curves->stress[b.first] - curves->stress[b.least];
+    curves->begin = b.begun ? b.least : b.first;
+    if (b.begun || !(readings->initial_fall > held * readings->initial_stress))
+        return; /* a dead load */
     char reason[GN_REASON_SIZE];
     snprintf(reason, sizeof reason,
-             "the stress has only fallen from the %.4g Pa that the ends bore before they moved",
-             r->initial_stress);
-    all_absent(r, reason);
+             "the stress has only fallen from the %.4g Pa that acted on the ends before they moved",
+             readings->initial_stress);
+    all_absent(readings, reason);
 }
 
-void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *r) {
-    memset(r, 0, sizeof *r);
-    for (int k = 0; k < GN_READING_COUNT; k++) values_of(r)[k] = NAN;
+void gn_readings_compute(const gn_history *history, const gn_tested *tested,
+                         gn_readings *readings) {
+    memset(readings, 0, sizeof *readings);
+    for (int k = 0; k < GN_READING_COUNT; k++) values_of(readings)[k] = NAN;
     gn_curves c = {.tested = tested, .history = history};
     c.strain = gn_history_column(history, "strain");
     c.stress = gn_history_column(history, "stress");
@@ -362,30 +378,30 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
     c.average[0] = gn_history_column(history, "strain_xx");
     c.average[1] = gn_history_column(history, "strain_yy");
     c.average[2] = gn_history_column(history, "strain_zz");
-    if (!c.stress) all_absent(r, "the scene has no test");
-    if (history->row_count == 0) all_absent(r, "the history has no rows");
-    if (c.stress) find_beginning(&c, r);
+    if (!c.stress) all_absent(readings, "the scene has no test");
+    if (history->row_count == 0) all_absent(readings, "the history has no rows");
+    if (c.stress) find_beginning(&c, readings);
     if (c.stress) c.largest = largest_row(c.stress, c.begin, history->row_count);
     if (c.stress && c.largest == history->row_count)
-        all_absent(r, "the stress never had the sense of the test");
-    if (!gn_reason_of(r, GN_READING_largest_stress)[0]) {
+        all_absent(readings, "the stress never had the sense of the test");
+    if (!gn_reason_of(readings, GN_READING_largest_stress)[0]) {
         c.loading = loading_span(c.stress, c.begin, c.largest);
         gn_find_elastic_rows(&c);
-        r->elastic_stress = c.stress[c.elastic.last];
-        read_peak(&c, r);
+        readings->elastic_stress = c.stress[c.elastic.last];
+        read_peak(&c, readings);
         if (tested->axis >= 0) {
-            read_modulus(&c, r);
-            read_average_modulus(&c, r);
-            read_poisson(&c, r);
-            read_secant_ratio(&c, r);
-            read_plane(&c, r);
+            read_modulus(&c, readings);
+            read_average_modulus(&c, readings);
+            read_poisson(&c, readings);
+            read_secant_ratio(&c, readings);
+            read_plane(&c, readings);
         }
-        read_balance(&c, r);
-        gn_readings_of_loading(&c, r);
-        if (gn_test_of(tested->kind)->read) gn_test_of(tested->kind)->read(&c, r);
+        read_balance(&c, readings);
+        gn_readings_of_loading(&c, readings);
+        if (gn_test_of(tested->kind)->read) gn_test_of(tested->kind)->read(&c, readings);
     }
-    if (c.stress && history->row_count) gn_readings_of_breaks(tested, r);
-    read_zones(tested, r);
-    leave_others(tested, r);
-    settle(r);
+    if (c.stress && history->row_count) gn_readings_of_breaks(tested, readings);
+    read_zones(tested, readings);
+    leave_others(tested, readings);
+    settle(readings);
 }

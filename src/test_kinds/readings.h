@@ -12,7 +12,9 @@
     X(young_modulus, "Pa",                                                                         \
       "slope of stress over platen strain, least squares, from 1 % of the largest stress to "      \
       "elastic_stress")                                                                            \
-    X(young_modulus_average, "Pa", "the same over the average (Bagi) axial strain")                \
+    X(young_modulus_average, "Pa",                                                                 \
+      "slope of stress over the average (Bagi) axial strain, least squares, from 1 % of the "      \
+      "largest stress to elastic_stress")                                                          \
     X(poisson_ratio, "1", "lateral over axial average strain, slopes over the same range")         \
     X(elastic_stress, "Pa",                                                                        \
       "stress up to which elastic constants are read: that at which bonds begin to break, yield "  \
@@ -20,36 +22,36 @@
     X(peak_stress, "Pa",                                                                           \
       "strength: largest axial stress, after which it fell; positive in the sense of the test")    \
     X(peak_strain, "1", "platen strain at the peak, positive in the sense of the test")            \
-    X(largest_stress, "Pa", "largest axial stress so far, whether it was a peak or not")           \
+    X(largest_stress, "Pa", "largest axial stress so far, also without a peak")                    \
     X(largest_strain, "1", "platen strain at the largest stress")                                  \
     X(plane_young_modulus, "Pa", "2D: E = E'(1 - nu^2), the plane-strain correction")              \
     X(plane_poisson_ratio, "1", "2D: nu = nu'/(1 + nu'), the plane-strain correction")             \
     X(end_imbalance, "1",                                                                          \
       "difference of the forces of both ends over their mean, each summed up to the largest "      \
-      "stress: waves between the ends cancel in it")                                               \
+      "stress, so that waves between the ends cancel")                                             \
     X(indirect_tensile_strength, "Pa", "2 P/(pi D t) at the peak of the load P (ISRM 1978)")       \
     X(centre_tension, "Pa",                                                                        \
       "mean stress across the load about the middle of the disc at the peak, tension positive")    \
     X(centre_ratio, "1",                                                                           \
-      "the same over 2 P/(pi D t): slope from 1 % of the largest load to elastic_stress; 1 "       \
+      "centre_tension over 2 P/(pi D t): slope from 1 % of the largest load to elastic_stress; 1 " \
       "between line loads")                                                                        \
     X(centre_compression_ratio, "1",                                                               \
-      "stress along the load there, compression positive, over 2 P/(pi D t): 3 between line "      \
-      "loads (Hondros 1959)")                                                                      \
+      "stress along the load in the middle of the disc, compression positive, over 2 P/(pi D t): " \
+      "3 between line loads (Hondros 1959)")                                                       \
     X(flexural_strength, "Pa",                                                                     \
       "stress in the fibre below mid-span at the peak by beam theory, 3 F a/(b h^2): h above the " \
       "notch, a from a support to the load next to it")                                            \
     X(flexural_modulus, "Pa",                                                                      \
-      "slope of that stress over the strain of that fibre by beam theory, from 1 % of the "        \
-      "largest stress to elastic_stress; shear and what gives way at supports are in it")          \
+      "slope of the stress over the strain of that fibre by beam theory, from 1 % of the largest " \
+      "stress to elastic_stress; includes shear and the compliance of supports")                   \
     X(peak_force, "N", "largest mean of both ends' force, after which it fell")                    \
     X(stiffness, "N/m",                                                                            \
-      "slope of that force over the deflection, from 1 % of the largest stress to "                \
-      "elastic_stress")                                                                            \
+      "slope of the mean of both ends' force over the deflection, from 1 % of the largest stress " \
+      "to elastic_stress")                                                                         \
     X(opening_at_peak, "m", "opening of the gauge at the peak")                                    \
     X(fracture_energy, "J/m2",                                                                     \
-      "area under force over deflection, over the section that broke (Hillerborg 1985, RILEM TC "  \
-      "50-FMC); damping is in it")                                                                 \
+      "area under force over deflection, over the failed section (Hillerborg 1985, RILEM TC "      \
+      "50-FMC); includes damping")                                                                 \
     X(confinement, "Pa", "pressure of the membrane at the peak")                                   \
     X(axial_strength, "Pa", "largest axial stress: the deviator at the peak and the confinement")  \
     X(volumetric_strain_at_peak, "1",                                                              \
@@ -59,7 +61,7 @@
       "slope of the mean pressure over the loss of volume, from 1 % of the largest to "            \
       "elastic_stress; 2D: of area")                                                               \
     X(oedometric_modulus, "Pa",                                                                    \
-      "slope of stress over platen strain between sides that stand, from 1 % of the largest to "   \
+      "slope of stress over platen strain between fixed sides, from 1 % of the largest to "        \
       "elastic_stress")                                                                            \
     X(lateral_stress_ratio, "1",                                                                   \
       "mean lateral over axial stress of the specimen, slopes over the same range (K_0)")          \
@@ -67,20 +69,21 @@
     X(normal_stress_at_peak, "Pa",                                                                 \
       "stress across the sheared plane at the peak, compression positive")                         \
     X(shear_modulus, "Pa",                                                                         \
-      "slope of shear stress over the way of the ends over the length, from 1 % of the largest "   \
-      "to elastic_stress")                                                                         \
-    X(dilation_at_peak, "m", "way across the sheared plane at the peak")                           \
+      "slope of shear stress over the displacement of the ends over the length, from 1 % of the "  \
+      "largest to elastic_stress")                                                                 \
+    X(dilation_at_peak, "m", "displacement across the sheared plane at the peak")                  \
     X(tangent_modulus, "Pa",                                                                       \
       "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
       "the strength)")                                                                             \
     X(secant_modulus, "Pa",                                                                        \
-      "stress over strain of the test from the first row with 1 % of the largest stress to the "   \
-      "one with 50 % of it (ISRM 1979), whatever breaks or yields between them")                   \
+      "stress over strain of the test from the first row with 1 % of the largest stress to that "  \
+      "with 50 % of it (ISRM 1979), including any failure or yield between them")                  \
     X(secant_poisson_ratio, "1",                                                                   \
-      "lateral over axial average strain from the one of these rows to the other")                 \
+      "lateral over axial average strain between the rows with 1 % and 50 % of the largest "       \
+      "stress")                                                                                    \
     X(average_modulus, "Pa",                                                                       \
-      "slope of stress over platen strain, 20 to 80 % of the largest stress, where it is about "   \
-      "straight (ISRM 1979)")                                                                      \
+      "slope of stress over platen strain, 20 to 80 % of the largest stress, the approximately "   \
+      "straight part (ISRM 1979)")                                                                 \
     X(crack_initiation_stress, "Pa",                                                               \
       "stress at which 1 % of the bonds that are broken at the peak have broken (Potyondy & "      \
       "Cundall 2004)")                                                                             \
@@ -88,17 +91,17 @@
       "stress at which the specimen ceases to lose volume before the peak (Martin & Chandler "     \
       "1994)")                                                                                     \
     X(brittleness, "1",                                                                            \
-      "share of the peak that the stress lost by the end of the run (Bishop 1967); what falls "    \
-      "below 0 lost all: at most 1")                                                               \
+      "fraction of the peak that the stress lost by the end of the run (Bishop 1967), at most 1")  \
     X(events, "1",                                                                                 \
-      "bursts of breaking bonds: breaks near each other in place and time (output.burst_reach)")   \
+      "bursts of breaking bonds: failures close to each other in space and time "                  \
+      "(output.burst_reach)")                                                                      \
     X(b_value, "1",                                                                                \
-      "slope of log N over log10 of the bonds that a burst breaks, N as many or more: maximum "    \
-      "likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")                        \
-    X(fragments, "1", "pieces of two or more particles that bonds hold together at the end")       \
-    X(largest_fragment, "1", "share of the particles' volume that the largest of them has")        \
+      "slope of log N over log10 of the broken bonds of a burst, N counting bursts of at least "   \
+      "that size: maximum likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")     \
+    X(fragments, "1", "fragments of two or more bonded particles at the end")                      \
+    X(largest_fragment, "1", "fraction of the particles' volume in the largest fragment")          \
     X(returned_energy, "1",                                                                        \
-      "energy of plane waves in elements outside of zones that run away from the particles of "    \
+      "energy of plane waves in elements outside of zones that travel away from the particles of " \
       "the first zone at the end, over the energy that was there or has come in")
 
 #define X(name, unit, text) GN_READING_##name,
@@ -135,10 +138,10 @@ typedef struct gn_tested {
     int dimension, axis;                /* axis 0 1 2 */
     int sign;                           /* -1 compression, +1 tension */
     bool elastic;                       /* nothing in it can fail */
-    bool watched;                       /* one end has the force of the other by definition */
+    bool one_sided;                     /* one end has the force of the other by definition */
     bool notched;                       /* a beam */
-    bool falls;                         /* under gravity */
-    bool halted;                        /* conversion ended the run */
+    bool under_gravity;                 /* under gravity */
+    bool conversion_halted;             /* conversion ended the run */
     double section;                     /* m2, of what breaks */
     double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
     const int32_t *bursts; /* [burst_count] bonds that each broke, found elsewhere; NULL: */
@@ -147,8 +150,8 @@ typedef struct gn_tested {
     /* Young's modulus over the slope of stress over the strain of the test, and over mean strain,
      * as the section varies; 0: as 1; NaN: none follows from it. */
     double by_ends, by_mean;
-    bool zones;      /* particles and elements share some */
-    double returned; /* at the end, found elsewhere; NaN: of nothing */
+    bool zones;             /* particles and elements share some */
+    double returned_energy; /* at the end, found elsewhere; NaN: of nothing */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of

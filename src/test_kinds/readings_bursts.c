@@ -1,10 +1,10 @@
-/* Bursts of breaking bonds, as they are heard in a laboratory: their number and the slope of their
+/* Bursts of breaking bonds, the counterpart of acoustic events: their number and the slope of their
  * sizes. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
 
-/* zeta(a) and -d zeta/da = sum ln k k^-a, by the first terms and Euler-Maclaurin. */
+/* Computes zeta(a) and -d zeta/da = sum ln k k^-a, by the first terms and Euler-Maclaurin. */
 static void zeta(double a, double *value, double *logs) {
     enum { TERMS = 20 };
     const double n = TERMS, l = log(n), power = pow(n, -a);
@@ -18,7 +18,8 @@ static void zeta(double a, double *value, double *logs) {
              (a * l - 1) * power / (12 * n);
 }
 
-/* The power a of sizes k^-a/zeta(a) whose mean logarithm is the one given; it falls with a. */
+/* Returns the power a of sizes k^-a/zeta(a) with the given mean logarithm, which decreases with
+ * a. */
 static double power_of(double mean_log) {
     double low = 1.01, high = 20;
     for (int k = 0; k < 60; k++) {
@@ -32,28 +33,29 @@ static double power_of(double mean_log) {
     return 0.5 * (low + high);
 }
 
-/* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 50 leave 14 %. */
+/* The standard error of a slope b of n events is b/sqrt(n) (Aki 1965): 14 % for 50 events. */
 enum { EVENTS_LEAST = 50 };
 
-void gn_readings_of_bursts(const gn_tested *t, gn_readings *r) {
+void gn_readings_of_bursts(const gn_tested *tested, gn_readings *readings) {
     double logs = 0.0;
     int32_t most = 0;
-    if (!t->bursts) {
-        const char *why = t->no_bursts ? t->no_bursts : "no breaks were kept";
-        gn_reading_absent(r, GN_READING_events, "%s", why);
-        gn_reading_absent(r, GN_READING_b_value, "%s", why);
+    if (!tested->bursts) {
+        const char *why =
+            tested->no_bursts ? tested->no_bursts : "no list of broken bonds was recorded";
+        gn_reading_absent(readings, GN_READING_events, "%s", why);
+        gn_reading_absent(readings, GN_READING_b_value, "%s", why);
         return;
     }
-    for (size_t k = 0; k < t->burst_count; k++) {
-        logs += log(t->bursts[k]);
-        most = t->bursts[k] > most ? t->bursts[k] : most;
+    for (size_t k = 0; k < tested->burst_count; k++) {
+        logs += log(tested->bursts[k]);
+        most = tested->bursts[k] > most ? tested->bursts[k] : most;
     }
-    r->events = (double)t->burst_count;
-    if (t->burst_count < EVENTS_LEAST)
-        gn_reading_absent(r, GN_READING_b_value, "%zu bursts, %d are needed", t->burst_count,
-                          EVENTS_LEAST);
+    readings->events = (double)tested->burst_count;
+    if (tested->burst_count < EVENTS_LEAST)
+        gn_reading_absent(readings, GN_READING_b_value, "%zu bursts, %d are needed",
+                          tested->burst_count, EVENTS_LEAST);
     else if (most < 2)
-        gn_reading_absent(r, GN_READING_b_value, "every burst broke one bond");
+        gn_reading_absent(readings, GN_READING_b_value, "every burst broke one bond");
     else
-        r->b_value = power_of(logs / (double)t->burst_count) - 1;
+        readings->b_value = power_of(logs / (double)tested->burst_count) - 1;
 }

@@ -2,14 +2,16 @@
  * the space between them in a periodic box. */
 #include "test_kinds/curves.h"
 
-static void read_shear(const gn_curves *c, gn_readings *r) {
-    gn_read_at_peak(c, GN_READING_shear_strength, c->stress, 1.0, &r->shear_strength, r);
-    gn_read_at_peak(c, GN_READING_normal_stress_at_peak,
-                    gn_history_column(c->history, "normal_stress"), 1.0, &r->normal_stress_at_peak,
-                    r);
-    gn_read_at_peak(c, GN_READING_dilation_at_peak, gn_history_column(c->history, "dilation"), 1.0,
-                    &r->dilation_at_peak, r);
-    gn_read_slope(c, GN_READING_shear_modulus, &r->shear_modulus, r);
+static void read_shear(const gn_curves *curves, gn_readings *readings) {
+    gn_read_at_peak(curves, GN_READING_shear_strength, curves->stress, 1.0,
+                    &readings->shear_strength, readings);
+    gn_read_at_peak(curves, GN_READING_normal_stress_at_peak,
+                    gn_history_column(curves->history, "normal_stress"), 1.0,
+                    &readings->normal_stress_at_peak, readings);
+    gn_read_at_peak(curves, GN_READING_dilation_at_peak,
+                    gn_history_column(curves->history, "dilation"), 1.0,
+                    &readings->dilation_at_peak, readings);
+    gn_read_slope(curves, GN_READING_shear_modulus, &readings->shear_modulus, readings);
 }
 
 /* A sheared specimen may hold most of its peak by friction for as long as it is pressed, so that a

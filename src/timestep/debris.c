@@ -103,7 +103,7 @@ gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some
 
 bool gn_debris_told(const gn_ledger *ledger) {
     const gn_energy *e = &ledger->reading;
-    return fabs(gn_energy_residual(e)) * gn_energy_scale(e) > TOLD * gn_energy_passed(e);
+    return fabs(gn_energy_residual(e)) * gn_energy_scale(e) > TOLD * gn_energy_throughput(e);
 }
 
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,

@@ -101,7 +101,7 @@ static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_
     size_t n = q->soa.count;
     int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
     if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    gn_step_marks(spectrum, marks);
+    gn_step_contact_hashes(spectrum, marks);
     *count = 0;
     for (size_t p = 0; p < n; p++) {
         changed[p] = q->marks[2 * p + (size_t)which] != marks[p];
@@ -382,7 +382,7 @@ static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_boundary *boundary, uint8_t *turned) {
     gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
     gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &(spectrum_data){0});
-    return gn_step_turned(&spectrum, turned_by, turned);
+    return gn_step_rotated_contacts(&spectrum, turned_by, turned);
 }
 
 /* Whether the step holds for what has turned, with a reserve for what turns until the next lists.

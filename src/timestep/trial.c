@@ -271,7 +271,7 @@ static void add_corrections(const gn_trial *t, const double *u, double *path,
         double size = fmax(sqrt(gn_dot3(d, d)) / r, sqrt(gn_dot3(d + 3, d + 3)));
         double share = size > part ? part / size : 1.0;
         for (size_t k = 0; k < N; k++) path[N * p + k] += share * d[k];
-        if (size > part && size > most) found->loose = q->id[p];
+        if (size > part && size > most) found->unsupported = q->id[p];
         most = fmax(most, size);
     }
 }

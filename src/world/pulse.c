@@ -67,7 +67,7 @@ static gneiss_status check_zones(const gn_step_context *ctx, const gn_dem *dem,
 static void start_elements(const gn_step_context *ctx, gn_solids *solids) {
     for (size_t k = 0; k < solids->count; k++) {
         start(&ctx->scene, &solids->elements[k]->solid.nodes);
-        gn_fem_moved(&solids->elements[k]->solid);
+        gn_fem_positions_changed(&solids->elements[k]->solid);
         gn_fem_to_single(&solids->elements[k]->solid);
     }
 }

@@ -246,7 +246,7 @@ static void weigh_consistent(const gn_dem *dem, gn_coupled *q) {
     double *mass = &q->load[0][0];
     for (size_t k = 0; k < q->ties.count; k++)
         mass[k] = q->place[k] >= 0 ? 1.0 / dem->particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
-    gn_consistent_weigh(&q->consistent, mass);
+    gn_consistent_assemble(&q->consistent, mass);
 }
 
 static void find_places(const gn_dem *dem, gn_coupled *q) {
@@ -585,7 +585,7 @@ gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zo
     gn_free(b->carried);
     b->carried = NULL;
     GN_TRY(lump(dem, solids, zones->coupled, error));
-    gn_fem_weigh(b);
+    gn_fem_apply_weights(b);
     return GNEISS_OK;
 }
 
