@@ -94,11 +94,10 @@ configure() {
 # What a step of a build takes, in tenths of a second of one core.
 step_work() {
     case $1 in
-    *mixed*contact_template*) work=30 ;;
-    *contact_template*) work=45 ;;
-    *motion_template*) work=100 ;;
-    *Compiling*) work=8 ;;
-    *) work=2 ;;
+    *contact_template*) work=35 ;;
+    *motion_template*) work=9 ;;
+    *Compiling*) work=2 ;;
+    *) work=1 ;;
     esac
 }
 

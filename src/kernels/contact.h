@@ -115,27 +115,28 @@ typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 
-/* The kinds of lists that have kernels. X(number, name, law, effects that define the kind in
+/* The kinds of lists that have kernels. X(number, name, body, law, effects that define the kind in
  * addition to those of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS), in parts that are
- * compiled separately in parallel. */
+ * compiled separately in parallel. `body` is the kind whose code serves this one as well: friction
+ * of broken bonds is a branch that few vectors take. */
 #define GN_CONTACT_KINDS_0(X)                                                                      \
-    X(0, smooth, linear, 0, 0, 0)                                                                  \
-    X(1, frictional, linear, 1, 1, 0)                                                              \
-    X(2, bond_normal, linear, 0, 0, 1)                                                             \
-    X(3, bond, linear, 1, 0, 1)                                                                    \
-    X(4, bond_frictional, linear, 1, 1, 1)
+    X(0, smooth, smooth, linear, 0, 0, 0)                                                          \
+    X(1, frictional, frictional, linear, 1, 1, 0)                                                  \
+    X(2, bond_normal, bond_normal, linear, 0, 0, 1)                                                \
+    X(3, bond, bond, linear, 1, 0, 1)                                                              \
+    X(4, bond_frictional, bond, linear, 1, 1, 1)
 #define GN_CONTACT_KINDS_1(X)                                                                      \
-    X(5, mohr, mohr, 1, 0, 1)                                                                      \
-    X(6, mohr_frictional, mohr, 1, 1, 1)                                                           \
-    X(7, softening, softening, 1, 0, 1)                                                            \
-    X(8, softening_frictional, softening, 1, 1, 1)
+    X(5, mohr, mohr, mohr, 1, 0, 1)                                                                \
+    X(6, mohr_frictional, mohr, mohr, 1, 1, 1)                                                     \
+    X(7, softening, softening, softening, 1, 0, 1)                                                 \
+    X(8, softening_frictional, softening, softening, 1, 1, 1)
 #define GN_CONTACT_KINDS_2(X)                                                                      \
-    X(9, beam, beam, 1, 0, 1)                                                                      \
-    X(10, beam_frictional, beam, 1, 1, 1)                                                          \
-    X(11, hertz, hertz, 0, 0, 0)                                                                   \
-    X(12, hertz_frictional, hertz, 1, 1, 0)                                                        \
-    X(13, rolling, rolling, 1, 1, 0)                                                               \
-    X(14, hertz_rolling, hertz_rolling, 1, 1, 0)
+    X(9, beam, beam, beam, 1, 0, 1)                                                                \
+    X(10, beam_frictional, beam, beam, 1, 1, 1)                                                    \
+    X(11, hertz, hertz, hertz, 0, 0, 0)                                                            \
+    X(12, hertz_frictional, hertz_frictional, hertz, 1, 1, 0)                                      \
+    X(13, rolling, rolling, rolling, 1, 1, 0)                                                      \
+    X(14, hertz_rolling, hertz_rolling, hertz_rolling, 1, 1, 0)
 #define GN_CONTACT_KINDS(X)                                                                        \
     GN_CONTACT_KINDS_0(X)                                                                          \
     GN_CONTACT_KINDS_1(X)                                                                          \

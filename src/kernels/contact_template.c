@@ -325,7 +325,7 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #ifndef GN_KERNEL /* for tools that read this file on its own */
 #define GN_KERNEL(variant) gn_contact_##variant
 #endif
-#define DECLARE(options, name, law, shear, friction, bonds)                                        \
+#define DECLARE(options, name, body, law, shear, friction, bonds)                                  \
     gn_contact_kernel GN_KERNEL(name##_##options);
 #define X(number, ...) GN_EACH_32(DECLARE, __VA_ARGS__)
 GN_CONTACT_KINDS(X)
@@ -341,14 +341,19 @@ GN_CONTACT_KINDS(X)
 #endif
 
 /* One body serves all options of a kind in one space, with spins or without: damping, energies and
- * periods are branches that all vectors of a list take alike. */
-#define BODY(number, name, law, shear, friction, bonds)                                            \
-    static __attribute__((noinline)) void name##_body_##number(                                    \
+ * periods are branches that all vectors of a list take alike. So is the friction of bonds, whose
+ * frictional kinds have no body of their own. */
+enum { FRICTION_BIT = 5 };
+#define BODY(number, name, body, law, shear, friction, bonds)                                      \
+    static __attribute__((noinline, unused)) void name##_body_##number(                            \
         const gn_contact_args *a, size_t begin, size_t end, gn_contact_sums *sums,                 \
         unsigned options) {                                                                        \
-        if (ABSENT(number, law, shear, friction, bonds)) return;                                   \
+        if (ABSENT(number, law, shear, friction, bonds) || (friction && bonds)) return;            \
         contact_core(a, begin, end, sums,                                                          \
-                     (variant){LAW_##law, GN_BIT(number, 0), GN_BIT(number, 1), shear, friction,   \
+                     (variant){LAW_##law, GN_BIT(number, 0), GN_BIT(number, 1), shear,             \
+                               shear && bonds                                                      \
+                                   ? GN_BUILT(FRICTION) && GN_BIT(options, FRICTION_BIT)           \
+                                   : friction,                                                     \
                                bonds, GN_BUILT(CONTACT_DAMPING) && GN_BIT(options, 2),             \
                                GN_BUILT(ENERGY) && GN_BIT(options, 3),                             \
                                !GN_MIXED && GN_BUILT(PERIODIC) && GN_BIT(options, 4)});            \
@@ -358,20 +363,21 @@ GN_CONTACT_KINDS(X)
 KINDS_OF_PART(X)
 #undef X
 
-#define WRAPPER(options, name, law, shear, friction, bonds)                                        \
+#define WRAPPER(options, name, body, law, shear, friction, bonds)                                  \
     void GN_KERNEL(name##_##options)(const gn_contact_args *a, size_t begin, size_t end,           \
                                      gn_contact_sums *sums) {                                      \
-        if (((options)&3) == 0) name##_body_0(a, begin, end, sums, options);                       \
-        if (((options)&3) == 1) name##_body_1(a, begin, end, sums, options);                       \
-        if (((options)&3) == 2) name##_body_2(a, begin, end, sums, options);                       \
-        if (((options)&3) == 3) name##_body_3(a, begin, end, sums, options);                       \
+        const unsigned all = (options) | (friction) << FRICTION_BIT;                               \
+        if (((options)&3) == 0) body##_body_0(a, begin, end, sums, all);                           \
+        if (((options)&3) == 1) body##_body_1(a, begin, end, sums, all);                           \
+        if (((options)&3) == 2) body##_body_2(a, begin, end, sums, all);                           \
+        if (((options)&3) == 3) body##_body_3(a, begin, end, sums, all);                           \
     }
 #define X(number, ...) GN_EACH_32(WRAPPER, __VA_ARGS__)
 KINDS_OF_PART(X)
 #undef X
 
 #if GN_PART == 0
-#define ENTRY(options, name, law, shear, friction, bonds)                                          \
+#define ENTRY(options, name, body, law, shear, friction, bonds)                                    \
     ABSENT(options, law, shear, friction, bonds) ? 0 : GN_KERNEL(name##_##options),
 #define X(number, ...) GN_EACH_32(ENTRY, __VA_ARGS__)
 gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_CONTACT_KINDS(X)};

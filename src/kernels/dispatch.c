@@ -115,7 +115,7 @@ static const struct {
     const char *stem;
     gn_effects effects;
 } kinds[] = {
-#define X(number, name, law, shear, friction, bonds)                                               \
+#define X(number, name, body, law, shear, friction, bonds)                                         \
     {"contact_" #name, law_##law | (shear ? GN_FX_SHEAR : 0U) | (friction ? GN_FX_FRICTION : 0U) | \
                            (bonds ? GN_FX_BONDS : 0U)},
     GN_CONTACT_KINDS(X)
