@@ -8,71 +8,73 @@
 /* --- ends --- */
 
 /* Mean over the parts of an end. */
-static double end_of(const gn_scene *s, const gn_test_end *end, double time, bool path) {
+static double end_of(const gn_scene *scene, const gn_test_end *end, double time, bool path) {
     double sum = 0.0;
     for (size_t k = 0; k < end->count; k++) {
-        const gn_motion *motion = gn_scene_end_motion(s, end->name[k]);
+        const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
         if (!motion) continue;
-        const gn_table *table = &motion->velocity[s->test.axis];
+        const gn_table *table = &motion->velocity[scene->test.axis];
         sum += path ? gn_table_between(table, 0.0, time) : gn_table_at(table, time);
     }
     return end->count ? sum / (double)end->count : 0.0;
 }
 
-static double apart(const gn_scene *s, double time, bool path) {
-    double sign = s->test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
-    return sign * (end_of(s, &s->test.upper, time, path) - end_of(s, &s->test.lower, time, path));
+static double apart(const gn_scene *scene, double time, bool path) {
+    double sign = scene->test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    return sign * (end_of(scene, &scene->test.upper, time, path) -
+                   end_of(scene, &scene->test.lower, time, path));
 }
 
-double gn_test_closing(const gn_scene *s, double time) {
-    return apart(s, time, false);
+double gn_test_closing(const gn_scene *scene, double time) {
+    return apart(scene, time, false);
 }
 
 /* Tables are straight from one point to the next, so that the fastest is at one of them. */
-static double fastest_at_points(const gn_scene *s, const gn_test_end *end, double fastest) {
+static double fastest_at_points(const gn_scene *scene, const gn_test_end *end, double fastest) {
     for (size_t k = 0; k < end->count; k++) {
-        const gn_motion *motion = gn_scene_end_motion(s, end->name[k]);
-        const gn_table *table = motion ? &motion->velocity[s->test.axis] : NULL;
+        const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
+        const gn_table *table = motion ? &motion->velocity[scene->test.axis] : NULL;
         for (size_t p = 0; table && p < table->count; p++)
-            if (table->time[p] <= s->end)
-                fastest = fmax(fastest, gn_test_closing(s, table->time[p]));
+            if (table->time[p] <= scene->end)
+                fastest = fmax(fastest, gn_test_closing(scene, table->time[p]));
     }
     return fastest;
 }
 
-double gn_test_fastest(const gn_scene *s) {
-    double fastest = gn_test_closing(s, s->end);
-    fastest = fastest_at_points(s, &s->test.lower, fastest);
-    return fastest_at_points(s, &s->test.upper, fastest);
+double gn_test_fastest(const gn_scene *scene) {
+    double fastest = gn_test_closing(scene, scene->end);
+    fastest = fastest_at_points(scene, &scene->test.lower, fastest);
+    return fastest_at_points(scene, &scene->test.upper, fastest);
 }
 
-double gn_test_path(const gn_scene *s, double time) {
-    return apart(s, time, true);
+double gn_test_path(const gn_scene *scene, double time) {
+    return apart(scene, time, true);
 }
 
-double gn_test_bulk(const gn_world *w) {
-    return gn_world_mass(w) / w->volume;
+double gn_test_bulk(const gn_world *world) {
+    return gn_world_mass(world) / world->volume;
 }
 
 /* --- particles --- */
 
 /* Over the shortest side across the axis of the test. */
-static double particles_across(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
+static double particles_across(const gn_world *world) {
+    const gn_particles *q = &world->dem.particles;
     double shortest = INFINITY, radii = 0.0;
-    for (int a = 0; a < w->scene.dimension; a++)
-        if (a != w->scene.test.axis) shortest = fmin(shortest, w->upper[a] - w->lower[a]);
+    for (int a = 0; a < world->scene.dimension; a++)
+        if (a != world->scene.test.axis)
+            shortest = fmin(shortest, world->upper[a] - world->lower[a]);
     for (size_t p = 0; p < q->soa.count; p++) radii += q->pos[4 * p + 3];
     return shortest * (double)q->soa.count / (2.0 * radii);
 }
 
-static double damping_of(const gn_scene *s) {
-    switch (s->background) {
+static double damping_of(const gn_scene *scene) {
+    switch (scene->background) {
     case GN_BACKGROUND_NONE:
         return 0.0;
     case GN_BACKGROUND_NONVISCOUS_VECTOR:
     case GN_BACKGROUND_NONVISCOUS_COMPONENT:
-        return s->background_coefficient;
+        return scene->background_coefficient;
     case GN_BACKGROUND_VISCOUS:
         break;
     }
@@ -81,8 +83,8 @@ static double damping_of(const gn_scene *s) {
 
 /* What the study has packings of (validate/accuracy/scatter.py): means over the pairs are as
  * uniform as that over the particles, and areas as areas. */
-static const char *bonds_of(const gn_scene *s) {
-    switch (s->stiffness) {
+static const char *bonds_of(const gn_scene *scene) {
+    switch (scene->stiffness) {
     case GN_STIFFNESS_HARMONIC:
         return "harmonic";
     case GN_STIFFNESS_ARITHMETIC:
@@ -101,64 +103,69 @@ static const char *bonds_of(const gn_scene *s) {
     return NULL;
 }
 
-static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
-    const gn_scene *s = &w->scene;
-    bool plane = s->dimension == 2;
-    if (s->bonds != GN_SWITCH_ON || !w->dem.bonds_at_start)
+static const char *cover_particles(const gn_world *world, gn_test_groups *groups) {
+    const gn_scene *scene = &world->scene;
+    bool plane = scene->dimension == 2;
+    if (scene->bonds != GN_SWITCH_ON || !world->dem.bonds_at_start)
         return "the study has no test of grains without bonds";
-    if (w->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
+    if (world->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
         return "the study has no bonds that soften, yield or carry moments";
-    if (s->test.kind != GN_TEST_COMPRESSION && s->test.kind != GN_TEST_TENSION)
+    if (scene->test.kind != GN_TEST_COMPRESSION && scene->test.kind != GN_TEST_TENSION)
         return "of tests of particles the study has compression and tension";
-    if (s->has_membrane) return "the study has no test under a membrane";
-    if (s->has_elements) return "the study has no test of particles and elements together";
-    if (s->body_count) return "the study has no test with bodies";
-    if (s->has_periodic) return "the study has no periodic test";
-    if (plane && s->specimen.pack.shape == GN_SHAPE_DISC && s->test.kind == GN_TEST_COMPRESSION)
+    if (scene->has_membrane) return "the study has no test under a membrane";
+    if (scene->has_elements) return "the study has no test of particles and elements together";
+    if (scene->body_count) return "the study has no test with bodies";
+    if (scene->has_periodic) return "the study has no periodic test";
+    if (plane && scene->specimen.pack.shape == GN_SHAPE_DISC &&
+        scene->test.kind == GN_TEST_COMPRESSION)
         return "the study foretells no peak of a disc that is pressed across";
-    g->study = s->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
+    groups->study = scene->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
     /* Discs scatter more than spheres, above all where they are crushed. */
-    bool crushed = s->test.kind == GN_TEST_COMPRESSION;
-    g->floors = !plane ? g->study : crushed ? "compression-plane" : "brazilian";
-    g->bonds = bonds_of(s);
-    g->particles = (double)w->dem.particles.soa.count;
-    g->across = particles_across(w);
-    g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;
-    g->first_break = s->start == GN_START_FIRST_BREAK;
-    g->damping = damping_of(s);
+    bool crushed = scene->test.kind == GN_TEST_COMPRESSION;
+    groups->floors = !plane ? groups->study : crushed ? "compression-plane" : "brazilian";
+    groups->bonds = bonds_of(scene);
+    groups->particles = (double)world->dem.particles.soa.count;
+    groups->across = particles_across(world);
+    groups->masses =
+        world->dem.scaling.step > 0.0 ? world->dem.scaling.step / world->dem.scaling.unscaled : 1.0;
+    groups->first_break = scene->start == GN_START_FIRST_BREAK;
+    groups->damping = damping_of(scene);
     return NULL;
 }
 
 /* --- elements --- */
 
-static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
-    const gn_element_def *e = &s->elements;
-    bool mixed_form = e->formulation == GN_FORMULATION_PRESSURE;
-    if (e->has_beam && e->beam.notch_depth > 0.0) {
-        *g = (gn_test_groups){.study = "notched-elements", .mesh = "cell"};
-        g->cell = e->beam.cell / e->beam.height;
-        g->tip = 1.0 / (double)e->beam.notch_cells;
-    } else if (e->has_rectangle && e->size[1 - s->test.axis] >= 4.0 * e->size[s->test.axis]) {
-        *g = (gn_test_groups){.study = "cantilever",
-                              .mesh = mixed_form ? "elements, mixed form" : "elements"};
-        g->cell = 1.0 / (double)e->cells[s->test.axis];
+static const char *cover_elements(const gn_scene *scene, gn_test_groups *groups) {
+    const gn_element_def *elements = &scene->elements;
+    bool mixed_form = elements->formulation == GN_FORMULATION_PRESSURE;
+    if (elements->has_beam && elements->beam.notch_depth > 0.0) {
+        *groups = (gn_test_groups){.study = "notched-elements", .mesh = "cell"};
+        groups->cell = elements->beam.cell / elements->beam.height;
+        groups->tip = 1.0 / (double)elements->beam.notch_cells;
+    } else if (elements->has_rectangle &&
+               elements->size[1 - scene->test.axis] >= 4.0 * elements->size[scene->test.axis]) {
+        *groups = (gn_test_groups){.study = "cantilever",
+                                   .mesh = mixed_form ? "elements, mixed form" : "elements"};
+        groups->cell = 1.0 / (double)elements->cells[scene->test.axis];
     } else {
         return "the study has notched beams and rectangles that are bent, of elements";
     }
-    g->floors = g->study;
-    g->packings = 1.0;
+    groups->floors = groups->study;
+    groups->packings = 1.0;
     return NULL;
 }
 
-const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
-    const gn_scene *s = &w->scene;
-    *g = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
-    if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
-    if (s->stage_count) return "the study has no test in stages";
-    const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
-    g->speed = NAN;
+const char *gn_study_covers(const gn_world *world, gn_test_groups *groups) {
+    const gn_scene *scene = &world->scene;
+    *groups = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
+    if (scene->test.kind == GN_TEST_NONE) return "the scene has no test";
+    if (scene->stage_count) return "the study has no test in stages";
+    const char *reason =
+        scene->has_specimen ? cover_particles(world, groups) : cover_elements(scene, groups);
+    groups->speed = NAN;
     /* What an automatic step was lowered to later on says nothing of its safety. */
-    g->safety = w->step > 0 && s->step == 0.0 ? s->safety : w->dt / w->stable;
-    g->mixed = w->effects & GN_FX_MIXED;
+    groups->safety =
+        world->step > 0 && scene->step == 0.0 ? scene->safety : world->dt / world->stable;
+    groups->mixed = world->effects & GN_FX_MIXED;
     return reason;
 }

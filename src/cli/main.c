@@ -43,12 +43,12 @@ static void print_one_line(const char *json) {
     putchar('\n');
 }
 
-static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *error) {
+static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error *error) {
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
-    GN_TRY(gn_print_summary(o, run, error));
+    GN_TRY(gn_print_summary(options, run, error));
     GN_TRY(gn_print_warnings(run, error));
-    if (o->json) {
+    if (options->json) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
@@ -72,7 +72,8 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 }
 
 /* *shown: a progress line stands on the terminal, and the cursor behind it. */
-static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
+static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown,
+                             gneiss_error *error) {
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     if (*gn_world_light_body(&run->world, light, sizeof light))
@@ -85,16 +86,16 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (*gn_conversion_watches(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
-    GN_TRY(gn_print_start(o, run, error));
-    GN_TRY(gn_print_beginning(o, run, error));
-    GN_TRY(gn_expect_end(o, run, error));
+    GN_TRY(gn_print_start(options, run, error));
+    GN_TRY(gn_print_beginning(options, run, error));
+    GN_TRY(gn_expect_end(options, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     while (!run->finished) {
-        double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
+        double pause = isatty(STDERR_FILENO) || options->json ? 0.5 : 5.0;
         gneiss_status status = gn_run_advance(run, pause, interrupted, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        gn_print_progress(o, run);
+        gn_print_progress(options, run);
         *shown = !run->finished;
         if (!*interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
@@ -104,23 +105,24 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
-    gneiss_status status = finish(o, run, error);
+    gneiss_status status = finish(options, run, error);
     return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
 }
 
-static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *error) {
     bool shown = false;
-    gneiss_status status = advance(o, run, &shown, error);
-    if (status != GNEISS_OK && shown) gn_leave_progress(o);
+    gneiss_status status = advance(options, run, &shown, error);
+    if (status != GNEISS_OK && shown) gn_leave_progress(options);
     return status;
 }
 
 /* A scene on the heap: it is too large for a small stack. */
-static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_error *error) {
+static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     *scene = calloc(1, sizeof **scene);
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, *scene, error);
-    (*scene)->allow_gmsh = o->allow_gmsh;
+    gneiss_status status =
+        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error);
+    (*scene)->allow_gmsh = options->allow_gmsh;
     if (status == GNEISS_OK) {
         gn_print_notes(&(*scene)->notes);
         return GNEISS_OK;
@@ -132,12 +134,12 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
 
 /* Hours of computing are not thrown away by a command repeated by mistake, nor somebody else's
  * files by a folder named by mistake; both are told before anything is computed. */
-static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
+static gneiss_status check_replacing(const gn_options *options, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
-    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
+    GN_TRY(gn_folder_choose(scene, options->out, folder, error));
     double seconds = 0.0;
-    if (o->force) return GNEISS_OK;
+    if (options->force) return GNEISS_OK;
     GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
     if (!(seconds > LONG_RUN)) return GNEISS_OK;
@@ -147,58 +149,60 @@ static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
                    folder, gn_format_seconds(seconds, text, sizeof text));
 }
 
-static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
-    gneiss_status status = check_replacing(o, scene, error);
-    if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
+static gneiss_status start(const gn_options *options, gn_scene *scene, gn_run *run,
+                           gneiss_error *error) {
+    gneiss_status status = check_replacing(options, scene, error);
+    if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
     if (status != GNEISS_OK) {
         gn_scene_free(scene);
         return status;
     }
-    GN_TRY(gn_run_start(scene, o->out, o->force, run, error));
+    GN_TRY(gn_run_start(scene, options->out, options->force, run, error));
     run->cpu_start = 0.0; /* the process does nothing else: the packing made ahead counts, too */
     return GNEISS_OK;
 }
 
-static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_run(const gn_options *options, gneiss_error *error) {
     gn_scene *scene = NULL;
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(o, &scene, error);
-    if (status == GNEISS_OK) status = start(o, scene, run, error);
+    gneiss_status status = load_scene(options, &scene, error);
+    if (status == GNEISS_OK) status = start(options, scene, run, error);
     free(scene);
     if (status == GNEISS_OK) {
-        status = go(o, run, error);
+        status = go(options, run, error);
         gn_run_free(run);
     }
     free(run);
     return status;
 }
 
-static gneiss_status command_run_all(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
     bool several = false;
-    GN_TRY(gn_command_several(o, &several, error));
+    GN_TRY(gn_command_several(options, &several, error));
     if (several) return GNEISS_OK;
-    if (o->jobs || o->dry_run)
+    if (options->jobs || options->dry_run)
         return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, "run",
-                       o->jobs ? "--jobs" : "--dry-run");
-    return command_run(o, error);
+                       options->jobs ? "--jobs" : "--dry-run");
+    return command_run(options, error);
 }
 
-static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_resume(const gn_options *options, gneiss_error *error) {
     char shown[GN_PATH_SIZE];
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
+    gneiss_status status =
+        gn_run_resume(options->target, options->overrides, options->override_count, run, error);
     if (status == GNEISS_OK) {
-        run->world.given.allow_gmsh = run->world.scene.allow_gmsh = o->allow_gmsh;
+        run->world.given.allow_gmsh = run->world.scene.allow_gmsh = options->allow_gmsh;
         const int64_t before = run->world.step;
-        status = go(o, run, error);
+        status = go(options, run, error);
         if (status == GNEISS_OK && run->world.step == before)
             fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
-                    gn_printable(o->target, shown, sizeof shown), run->stop_reason,
-                    !o->override_count   ? ""
+                    gn_printable(options->target, shown, sizeof shown), run->stop_reason,
+                    !options->override_count ? ""
                     : run->world.halt[0] ? "; the model itself ended it, which no setting changes"
                                          : "; a later time.end or a stop condition lifted goes on");
         gn_run_free(run);
@@ -209,37 +213,37 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
 
 /* Of several confinements in one scene each is a scene: what is wrong with one of them is told as
  * `run` would tell it. */
-static gneiss_status check_confinements(const gn_options *o, gneiss_error *error) {
+static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
     bool several = false;
     gn_sweep *sweep = calloc(1, sizeof *sweep);
     if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status =
-        gn_sweep_of_scene(o->target, o->overrides, o->override_count, NULL, sweep, &several, error);
+    gneiss_status status = gn_sweep_of_scene(options->target, options->overrides,
+                                             options->override_count, NULL, sweep, &several, error);
     if (status == GNEISS_OK && several) gn_sweep_free(sweep);
     free(sweep);
     return status;
 }
 
 /* `plan` and `check` build the world and write nothing. */
-static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *error) {
+static gneiss_status command_look(const gn_options *options, bool plan, gneiss_error *error) {
     gn_scene *scene = NULL;
     gn_world *world = calloc(1, sizeof *world);
     if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     int warnings = 0;
     char shown[GN_PATH_SIZE];
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(o, &scene, error);
+    gneiss_status status = load_scene(options, &scene, error);
     if (status == GNEISS_OK) {
-        status = check_confinements(o, error);
-        if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
+        status = check_confinements(options, error);
+        if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
         if (status != GNEISS_OK) gn_scene_free(scene);
     }
     double before = gn_process_time();
     if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
     double setup = gn_process_time() - before;
     free(scene);
-    if (status == GNEISS_OK && o->error) {
-        status = gn_plan_accuracy(o, world, setup, error);
+    if (status == GNEISS_OK && options->error) {
+        status = gn_plan_accuracy(options, world, setup, error);
         gn_world_free(world);
     } else if (status == GNEISS_OK) {
         if (!plan) status = gn_print_check(world, &warnings, error);
@@ -247,7 +251,7 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
         gn_world_free(world);
     }
     if (status == GNEISS_OK && !plan)
-        printf("%s: %s\n", gn_printable(o->target, shown, sizeof shown),
+        printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
                warnings ? "can run; mind the warnings above" : "can run");
     free(world);
     return status;
@@ -255,11 +259,11 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
 
 /* The report is a Python script: where it was installed, in the program's source tree, or moved
  * along with the program. A folder tools beside an installed one may be anybody's. */
-static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_report(const gn_options *options, gneiss_error *error) {
     struct stat target;
-    if (stat(o->target, &target) == 0 && !S_ISDIR(target.st_mode))
+    if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
-                       o->target);
+                       options->target);
     const char *script = getenv("GNEISS_REPORT");
     char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
     if (!script) {
@@ -281,7 +285,7 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
             "the program (GNEISS_REPORT names another place)");
     /* By its first argument Python finds its modules: a bare name would lead to a virtual
      * environment that is active. */
-    execl("/usr/bin/python3", "/usr/bin/python3", script, o->target, (char *)NULL);
+    execl("/usr/bin/python3", "/usr/bin/python3", script, options->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
 
@@ -308,9 +312,9 @@ static void command_info(void) {
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
-static gneiss_status command_help(const gn_options *o, gneiss_error *error) {
-    const gn_command *command = o->target ? gn_command_named(o->target) : NULL;
-    if (o->target && !command) return gn_no_command(o->target, error);
+static gneiss_status command_help(const gn_options *options, gneiss_error *error) {
+    const gn_command *command = options->target ? gn_command_named(options->target) : NULL;
+    if (options->target && !command) return gn_no_command(options->target, error);
     gn_print_help(stdout, command);
     return GNEISS_OK;
 }
@@ -328,41 +332,43 @@ static const char *not_modelled(const char *word) {
     return NULL;
 }
 
-static gneiss_status command_keys(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_keys(const gn_options *options, gneiss_error *error) {
     char nearest[256], sought[256] = "";
-    if (gn_scene_print_keys(stdout, o->markdown, (const char *const *)o->words, o->word_count) > 0)
+    if (gn_scene_print_keys(stdout, options->markdown, (const char *const *)options->words,
+                            options->word_count) > 0)
         return GNEISS_OK;
-    for (size_t k = 0, used = 0; k < o->word_count && used < sizeof sought; k++)
+    for (size_t k = 0, used = 0; k < options->word_count && used < sizeof sought; k++)
         used += (size_t)snprintf(sought + used, sizeof sought - used, "%s%s", k ? " " : "",
-                                 o->words[k]);
+                                 options->words[k]);
     const char *absent = not_modelled(sought);
     if (absent)
         return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key is about '%s': %s", sought, absent);
-    bool meant = o->word_count == 1 && gn_scene_nearest_key(o->target, nearest, sizeof nearest);
+    bool meant =
+        options->word_count == 1 && gn_scene_nearest_key(options->target, nearest, sizeof nearest);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "keys: expected %s that a key or its description holds, found '%s'%s%s%s",
-                   o->word_count > 1 ? "words" : "a text", sought, meant ? "; did you mean '" : "",
-                   meant ? nearest : "", meant ? "'?" : "");
+                   options->word_count > 1 ? "words" : "a text", sought,
+                   meant ? "; did you mean '" : "", meant ? nearest : "", meant ? "'?" : "");
 }
 
-static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
-    if (strcmp(o->command, "run") == 0) return command_run_all(o, error);
-    if (strcmp(o->command, "sweep") == 0) return gn_command_sweep(o, error);
-    if (strcmp(o->command, "pack") == 0) return gn_command_pack(o, error);
-    if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
-    if (strcmp(o->command, "check") == 0) return command_look(o, false, error);
-    if (strcmp(o->command, "plan") == 0) return command_look(o, true, error);
-    if (strcmp(o->command, "report") == 0) return command_report(o, error);
-    if (strcmp(o->command, "info") == 0) {
+static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
+    if (strcmp(options->command, "run") == 0) return command_run_all(options, error);
+    if (strcmp(options->command, "sweep") == 0) return gn_command_sweep(options, error);
+    if (strcmp(options->command, "pack") == 0) return gn_command_pack(options, error);
+    if (strcmp(options->command, "resume") == 0) return command_resume(options, error);
+    if (strcmp(options->command, "check") == 0) return command_look(options, false, error);
+    if (strcmp(options->command, "plan") == 0) return command_look(options, true, error);
+    if (strcmp(options->command, "report") == 0) return command_report(options, error);
+    if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;
     }
-    if (strcmp(o->command, "help") == 0) return command_help(o, error);
-    if (strcmp(o->command, "version") == 0) {
+    if (strcmp(options->command, "help") == 0) return command_help(options, error);
+    if (strcmp(options->command, "version") == 0) {
         gn_print_version(stdout);
         return GNEISS_OK;
     }
-    return command_keys(o, error);
+    return command_keys(options, error);
 }
 
 /* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on

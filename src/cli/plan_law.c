@@ -20,31 +20,32 @@ static void print_range(const char *name, const double *column, const gn_contact
     printf("  %-16s %.6g to %.6g, mean %.6g %s\n", name, least, most, sum / (double)count, unit);
 }
 
-static void print_area(const gn_world *w, const gn_area_check *check) {
-    bool polyhedron = w->scene.stiffness == GN_STIFFNESS_POLYHEDRON;
-    int d = (int)w->scene.dimension;
-    print_range("section A", w->dem.bonds.area, &w->dem.bonds, d == 3 ? "m2" : "m2 (1 m thick)");
+static void print_area(const gn_world *world, const gn_area_check *check) {
+    bool polyhedron = world->scene.stiffness == GN_STIFFNESS_POLYHEDRON;
+    int d = (int)world->scene.dimension;
+    print_range("section A", world->dem.bonds.area, &world->dem.bonds,
+                d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
         printf(", %.4f with the free faces of %zu particles that have some",
                check->filled + check->free, check->open);
-    printf("\n  gamma            %.4g%s%s", w->dem.derived.gamma,
-           w->scene.gamma > 0.0                       ? " (given)"
-           : w->scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
-                                                      : " fills it with Dempack's sections",
+    printf("\n  gamma            %.4g%s%s", world->dem.derived.gamma,
+           world->scene.gamma > 0.0                       ? " (given)"
+           : world->scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
+                                                          : " fills it with Dempack's sections",
            polyhedron ? ", for pairs that meet later" : "");
-    if (w->scene.gamma > 0.0 || w->scene.gamma_rule == GN_GAMMA_VOLUME)
+    if (world->scene.gamma > 0.0 || world->scene.gamma_rule == GN_GAMMA_VOLUME)
         printf("; 40 e/n_c would be %.4g", check->dempack_gamma);
     printf("\n");
 }
 
 /* Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing whose
  * sections fill it: see docs/physics.md. */
-static void print_body(const gn_world *w, const gn_area_check *check) {
-    const gn_material *m = &w->scene.materials[0];
-    double rho = m->beta / m->alpha / (2.0 * (1.0 + m->poisson)), e, nu;
-    bool space = w->scene.dimension == 3;
-    if (w->scene.material_count > 1) return;
+static void print_body(const gn_world *world, const gn_area_check *check) {
+    const gn_material *material = &world->scene.materials[0];
+    double rho = material->beta / material->alpha / (2.0 * (1.0 + material->poisson)), e, nu;
+    bool space = world->scene.dimension == 3;
+    if (world->scene.material_count > 1) return;
     if (space) {
         e = (2.0 + 3.0 * rho) / (4.0 + rho);
         nu = (1.0 - rho) / (4.0 + rho);
@@ -53,39 +54,40 @@ static void print_body(const gn_world *w, const gn_area_check *check) {
         nu = (1.0 - rho) / (3.0 + rho);
     }
     printf("  uniform strain   E%s %.6g Pa, nu%s %.4f, of an isotropic packing filled so far\n",
-           space ? "" : "'", e * m->alpha * m->young * check->filled, space ? "" : "'", nu);
+           space ? "" : "'", e * material->alpha * material->young * check->filled,
+           space ? "" : "'", nu);
 }
 
 /* A cubic lattice has 1.3, at its skin some half more. */
 static const double gamma_most = 3.0;
 
-gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
+gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
+    const gn_contacts *b = &world->dem.bonds;
     size_t n = b->soa.count;
     gn_area_check check;
     if (!n) return GNEISS_OK;
-    if (gn_scene_by_area(&w->scene)) {
-        GN_TRY(gn_areas_check(w, &check, error));
-        print_area(w, &check);
-        print_body(w, &check);
+    if (gn_scene_by_area(&world->scene)) {
+        GN_TRY(gn_areas_check(world, &check, error));
+        print_area(world, &check);
+        print_body(world, &check);
     }
     print_range("k_n of bonds", b->kn, b, "N/m");
     print_range("k_t", b->kt, b, "N/m");
     print_range("R_n", b->rn, b, "N");
     print_range("R_t", b->rt, b, "N");
-    if (w->scene.softening == GN_SOFTENING_ENERGY)
+    if (world->scene.softening == GN_SOFTENING_ENERGY)
         printf(
             "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",
-            gn_law_cut(w),
-            w->scene.fracture_energy_of == GN_FRACTURE_BODY
+            gn_law_cut(world),
+            world->scene.fracture_energy_of == GN_FRACTURE_BODY
                 ? "the body, and contacts have so much less"
                 : "contacts, and the body has so much more");
-    if (!gn_scene_by_area(&w->scene)) return GNEISS_OK;
-    if (w->scene.gamma == 0.0 && w->dem.derived.gamma > gamma_most) {
+    if (!gn_scene_by_area(&world->scene)) return GNEISS_OK;
+    if (world->scene.gamma == 0.0 && world->dem.derived.gamma > gamma_most) {
         printf(
             "  warning: gamma is %.3g: the volume holds more than the bonds join (law.gamma says "
             "what it is)\n",
-            w->dem.derived.gamma);
+            world->dem.derived.gamma);
         (*warnings)++;
     }
     if (fabs(check.filled + check.free - 1.0) <= 0.1) return GNEISS_OK;

@@ -16,27 +16,27 @@ static double saved(const gn_record *record, const gn_soa *soa) {
 
 /* Bytes that a run holds beside the world when it writes. The numbers are those of the fields of
  * a snapshot, for each particle, contact and element, and of HDF5 itself, all measured. */
-static double bytes_of_writing(const gn_world *w) {
+static double bytes_of_writing(const gn_world *world) {
     static const double particle = 280.0, contact = 240.0, element = 290.0, library = 4e6;
-    const gn_dem *d = &w->dem;
+    const gn_dem *d = &world->dem;
     double file = saved(&gn_particle_record, &d->particles.soa) +
                   saved(&gn_contact_record, &d->bonds.soa) +
                   saved(&gn_contact_record, &d->pairs.soa) +
-                  saved(&gn_wall_contact_record, &w->boundary.contacts.soa);
+                  saved(&gn_wall_contact_record, &world->boundary.contacts.soa);
     double arrays = fmax(particle * (double)d->particles.soa.count,
                          contact * (double)(d->bonds.soa.count + d->pairs.soa.count));
-    for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_solid *b = &w->elements[k]->solid;
-        file +=
-            saved(&gn_particle_record, &b->nodes.soa) + saved(&gn_element_record, &b->elements.soa);
-        arrays = fmax(arrays, element * (double)b->elements.soa.count);
+    for (size_t k = 0; k < world->element_count; k++) {
+        const gn_fem_solid *solid = &world->elements[k]->solid;
+        file += saved(&gn_particle_record, &solid->nodes.soa) +
+                saved(&gn_element_record, &solid->elements.soa);
+        arrays = fmax(arrays, element * (double)solid->elements.soa.count);
     }
     return file + arrays + library;
 }
 
-void gn_print_plan_memory(const gn_world *w) {
+void gn_print_plan_memory(const gn_world *world) {
     gn_resident r;
-    const double state = (double)gn_world_bytes(w);
+    const double state = (double)gn_world_bytes(world);
 #ifdef __GLIBC__
     (void)malloc_trim(0); /* what is free counts as in use otherwise */
 #endif
@@ -45,7 +45,7 @@ void gn_print_plan_memory(const gn_world *w) {
                state / 1e6);
         return;
     }
-    const double writing = r.now + bytes_of_writing(w);
+    const double writing = r.now + bytes_of_writing(world);
     printf("memory\n  state            %.1f MB, in fields and the rows of their sums\n",
            state / 1e6);
     printf(

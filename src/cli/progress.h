@@ -20,7 +20,7 @@ gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneis
 
 /* With time.start: first_break finds where the steps begin, and says what it finds. */
 gneiss_status gn_print_beginning(const gn_options *options, gn_run *run, gneiss_error *error);
-void gn_print_first_break(const gn_world *world, const gn_first_break *b);
+void gn_print_first_break(const gn_world *world, const gn_first_break *first_break);
 
 /* Readings and counts, also when quiet, and the profile. */
 gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error);

@@ -12,10 +12,11 @@ static gn_shown pressure(double value, bool modulus) {
     return (gn_shown){1.0, "Pa"};
 }
 
-gn_shown gn_shown_unit(const gn_readings *r, const char *name, const char *unit, double value) {
+gn_shown gn_shown_unit(const gn_readings *readings, const char *name, const char *unit,
+                       double value) {
     if (strcmp(unit, "Pa") != 0) return (gn_shown){1.0, strcmp(unit, "1") == 0 ? "" : unit};
     const bool modulus = strstr(name, "modulus") != NULL;
-    const double kin = modulus ? r->young_modulus : r->largest_stress;
+    const double kin = modulus ? readings->young_modulus : readings->largest_stress;
     return pressure(isfinite(kin) && kin != 0.0 ? kin : value, modulus);
 }
 

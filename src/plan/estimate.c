@@ -10,43 +10,43 @@
 /* --- bonds in uniform strain --- */
 
 /* The direction of a bond against the axis. */
-static double along(const gn_world *w, size_t c, double *length) {
-    const gn_contacts *b = &w->dem.bonds;
-    const double *x = w->dem.particles.pos + 4 * (size_t)b->i[c],
-                 *y = w->dem.particles.pos + 4 * (size_t)b->j[c];
+static double along(const gn_world *world, size_t c, double *length) {
+    const gn_contacts *b = &world->dem.bonds;
+    const double *x = world->dem.particles.pos + 4 * (size_t)b->i[c],
+                 *y = world->dem.particles.pos + 4 * (size_t)b->j[c];
     double d[3], square = 0.0;
     for (int a = 0; a < 3; a++) {
-        d[a] = a < w->scene.dimension ? y[a] - x[a] : 0.0;
+        d[a] = a < world->scene.dimension ? y[a] - x[a] : 0.0;
         square += d[a] * d[a];
     }
     *length = sqrt(square);
-    return d[w->scene.test.axis] / *length;
+    return d[world->scene.test.axis] / *length;
 }
 
 /* Elastic energy of uniform strain, stretched by e along the axis and by f across it, over the
  * volume: 1/2 (A e^2 + 2 B e f + D f^2), from k_n of the part of the strain along each bond and k_t
  * of that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
-static void uniform_strain(const gn_world *w, gn_estimate *e) {
-    const gn_contacts *b = &w->dem.bonds;
+static void uniform_strain(const gn_world *world, gn_estimate *estimate) {
+    const gn_contacts *b = &world->dem.bonds;
     double A = 0.0, B = 0.0, D = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
-        double length, n = along(w, c, &length), square = n * n, rest = 1.0 - square;
+        double length, n = along(world, c, &length), square = n * n, rest = 1.0 - square;
         double kn = b->kn[c] * length * length, kt = b->kt ? b->kt[c] * length * length : 0.0;
         A += kn * square * square + kt * square * rest;
         B += (kn - kt) * square * rest;
         D += kn * rest * rest + kt * rest * square;
     }
-    e->poisson = B / D;
-    e->uniform = (A - B * e->poisson) / w->volume;
+    estimate->poisson = B / D;
+    estimate->uniform = (A - B * estimate->poisson) / world->volume;
 }
 
 /* The strains at which bond c has its strength in tension and in shear, INFINITY: at none. Normal
  * strain sign (n^2 - nu (1 - n^2)), and what is across it of the displacement of its end. */
-static void breaking_strains(const gn_world *w, size_t c, double poisson, double *tension,
+static void breaking_strains(const gn_world *world, size_t c, double poisson, double *tension,
                              double *slip) {
-    const gn_contacts *b = &w->dem.bonds;
-    double sign = w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
-    double length, n = along(w, c, &length), square = n * n, rest = 1.0 - square;
+    const gn_contacts *b = &world->dem.bonds;
+    double sign = world->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    double length, n = along(world, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
     double shear = sqrt(fmax(0.0, square + poisson * poisson * rest - normal * normal));
     *tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY;
@@ -58,24 +58,25 @@ static void breaking_strains(const gn_world *w, size_t c, double poisson, double
     if (need > 0.0) *slip = b->rt[c] / need;
 }
 
-static int by_size(const void *a, const void *b) {
-    const double *x = a, *y = b;
+static int by_size(const void *left, const void *right) {
+    const double *x = left, *y = right;
     return (*x > *y) - (*x < *y);
 }
 
 /* A test in tension fails by bonds that are pulled; one in compression by those that are pulled
  * across it and those that are sheared, and neither alone: at the geometric mean of both, where one
  * can be at most so many times the other. */
-static double breaking_of(const gn_scene *s, double tension, double slip) {
+static double breaking_of(const gn_scene *scene, double tension, double slip) {
     const double most = 4.0;
-    if (s->test.kind == GN_TEST_TENSION) return fmin(tension, slip);
+    if (scene->test.kind == GN_TEST_TENSION) return fmin(tension, slip);
     return sqrt(fmin(tension, most * slip) * fmin(slip, most * tension));
 }
 
 /* The strain at which a twentieth of the bonds has its strength, by either. */
-static gneiss_status find_breaking(const gn_world *w, gn_estimate *e, gneiss_error *error) {
+static gneiss_status find_breaking(const gn_world *world, gn_estimate *estimate,
+                                   gneiss_error *error) {
     const double share = 0.05;
-    const size_t count = w->dem.bonds.soa.count;
+    const size_t count = world->dem.bonds.soa.count;
     double *tension = gn_alloc_array(count + 1, sizeof *tension),
            *slip = gn_alloc_array(count + 1, sizeof *slip);
     gneiss_status status =
@@ -84,14 +85,14 @@ static gneiss_status find_breaking(const gn_world *w, gn_estimate *e, gneiss_err
     if (status == GNEISS_OK) {
         size_t holding = 0;
         for (size_t c = 0; c < count; c++) {
-            if (!gn_contact_bonded(&w->dem.bonds, c)) continue;
-            breaking_strains(w, c, e->poisson, &tension[holding], &slip[holding]);
+            if (!gn_contact_bonded(&world->dem.bonds, c)) continue;
+            breaking_strains(world, c, estimate->poisson, &tension[holding], &slip[holding]);
             holding++;
         }
         const size_t place = (size_t)(share * (double)holding);
         qsort(tension, holding, sizeof *tension, by_size);
         qsort(slip, holding, sizeof *slip, by_size);
-        e->breaking = breaking_of(&w->scene, tension[place], slip[place]);
+        estimate->breaking = breaking_of(&world->scene, tension[place], slip[place]);
     }
     gn_free(tension);
     gn_free(slip);
@@ -101,13 +102,13 @@ static gneiss_status find_breaking(const gn_world *w, gn_estimate *e, gneiss_err
 /* --- ends --- */
 
 /* Particles that press on a wall soon: within a twentieth of their radius. */
-static double near_wall(const gn_world *w, const gn_wall_def *wall) {
+static double near_wall(const gn_world *world, const gn_wall_def *wall) {
     const double soon = 0.05;
-    const gn_particles *q = &w->dem.particles;
+    const gn_particles *q = &world->dem.particles;
     double count = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         double gap = -q->pos[4 * p + 3];
-        for (int a = 0; a < w->scene.dimension; a++)
+        for (int a = 0; a < world->scene.dimension; a++)
             gap += (q->pos[4 * p + (size_t)a] - wall->point[a]) * wall->normal[a];
         count += gap <= soon * q->pos[4 * p + 3];
     }
@@ -116,17 +117,18 @@ static double near_wall(const gn_world *w, const gn_wall_def *wall) {
 
 /* Strain between the ends that walls take for themselves under a stress of 1 Pa: their particles
  * press on springs. */
-static double wall_compliance(const gn_world *w) {
-    const gn_scene *s = &w->scene;
-    const gn_test_end *ends[] = {&s->test.lower, &s->test.upper};
+static double wall_compliance(const gn_world *world) {
+    const gn_scene *scene = &world->scene;
+    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
     double sum = 0.0;
     for (int k = 0; k < 2; k++) {
         double springs = 0.0;
         for (size_t p = 0; p < ends[k]->count; p++) {
-            int wall = gn_scene_find_wall(s, ends[k]->name[p]);
-            if (wall >= 0) springs += s->walls[wall].stiffness * near_wall(w, &s->walls[wall]);
+            int wall = gn_scene_find_wall(scene, ends[k]->name[p]);
+            if (wall >= 0)
+                springs += scene->walls[wall].stiffness * near_wall(world, &scene->walls[wall]);
         }
-        if (springs > 0.0) sum += w->test_area / springs / w->test_length;
+        if (springs > 0.0) sum += world->test_area / springs / world->test_length;
     }
     return sum;
 }
@@ -134,77 +136,83 @@ static double wall_compliance(const gn_world *w) {
 /* --- the test --- */
 
 /* Where the run ends: at its time, at the strain that it is to stop at, or behind the peak. */
-static double end_of(const gn_world *w, const gn_estimate *e) {
-    const gn_scene *s = &w->scene;
-    const gn_stops stops = gn_scene_stops(s);
-    double end = e->path;
+static double end_of(const gn_world *world, const gn_estimate *estimate) {
+    const gn_scene *scene = &world->scene;
+    const gn_stops stops = gn_scene_stops(scene);
+    double end = estimate->path;
     if (stops.strain > 0.0) end = fmin(end, stops.strain);
     if (stops.peak_drop > 0.0)
-        end = fmin(end, e->strain * gn_slope_base_of(e->study, "end over peak"));
+        end = fmin(end, estimate->strain * gn_slope_base_of(estimate->study, "end over peak"));
     return end;
 }
 
 /* With more particles a test fails at less of it. */
-static void foretell_peak(const gn_world *w, gn_estimate *e) {
-    double finer = (double)w->dem.particles.soa.count / gn_slope_base_of(e->study, "particles");
-    double secant = gn_slope_base_of(e->study, "strength over modulus and strain");
-    e->body_strain = e->breaking *
-                     gn_slope_base_of(e->study, "strain at the peak over breaking strain") *
-                     pow(finer, gn_slope_base_of(e->study, "power of strain over particles"));
-    e->strength = secant * e->modulus * e->body_strain;
-    e->strain = e->body_strain + e->strength * e->ends;
-    e->first_break = e->strain * gn_slope_base_of(e->study, "first break over peak");
+static void foretell_peak(const gn_world *world, gn_estimate *estimate) {
+    double finer =
+        (double)world->dem.particles.soa.count / gn_slope_base_of(estimate->study, "particles");
+    double secant = gn_slope_base_of(estimate->study, "strength over modulus and strain");
+    estimate->body_strain =
+        estimate->breaking *
+        gn_slope_base_of(estimate->study, "strain at the peak over breaking strain") *
+        pow(finer, gn_slope_base_of(estimate->study, "power of strain over particles"));
+    estimate->strength = secant * estimate->modulus * estimate->body_strain;
+    estimate->strain = estimate->body_strain + estimate->strength * estimate->ends;
+    estimate->first_break =
+        estimate->strain * gn_slope_base_of(estimate->study, "first break over peak");
 }
 
 /* What bends is loaded over a strain that is none of its material's. */
-static void foretell_elements(const gn_world *w, gn_estimate *e) {
-    e->elements = true;
-    e->body_strain = e->strain = e->strength = INFINITY;
-    e->end = e->path;
-    if (w->scene.stop_strain > 0.0) e->end = fmin(e->end, w->scene.stop_strain);
+static void foretell_elements(const gn_world *world, gn_estimate *estimate) {
+    estimate->elements = true;
+    estimate->body_strain = estimate->strain = estimate->strength = INFINITY;
+    estimate->end = estimate->path;
+    if (world->scene.stop_strain > 0.0)
+        estimate->end = fmin(estimate->end, world->scene.stop_strain);
 }
 
-gneiss_status gn_estimate_make(const gn_world *w, gn_estimate *e, gneiss_error *error) {
-    const gn_scene *s = &w->scene;
+gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gneiss_error *error) {
+    const gn_scene *scene = &world->scene;
     gn_test_groups groups;
-    *e = (gn_estimate){.speed = NAN, .across = NAN};
-    e->absent = gn_study_covers(w, &groups);
-    if (e->absent) return GNEISS_OK;
-    e->study = groups.study;
-    e->closing = gn_test_fastest(s);
-    e->path = gn_test_path(s, s->end) / w->test_length;
-    if (!(e->closing > 0.0) || !(e->path > 0.0))
-        e->absent = "the ends of the test are not moved in its sense (servos and loads are not "
-                    "planned)";
-    if (e->absent) return GNEISS_OK;
+    *estimate = (gn_estimate){.speed = NAN, .across = NAN};
+    estimate->absent = gn_study_covers(world, &groups);
+    if (estimate->absent) return GNEISS_OK;
+    estimate->study = groups.study;
+    estimate->closing = gn_test_fastest(scene);
+    estimate->path = gn_test_path(scene, scene->end) / world->test_length;
+    if (!(estimate->closing > 0.0) || !(estimate->path > 0.0))
+        estimate->absent =
+            "the ends of the test are not moved in its sense (servos and loads are not "
+            "planned)";
+    if (estimate->absent) return GNEISS_OK;
     if (groups.mesh) {
-        foretell_elements(w, e);
+        foretell_elements(world, estimate);
         return GNEISS_OK;
     }
-    e->across = groups.across;
-    e->radius = gn_world_mean_radius(w);
-    e->bulk = gn_test_bulk(w);
-    e->compliance = wall_compliance(w);
-    if (e->compliance > 0.0)
-        e->ends = e->compliance *
-                  gn_slope_base_of("compression", "strain of the ends over that foretold");
-    uniform_strain(w, e);
-    e->modulus = e->uniform * gn_slope_base_of(e->study, "modulus over uniform strain");
-    e->wave = sqrt(e->modulus / e->bulk);
-    GN_TRY(find_breaking(w, e, error));
-    foretell_peak(w, e);
-    e->end = end_of(w, e);
-    e->speed = e->closing / (e->wave * fmin(e->strain, e->end));
+    estimate->across = groups.across;
+    estimate->radius = gn_world_mean_radius(world);
+    estimate->bulk = gn_test_bulk(world);
+    estimate->compliance = wall_compliance(world);
+    if (estimate->compliance > 0.0)
+        estimate->ends = estimate->compliance *
+                         gn_slope_base_of("compression", "strain of the ends over that foretold");
+    uniform_strain(world, estimate);
+    estimate->modulus =
+        estimate->uniform * gn_slope_base_of(estimate->study, "modulus over uniform strain");
+    estimate->wave = sqrt(estimate->modulus / estimate->bulk);
+    GN_TRY(find_breaking(world, estimate, error));
+    foretell_peak(world, estimate);
+    estimate->end = end_of(world, estimate);
+    estimate->speed = estimate->closing / (estimate->wave * fmin(estimate->strain, estimate->end));
     return GNEISS_OK;
 }
 
 /* By bisection: the way of the ends grows with time. */
-double gn_estimate_end(const gn_world *w, const gn_estimate *e) {
-    double low = 0.0, high = w->scene.end;
-    if (e->absent || !isfinite(e->end) || !(e->end > 0.0)) return 0.0;
+double gn_estimate_end(const gn_world *world, const gn_estimate *estimate) {
+    double low = 0.0, high = world->scene.end;
+    if (estimate->absent || !isfinite(estimate->end) || !(estimate->end > 0.0)) return 0.0;
     for (int k = 0; k < 60; k++) {
         const double middle = 0.5 * (low + high);
-        if (gn_test_path(&w->scene, middle) < e->end * w->test_length)
+        if (gn_test_path(&world->scene, middle) < estimate->end * world->test_length)
             low = middle;
         else
             high = middle;

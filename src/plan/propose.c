@@ -10,106 +10,115 @@ static const double fixed_seconds = 0.03;
 
 /* --- what a proposal costs --- */
 
-static bool packs(const gn_world *w) {
-    return w->given.specimen.pack.shape != GN_SHAPE_NONE;
+static bool packs(const gn_world *world) {
+    return world->given.specimen.pack.shape != GN_SHAPE_NONE;
 }
 
 /* The length of a step against that of the scene: the stable step goes as the size of particles.
  * Added mass gives less than it did at the start once bonds have broken. */
-static double step_ratio(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
+static double step_ratio(const gn_world *world, const gn_plan *plan, const gn_proposal *proposal,
                          bool breaks) {
-    double finer = p->particles / plan->groups.particles;
+    double finer = proposal->particles / plan->groups.particles;
     double gain = breaks ? gn_slope_base_of(plan->estimate.study, "power of added mass") : 1.0;
-    return p->safety / plan->groups.safety * pow(p->masses / plan->groups.masses, gain) *
-           pow(finer, -1.0 / (double)w->scene.dimension);
+    return proposal->safety / plan->groups.safety *
+           pow(proposal->masses / plan->groups.masses, gain) *
+           pow(finer, -1.0 / (double)world->scene.dimension);
 }
 
 /* s from the start to where the run is foretold to end: what comes before the ends have their speed
  * is as much longer. */
-static double duration(const gn_world *w, const gn_plan *plan, double pace) {
-    const gn_estimate *e = &plan->estimate;
-    double length = w->test_length, before = w->scene.end - e->path * length / e->closing;
-    return (e->end * length / e->closing + before) / pace;
+static double duration(const gn_world *world, const gn_plan *plan, double pace) {
+    const gn_estimate *estimate = &plan->estimate;
+    double length = world->test_length,
+           before = world->scene.end - estimate->path * length / estimate->closing;
+    return (estimate->end * length / estimate->closing + before) / pace;
 }
 
 /* Statics take the place of the steps up to 0.9 of the first break, and cost as much as so many
  * steps of the study's specimen; their iterations go as the particles across. */
-static double steps_of_start(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
-                             double dt) {
+static double steps_of_start(const gn_world *world, const gn_plan *plan,
+                             const gn_proposal *proposal, double dt) {
     const double fraction = 0.9;
-    const gn_estimate *e = &plan->estimate;
-    double saved = fraction * e->first_break * w->test_length / (e->closing * p->pace) / dt;
-    double cost = gn_slope_base_of(e->study, "statics in steps");
-    double of = gn_slope_base_of(e->study, "particles");
-    return cost * pow(p->particles / of, 1.0 / (double)w->scene.dimension) - saved;
+    const gn_estimate *estimate = &plan->estimate;
+    double saved = fraction * estimate->first_break * world->test_length /
+                   (estimate->closing * proposal->pace) / dt;
+    double cost = gn_slope_base_of(estimate->study, "statics in steps");
+    double of = gn_slope_base_of(estimate->study, "particles");
+    return cost * pow(proposal->particles / of, 1.0 / (double)world->scene.dimension) - saved;
 }
 
-static double rows_of(const gn_world *w, const gn_plan *plan, const gn_proposal *p) {
-    double share = duration(w, plan, p->pace) / gn_plan_end(plan, &w->scene, p->pace);
-    return fmin(gn_plan_history_rows(plan, &w->scene, p->pace) * share, p->steps);
+static double rows_of(const gn_world *world, const gn_plan *plan, const gn_proposal *proposal) {
+    double share =
+        duration(world, plan, proposal->pace) / gn_plan_end(plan, &world->scene, proposal->pace);
+    return fmin(gn_plan_history_rows(plan, &world->scene, proposal->pace) * share, proposal->steps);
 }
 
 /* s of one particle in a step, its contacts included. */
-static double particle_step(const gn_world *w, const gn_cost *c) {
-    double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
-    return c->particle + c->contact * contacts / (double)w->dem.particles.soa.count;
+static double particle_step(const gn_world *world, const gn_cost *cost) {
+    double contacts = (double)(world->dem.bonds.soa.count + world->dem.pairs.soa.count);
+    return cost->particle + cost->contact * contacts / (double)world->dem.particles.soa.count;
 }
 
-static void price_particles(const gn_world *w, const gn_plan *plan, gn_proposal *p) {
-    const gn_estimate *e = &plan->estimate;
-    const gn_cost *c = &plan->cost[p->mixed];
-    bool breaks = e->end >= e->strain;
-    double each = particle_step(w, c), dt = w->dt * step_ratio(w, plan, p, breaks);
-    double longer = breaks ? gn_slope_base_of(e->study, "steps over those of the first") : 1.0;
-    p->steps = ceil(duration(w, plan, p->pace) / dt * longer);
-    double work = p->steps;
-    if (p->first_break) work += steps_of_start(w, plan, p, dt);
-    double run = p->particles * (work * each + rows_of(w, plan, p) * c->row);
-    run *= gn_slope_base_of(e->study, "run over lattice");
-    double packing = packs(w) ? each * gn_slope_base_of("packing", "particle steps") : 0.0;
-    p->seconds = p->packings * (fixed_seconds + run + p->particles * packing +
-                                plan->setup * p->particles / plan->groups.particles);
+static void price_particles(const gn_world *world, const gn_plan *plan, gn_proposal *proposal) {
+    const gn_estimate *estimate = &plan->estimate;
+    const gn_cost *cost = &plan->cost[proposal->mixed];
+    bool breaks = estimate->end >= estimate->strain;
+    double each = particle_step(world, cost),
+           dt = world->dt * step_ratio(world, plan, proposal, breaks);
+    double longer =
+        breaks ? gn_slope_base_of(estimate->study, "steps over those of the first") : 1.0;
+    proposal->steps = ceil(duration(world, plan, proposal->pace) / dt * longer);
+    double work = proposal->steps;
+    if (proposal->first_break) work += steps_of_start(world, plan, proposal, dt);
+    double run = proposal->particles * (work * each + rows_of(world, plan, proposal) * cost->row);
+    run *= gn_slope_base_of(estimate->study, "run over lattice");
+    double packing = packs(world) ? each * gn_slope_base_of("packing", "particle steps") : 0.0;
+    proposal->seconds =
+        proposal->packings * (fixed_seconds + run + proposal->particles * packing +
+                              plan->setup * proposal->particles / plan->groups.particles);
 }
 
-static void price_elements(const gn_world *w, const gn_plan *plan, gn_proposal *p, double elements,
-                           double dt) {
-    const gn_cost *c = &plan->cost[p->mixed];
-    p->steps = ceil(duration(w, plan, p->pace) / dt);
-    p->seconds = fixed_seconds + plan->setup +
-                 elements * (p->steps * c->element + rows_of(w, plan, p) * c->row);
+static void price_elements(const gn_world *world, const gn_plan *plan, gn_proposal *proposal,
+                           double elements, double dt) {
+    const gn_cost *cost = &plan->cost[proposal->mixed];
+    proposal->steps = ceil(duration(world, plan, proposal->pace) / dt);
+    proposal->seconds =
+        fixed_seconds + plan->setup +
+        elements * (proposal->steps * cost->element + rows_of(world, plan, proposal) * cost->row);
 }
 
-static void price(const gn_world *w, const gn_plan *plan, gn_proposal *p) {
+static void price(const gn_world *world, const gn_plan *plan, gn_proposal *proposal) {
     if (plan->groups.mesh)
-        price_elements(w, plan, p,
-                       (double)gn_elements_totals(w).elements *
-                           pow(p->cell, -(double)w->scene.dimension),
-                       w->dt * p->cell * p->safety / plan->groups.safety);
+        price_elements(world, plan, proposal,
+                       (double)gn_elements_totals(world).elements *
+                           pow(proposal->cell, -(double)world->scene.dimension),
+                       world->dt * proposal->cell * proposal->safety / plan->groups.safety);
     else
-        price_particles(w, plan, p);
+        price_particles(world, plan, proposal);
 }
 
-void gn_plan_correct(const gn_world *w, const gn_plan *plan, gn_proposal *p) {
+void gn_plan_correct(const gn_world *world, const gn_plan *plan, gn_proposal *proposal) {
     if (plan->groups.mesh)
-        price_elements(w, plan, p, (double)gn_elements_totals(w).elements, w->dt);
+        price_elements(world, plan, proposal, (double)gn_elements_totals(world).elements,
+                       world->dt);
 }
 
 /* --- what it may be off by --- */
 
-static void judge(const gn_plan *plan, const gn_world *w, gn_proposal *p) {
+static void judge(const gn_plan *plan, const gn_world *world, gn_proposal *proposal) {
     gn_test_groups g = plan->groups;
     /* A wave is late by the root of the mass at most (docs/evidence/mass-scaling.md). */
-    g.speed = plan->estimate.speed * p->pace * sqrt(1.0 + p->added);
-    g.safety = p->safety;
-    g.mixed = p->mixed;
-    g.masses = p->of_bound;
-    g.first_break = p->first_break;
-    g.packings = p->packings;
-    g.across *= pow(p->particles / g.particles, 1.0 / (double)w->scene.dimension);
-    g.particles = p->particles;
-    g.cell *= p->cell;
-    gn_causes_predict(&g, plan->reading, &p->causes);
-    p->error = gn_causes_total(&p->causes);
+    g.speed = plan->estimate.speed * proposal->pace * sqrt(1.0 + proposal->added);
+    g.safety = proposal->safety;
+    g.mixed = proposal->mixed;
+    g.masses = proposal->of_bound;
+    g.first_break = proposal->first_break;
+    g.packings = proposal->packings;
+    g.across *= pow(proposal->particles / g.particles, 1.0 / (double)world->scene.dimension);
+    g.particles = proposal->particles;
+    g.cell *= proposal->cell;
+    gn_causes_predict(&g, plan->reading, &proposal->causes);
+    proposal->error = gn_causes_total(&proposal->causes);
 }
 
 /* --- what is tried --- */
@@ -125,116 +134,118 @@ static const int packings[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40};
 enum { PACES = 25 }; /* from 1/64 to 64, by roots of 2 */
 
 /* The cheapest that is right; the nearest to it while none is. */
-typedef struct search {
+typedef struct setting_search {
     const gn_world *world;
     gn_plan *plan;
     double target;
     gn_proposal best, least;
     bool any, reached;
-} search;
+} setting_search;
 
 static bool slower_than_known(const gn_plan *plan, double pace) {
     const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
     return !law || plan->estimate.speed * pace <= law->high;
 }
 
-static void consider(search *q, gn_proposal p) {
-    judge(q->plan, q->world, &p);
-    price(q->world, q->plan, &p);
-    bool right = p.error <= q->target;
-    if (right && (!q->reached || p.seconds < q->best.seconds)) q->best = p;
-    if (!q->any || p.error < q->least.error) q->least = p;
-    q->any = true;
-    q->reached |= right;
+static void consider(setting_search *search, gn_proposal proposal) {
+    judge(search->plan, search->world, &proposal);
+    price(search->world, search->plan, &proposal);
+    bool right = proposal.error <= search->target;
+    if (right && (!search->reached || proposal.seconds < search->best.seconds))
+        search->best = proposal;
+    if (!search->any || proposal.error < search->least.error) search->least = proposal;
+    search->any = true;
+    search->reached |= right;
 }
 
 /* Precision, masses and start are taken where they are known to be of use and allowed. */
-static void try_ways(search *q, gn_proposal p) {
-    const gn_plan *plan = q->plan;
+static void try_ways(setting_search *search, gn_proposal proposal) {
+    const gn_plan *plan = search->plan;
     bool masses = gn_slope_find(plan->groups.study, plan->reading, "mass scaling", false) &&
-                  q->world->scene.gravity[0] == 0.0 && q->world->scene.gravity[1] == 0.0 &&
-                  q->world->scene.gravity[2] == 0.0;
+                  search->world->scene.gravity[0] == 0.0 &&
+                  search->world->scene.gravity[1] == 0.0 && search->world->scene.gravity[2] == 0.0;
     bool start = !plan->no_statics && isfinite(plan->estimate.strain) &&
                  gn_slope_find(plan->groups.study, plan->reading, "start", false);
     const int precisions = plan->mixed_known ? 2 : 1, starts = start ? 2 : 1;
     for (int mixed = 0; mixed < precisions; mixed++)
         for (int first = 0; first < starts; first++)
             for (size_t m = 0; m < (masses ? COUNT(factors) : 1); m++) {
-                p.mixed = mixed;
-                p.first_break = first;
-                p.masses = factors[m];
-                p.of_bound = m ? plan->of_bound[m] : 1.0;
-                p.added = m ? plan->added[m] : 0.0;
-                if (p.added <= added_most) consider(q, p);
+                proposal.mixed = mixed;
+                proposal.first_break = first;
+                proposal.masses = factors[m];
+                proposal.of_bound = m ? plan->of_bound[m] : 1.0;
+                proposal.added = m ? plan->added[m] : 0.0;
+                if (proposal.added <= added_most) consider(search, proposal);
             }
 }
 
-static void try_numbers(search *q, gn_proposal p) {
-    const gn_world *w = q->world;
-    bool shape = packs(w), any = shape && q->plan->wanted.any_particles;
+static void try_numbers(setting_search *search, gn_proposal proposal) {
+    const gn_world *world = search->world;
+    bool shape = packs(world), any = shape && search->plan->wanted.any_particles;
     for (size_t n = 0; n < (any ? COUNT(numbers) : 1); n++)
         for (size_t k = 0; k < (shape ? COUNT(packings) : 1); k++) {
-            p.particles = any ? numbers[n] : q->plan->groups.particles;
-            p.packings = packings[k];
-            try_ways(q, p);
+            proposal.particles = any ? numbers[n] : search->plan->groups.particles;
+            proposal.packings = packings[k];
+            try_ways(search, proposal);
         }
 }
 
 /* About the scene's own pace; about the fastest that is known where that one is beyond it. */
-static double middle_pace(const gn_plan *plan, const gn_world *w) {
+static double middle_pace(const gn_plan *plan, const gn_world *world) {
     const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
     double speed = plan->estimate.speed;
-    bool beyond = law && speed > law->high && !gn_plan_no_pace(&w->scene);
+    bool beyond = law && speed > law->high && !gn_plan_no_pace(&world->scene);
     return beyond ? law->high / speed * (1.0 - 1e-9) : 1.0;
 }
 
-static void try_all(search *q, gn_proposal p) {
+static void try_all(setting_search *search, gn_proposal proposal) {
     enum { MIDDLE = PACES / 2 };
-    const double middle = middle_pace(q->plan, q->world);
+    const double middle = middle_pace(search->plan, search->world);
     for (size_t s = 0; s < COUNT(safeties); s++)
         for (int k = 0; k < PACES; k++) {
-            p.safety = safeties[s];
-            p.pace = middle * pow(2.0, 0.5 * (double)(k - MIDDLE));
-            bool free = p.pace == 1.0 || !gn_plan_no_pace(&q->world->scene);
-            if (free && slower_than_known(q->plan, p.pace)) try_numbers(q, p);
+            proposal.safety = safeties[s];
+            proposal.pace = middle * pow(2.0, 0.5 * (double)(k - MIDDLE));
+            bool free = proposal.pace == 1.0 || !gn_plan_no_pace(&search->world->scene);
+            if (free && slower_than_known(search->plan, proposal.pace))
+                try_numbers(search, proposal);
         }
 }
 
 /* Finer and finer cells; the loading of elements stays as it is, as the study has no law of it. */
-static void try_cells(search *q, gn_proposal p) {
-    double layers = q->plan->groups.cell > 0.0 ? 1.0 / q->plan->groups.cell : 0.0;
-    bool whole = q->world->scene.elements.has_rectangle;
+static void try_cells(setting_search *search, gn_proposal proposal) {
+    double layers = search->plan->groups.cell > 0.0 ? 1.0 / search->plan->groups.cell : 0.0;
+    bool whole = search->world->scene.elements.has_rectangle;
     for (int k = 0; k < 15; k++) {
-        p.cell = pow(2.0, 0.5 * (4 - k));
-        if (whole) p.cell = layers / fmax(1.0, round(layers / p.cell));
-        p.pace = 1.0;
-        p.mixed = false;
-        p.safety = 0.9;
-        consider(q, p);
+        proposal.cell = pow(2.0, 0.5 * (4 - k));
+        if (whole) proposal.cell = layers / fmax(1.0, round(layers / proposal.cell));
+        proposal.pace = 1.0;
+        proposal.mixed = false;
+        proposal.safety = 0.9;
+        consider(search, proposal);
     }
 }
 
 /* --- the plan --- */
 
 /* With what the scene says, one packing. */
-static gn_proposal as_it_is(const gn_world *w, const gn_plan *plan) {
+static gn_proposal as_it_is(const gn_world *world, const gn_plan *plan) {
     gn_proposal p = {.pace = 1.0, .particles = plan->groups.particles, .packings = 1, .cell = 1.0};
     p.safety = plan->groups.safety;
     p.masses = p.of_bound = plan->groups.masses;
-    p.added = w->dem.mass > 0.0 ? w->dem.scaling.added / w->dem.mass : 0.0;
+    p.added = world->dem.mass > 0.0 ? world->dem.scaling.added / world->dem.mass : 0.0;
     p.mixed = plan->groups.mixed;
     p.first_break = plan->groups.first_break;
-    judge(plan, w, &p);
-    price(w, plan, &p);
+    judge(plan, world, &p);
+    price(world, plan, &p);
     return p;
 }
 
-static void look(const gn_world *w, gn_plan *plan, double target, search *q) {
-    *q = (search){.world = w, .plan = plan, .target = target};
+static void look(const gn_world *world, gn_plan *plan, double target, setting_search *search) {
+    *search = (setting_search){.world = world, .plan = plan, .target = target};
     if (plan->groups.mesh)
-        try_cells(q, plan->as_is);
+        try_cells(search, plan->as_is);
     else
-        try_all(q, plan->as_is);
+        try_all(search, plan->as_is);
 }
 
 /* What the study calls the reading that is wanted of such a test. */
@@ -245,64 +256,64 @@ static const char *name_of_reading(const gn_plan *plan) {
 }
 
 static const char *cannot(const gn_plan *plan) {
-    const gn_estimate *e = &plan->estimate;
+    const gn_estimate *estimate = &plan->estimate;
     bool strength = strcmp(plan->wanted.reading, "strength") == 0;
-    if (e->absent) return e->absent;
+    if (estimate->absent) return estimate->absent;
     if (strength && plan->groups.mesh)
         return "finite elements have no strength: --reading stiffness";
-    if (strength && !isfinite(e->strain))
+    if (strength && !isfinite(estimate->strain))
         return "nothing in this scene can break: --reading stiffness";
-    if (strength && e->strain > e->path)
+    if (strength && estimate->strain > estimate->path)
         return "no peak is foretold before time.end: --reading stiffness, or a later end";
     return NULL;
 }
 
-static gneiss_status measure_costs(const gn_world *w, gn_plan *plan, gneiss_error *error) {
+static gneiss_status measure_costs(const gn_world *world, gn_plan *plan, gneiss_error *error) {
     gneiss_error refused = {0};
-    GN_TRY(gn_cost_measure(w, false, &plan->cost[0], error));
-    if (w->effects & GN_FX_PRESSURE) return GNEISS_OK; /* is in double whatever is said */
-    gneiss_status status = gn_cost_measure(w, true, &plan->cost[1], &refused);
+    GN_TRY(gn_cost_measure(world, false, &plan->cost[0], error));
+    if (world->effects & GN_FX_PRESSURE) return GNEISS_OK; /* is in double whatever is said */
+    gneiss_status status = gn_cost_measure(world, true, &plan->cost[1], &refused);
     plan->mixed_known = status == GNEISS_OK;
     if (status == GNEISS_OK || status == GNEISS_ERROR_INPUT) return GNEISS_OK;
     return gn_fail(error, status, "%s", refused.message);
 }
 
 /* Spheres that roll about two others (discs about one) have no equilibrium to be found. */
-static const char *cannot_start(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    const char *reason = gn_scene_no_statics(&w->scene);
+static const char *cannot_start(const gn_world *world) {
+    const gn_particles *q = &world->dem.particles;
+    const char *reason = gn_scene_no_statics(&world->scene);
     for (size_t p = 0; !reason && q->bonds0 && p < q->soa.count; p++)
-        if (q->bonds0[p] < w->scene.dimension)
+        if (q->bonds0[p] < world->scene.dimension)
             reason = "particles that bonds hold in place, found some with fewer than it takes";
     return reason;
 }
 
 /* By the bound, whatever the scene says: masses chosen by it hold the step particle by particle, so
  * that those of debris can follow, and no look at the run takes iterations. */
-static gneiss_status measure_masses(const gn_world *w, gn_plan *plan, gneiss_error *error) {
-    plan->unscaled = plan->groups.masses > 1.0 ? w->dem.scaling.unscaled : w->dt;
+static gneiss_status measure_masses(const gn_world *world, gn_plan *plan, gneiss_error *error) {
+    plan->unscaled = plan->groups.masses > 1.0 ? world->dem.scaling.unscaled : world->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
-        GN_TRY(gn_dem_foretell_masses(w, factors[m] * plan->unscaled, &plan->of_bound[m],
+        GN_TRY(gn_dem_foretell_masses(world, factors[m] * plan->unscaled, &plan->of_bound[m],
                                       &plan->added[m], error));
     return GNEISS_OK;
 }
 
-gneiss_status gn_plan_make(const gn_world *w, const gn_wanted *wanted, double setup, gn_plan *plan,
-                           gneiss_error *error) {
-    search q;
-    *plan = (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = cannot_start(w)};
-    gn_study_covers(w, &plan->groups);
-    GN_TRY(gn_estimate_make(w, &plan->estimate, error));
+gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, double setup,
+                           gn_plan *plan, gneiss_error *error) {
+    setting_search q;
+    *plan = (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = cannot_start(world)};
+    gn_study_covers(world, &plan->groups);
+    GN_TRY(gn_estimate_make(world, &plan->estimate, error));
     plan->absent = cannot(plan);
     if (plan->absent) return GNEISS_OK;
     plan->reading = name_of_reading(plan);
-    GN_TRY(measure_costs(w, plan, error));
-    GN_TRY(measure_masses(w, plan, error));
-    plan->as_is = as_it_is(w, plan);
-    look(w, plan, wanted->error, &q);
+    GN_TRY(measure_costs(world, plan, error));
+    GN_TRY(measure_masses(world, plan, error));
+    plan->as_is = as_it_is(world, plan);
+    look(world, plan, wanted->error, &q);
     plan->reached = q.reached;
     /* What cannot be reached is come as near to as makes a difference. */
-    if (!q.reached) look(w, plan, 1.1 * q.least.error, &q);
+    if (!q.reached) look(world, plan, 1.1 * q.least.error, &q);
     plan->best = q.reached ? q.best : plan->as_is; /* nothing to choose from */
     return GNEISS_OK;
 }

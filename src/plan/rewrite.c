@@ -14,15 +14,15 @@ static const size_t size_limit = (size_t)16 << 20;
 
 /* A text that is changed at one place after the other; it is read anew before each change, so that
  * places are always those of the present text. */
-typedef struct draft {
+typedef struct scene_draft {
     char *text;
     const char *name;
-} draft;
+} scene_draft;
 
 /* --- places --- */
 
-static char *place_in(const draft *d, gn_scene_place where) {
-    char *at = d->text;
+static char *place_in(const scene_draft *draft, gn_scene_place where) {
+    char *at = draft->text;
     for (int line = 1; line < where.line && at; line++) {
         at = strchr(at, '\n');
         if (at) at++;
@@ -34,8 +34,8 @@ static char *place_in(const draft *d, gn_scene_place where) {
     return at;
 }
 
-static char *line_start(const draft *d, char *at) {
-    while (at > d->text && at[-1] != '\n') at--;
+static char *line_start(const scene_draft *draft, char *at) {
+    while (at > draft->text && at[-1] != '\n') at--;
     return at;
 }
 
@@ -76,24 +76,24 @@ static char *value_end(const gn_node *node, char *at) {
 /* --- changes --- */
 
 /* Puts `fresh` in the place of [from, to). */
-static gneiss_status splice(draft *d, const char *from, const char *to, const char *fresh,
+static gneiss_status splice(scene_draft *draft, const char *from, const char *to, const char *fresh,
                             gneiss_error *error) {
-    size_t before = (size_t)(from - d->text), length = strlen(fresh), rest = strlen(to);
+    size_t before = (size_t)(from - draft->text), length = strlen(fresh), rest = strlen(to);
     char *text = malloc(before + length + rest + 1);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", d->name);
-    snprintf(text, before + length + rest + 1, "%.*s%s%s", (int)before, d->text, fresh, to);
-    free(d->text);
-    d->text = text;
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", draft->name);
+    snprintf(text, before + length + rest + 1, "%.*s%s%s", (int)before, draft->text, fresh, to);
+    free(draft->text);
+    draft->text = text;
     return GNEISS_OK;
 }
 
-static gneiss_status replace(draft *d, const gn_node *node, const char *value, bool *done,
+static gneiss_status replace(scene_draft *draft, const gn_node *node, const char *value, bool *done,
                              gneiss_error *error) {
-    char *at = place_in(d, node->where);
-    if (at && at > d->text && (at[-1] == '"' || at[-1] == '\'')) at--;
+    char *at = place_in(draft, node->where);
+    if (at && at > draft->text && (at[-1] == '"' || at[-1] == '\'')) at--;
     char *end = at ? value_end(node, at) : NULL;
     *done = end != NULL;
-    return end ? splice(d, at, end, value, error) : GNEISS_OK;
+    return end ? splice(draft, at, end, value, error) : GNEISS_OK;
 }
 
 /* "a.b.c" and a value as "a: {b: {c: value}}". */
@@ -112,25 +112,25 @@ static void nested(const char *rest, const char *value, char *text, size_t size)
 }
 
 /* A key that the map has not: behind its brace, or as a line before its first key. */
-static gneiss_status insert(draft *d, const gn_node *map, const char *rest, const char *value,
-                            bool *done, gneiss_error *error) {
+static gneiss_status insert(scene_draft *draft, const gn_node *map, const char *rest,
+                            const char *value, bool *done, gneiss_error *error) {
     char fresh[4096], line[4200];
-    char *at = place_in(d, map->where);
+    char *at = place_in(draft, map->where);
     nested(rest, value, fresh, sizeof fresh);
     *done = false;
     if (at && *at == '{') {
         snprintf(line, sizeof line, "%s%s", fresh, map->count ? ", " : "");
         *done = true;
-        return splice(d, at + 1, at + 1, line, error);
+        return splice(draft, at + 1, at + 1, line, error);
     }
-    char *first = map->first ? place_in(d, map->first->key_where) : NULL;
+    char *first = map->first ? place_in(draft, map->first->key_where) : NULL;
     if (!first) return GNEISS_OK;
-    char *start = line_start(d, first);
+    char *start = line_start(draft, first);
     for (const char *c = start; c < first; c++)
         if (*c != ' ') return GNEISS_OK; /* behind the dash of a list */
     snprintf(line, sizeof line, "%*s%s\n", (int)(first - start), "", fresh);
     *done = true;
-    return splice(d, start, start, line, error);
+    return splice(draft, start, start, line, error);
 }
 
 /* The node at a place as gn_tree_place spells it, or the last map on the way and what is left. */
@@ -150,19 +150,20 @@ static const gn_node *walk(const gn_node *root, const char *place, const char **
     return at;
 }
 
-static gneiss_status change(draft *d, const gn_override *o, bool *done, gneiss_error *error) {
+static gneiss_status change(scene_draft *draft, const gn_override *override, bool *done,
+                            gneiss_error *error) {
     gn_tree *tree = NULL;
     char place[512];
     const char *rest;
-    GN_TRY(gn_tree_read(d->text, strlen(d->text), d->name, &tree, error));
-    gn_tree_place(tree, o->key, place, sizeof place);
+    GN_TRY(gn_tree_read(draft->text, strlen(draft->text), draft->name, &tree, error));
+    gn_tree_place(tree, override->key, place, sizeof place);
     const gn_node *node = walk(gn_tree_root(tree), place, &rest);
     gneiss_status status = GNEISS_OK;
     *done = false;
     if (!*rest)
-        status = replace(d, node, o->value, done, error);
+        status = replace(draft, node, override->value, done, error);
     else if (node->kind == GN_NODE_MAP)
-        status = insert(d, node, rest, o->value, done, error);
+        status = insert(draft, node, rest, override->value, done, error);
     gn_tree_free(tree);
     return status;
 }
@@ -170,32 +171,32 @@ static gneiss_status change(draft *d, const gn_override *o, bool *done, gneiss_e
 /* --- files that the scene names --- */
 
 /* What its author wrote relative to the old folder. */
-static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+static gneiss_status resolve_files(scene_draft *draft, const gn_section *section, const char *base,
                                    const char *path, gneiss_error *error);
 
-static gneiss_status resolve_file(draft *d, const char *key, const char *written,
+static gneiss_status resolve_file(scene_draft *draft, const char *key, const char *written,
                                   const char *resolved, gneiss_error *error) {
     char absolute[PATH_MAX], quoted[PATH_MAX + 2];
     bool done;
     if (!*written || *written == '/' || !realpath(resolved, absolute)) return GNEISS_OK;
     snprintf(quoted, sizeof quoted, "\"%s\"", absolute);
-    return change(d, &(gn_override){key, quoted}, &done, error);
+    return change(draft, &(gn_override){key, quoted}, &done, error);
 }
 
-static gneiss_status resolve_list(draft *d, const gn_key *key, const char *base, const char *path,
-                                  gneiss_error *error) {
+static gneiss_status resolve_list(scene_draft *draft, const gn_key *key, const char *base,
+                                  const char *path, gneiss_error *error) {
     const char *array;
     char element[640];
     memcpy(&array, base + key->offset, sizeof array);
     size_t count = *(const size_t *)(base + key->second);
     for (size_t k = 0; k < count; k++) {
         snprintf(element, sizeof element, "%s.%zu", path, k);
-        GN_TRY(resolve_files(d, key->section, array + k * key->section->size, element, error));
+        GN_TRY(resolve_files(draft, key->section, array + k * key->section->size, element, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+static gneiss_status resolve_files(scene_draft *draft, const gn_section *section, const char *base,
                                    const char *path, gneiss_error *error) {
     char name[512];
     for (size_t k = 0; k < section->key_count; k++) {
@@ -203,11 +204,11 @@ static gneiss_status resolve_files(draft *d, const gn_section *section, const ch
         snprintf(name, sizeof name, "%s%s%s", path, *path ? "." : "", key->name);
         if (!gn_key_present(key, base)) continue;
         if (key->type == GN_KEY_FILE)
-            GN_TRY(resolve_file(d, name, base + key->offset, base + key->second, error));
+            GN_TRY(resolve_file(draft, name, base + key->offset, base + key->second, error));
         else if (key->type == GN_KEY_SECTION)
-            GN_TRY(resolve_files(d, key->section, base + key->offset, name, error));
+            GN_TRY(resolve_files(draft, key->section, base + key->offset, name, error));
         else if (key->type == GN_KEY_LIST)
-            GN_TRY(resolve_list(d, key, base, name, error));
+            GN_TRY(resolve_list(draft, key, base, name, error));
     }
     return GNEISS_OK;
 }
@@ -228,11 +229,12 @@ static bool same_folder(const char *a, const char *b) {
 }
 
 /* Whether a text says in its own folder what the scene says with its overrides. */
-static bool says_the_same(const draft *d, const char *target, const char *wanted) {
+static bool says_the_same(const scene_draft *draft, const char *target, const char *wanted) {
     char folder[GN_PATH_SIZE], *found = NULL;
     gn_scene *scene = gn_alloc(sizeof *scene);
     folder_of(target, folder);
-    if (scene && gn_scene_parse(d->text, d->name, folder, NULL, 0, scene, NULL) == GNEISS_OK) {
+    if (scene &&
+        gn_scene_parse(draft->text, draft->name, folder, NULL, 0, scene, NULL) == GNEISS_OK) {
         found = gn_scene_write(scene);
         gn_scene_free(scene);
     }
@@ -242,23 +244,24 @@ static bool says_the_same(const draft *d, const char *target, const char *wanted
     return same;
 }
 
-static gneiss_status draw_up(draft *d, const gn_scene *scene, const gn_override *overrides,
-                             size_t count, const char *target, bool *done, gneiss_error *error) {
+static gneiss_status draw_up(scene_draft *draft, const gn_scene *scene,
+                             const gn_override *overrides, size_t count, const char *target,
+                             bool *done, gneiss_error *error) {
     *done = true;
     for (size_t k = 0; k < count && *done; k++) {
         bool root = !strchr(overrides[k].key, '.');
-        GN_TRY(change(d, &overrides[k], done, error));
+        GN_TRY(change(draft, &overrides[k], done, error));
         *done |= root;
     }
-    if (*done && !same_folder(d->name, target))
-        GN_TRY(resolve_files(d, &gn_scene_section, (const char *)scene, "", error));
+    if (*done && !same_folder(draft->name, target))
+        GN_TRY(resolve_files(draft, &gn_scene_section, (const char *)scene, "", error));
     return GNEISS_OK;
 }
 
 static gneiss_status rewrite(const char *path, const gn_scene *scene, const char *wanted,
                              const gn_override *overrides, size_t count, const char *target,
                              bool *plain, gneiss_error *error) {
-    draft d = {.name = path};
+    scene_draft d = {.name = path};
     bool done;
     GN_TRY(gn_read_text_file(path, size_limit, &d.text, error));
     gneiss_status status = draw_up(&d, scene, overrides, count, target, &done, error);

@@ -12,11 +12,12 @@ typedef struct gn_settings {
 } gn_settings;
 
 /* What differs from the scene of the world. */
-gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
-                               gn_settings *q, gneiss_error *error);
-gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value,
+gneiss_status gn_settings_make(const gn_world *world, const gn_plan *plan,
+                               const gn_proposal *proposal, gn_settings *settings,
+                               gneiss_error *error);
+gneiss_status gn_settings_add(gn_settings *settings, const char *key, const char *value,
                               gneiss_error *error);
-void gn_settings_free(gn_settings *q);
+void gn_settings_free(gn_settings *settings);
 
 /* s: as far as the scene goes, but not so far that the peak falls between the rows of the history.
  */

@@ -610,8 +610,8 @@ bool gn_body_is_weighed(const gn_body_def *body);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
-const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
-                                            const gn_material *b);
+const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *first,
+                                            const gn_material *second);
 /* Whether the membrane lies on the surface of a shape, and not where particles bear. */
 static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
     return scene->specimen.pack.shape != GN_SHAPE_NONE &&

@@ -138,12 +138,12 @@ static const char *reason_of(const char *path) {
 
 /* ---- laying a stage over the scene ---- */
 
-typedef struct layer {
+typedef struct stage_layer {
     gn_reader *reader;
     gn_tree *tree;
     size_t stage; /* base 0 */
     char path[GN_KEY_PATH_SIZE];
-} layer;
+} stage_layer;
 
 static gneiss_status no_memory(const gn_reader *reader) {
     return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading stages",
@@ -151,18 +151,18 @@ static gneiss_status no_memory(const gn_reader *reader) {
 }
 
 /* Messages say the stage besides the place. */
-static gneiss_status wrong(const layer *l, const gn_node *node, const char *format,
+static gneiss_status wrong(const stage_layer *layer, const gn_node *node, const char *format,
                            const char *what, const char *more) {
     char path[GN_KEY_PATH_SIZE + 32], text[512];
-    snprintf(path, sizeof path, "stages[%zu].%s", l->stage, l->path);
+    snprintf(path, sizeof path, "stages[%zu].%s", layer->stage, layer->path);
     snprintf(text, sizeof text, format, what, more);
-    return gn_read_keep(l->reader,
-                        gn_read_fail(l->reader, node, node->key_where, path, "%s", text));
+    return gn_read_keep(layer->reader,
+                        gn_read_fail(layer->reader, node, node->key_where, path, "%s", text));
 }
 
-static size_t push(layer *l, const char *name) {
-    size_t before = strlen(l->path);
-    snprintf(l->path + before, sizeof l->path - before, "%s%s", before ? "." : "", name);
+static size_t push(stage_layer *layer, const char *name) {
+    size_t before = strlen(layer->path);
+    snprintf(layer->path + before, sizeof layer->path - before, "%s%s", before ? "." : "", name);
     return before;
 }
 
@@ -180,10 +180,10 @@ static void drop(gn_node *map, const char *key) {
     map->last = last;
 }
 
-static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over);
+static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *over);
 
 /* Elements by name: of a map its keys, of a list what `name` says. */
-static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
+static gneiss_status lay_list(stage_layer *layer, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
         bool named = said && said->kind == GN_NODE_SCALAR;
@@ -192,7 +192,7 @@ static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
         if (!element || item->kind != GN_NODE_MAP) {
             const char *nameless = "expected a name (what has none goes by its number, as in "
                                    "contacts: {0: {friction: 0.3}}), found none%s%s";
-            GN_TRY(wrong(l, item,
+            GN_TRY(wrong(layer, item,
                          !*name    ? nameless
                          : element ? "expected what changes of '%s', a section%s"
                                    : "expected the name of an element that the scene has, found "
@@ -200,26 +200,27 @@ static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
                          name, ""));
             continue;
         }
-        size_t mark = push(l, name);
-        GN_TRY(lay_map(l, element, item));
-        l->path[mark] = '\0';
+        size_t mark = push(layer, name);
+        GN_TRY(lay_map(layer, element, item));
+        layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
-static gneiss_status lay_value(layer *l, gn_node *base, const gn_node *over, const gn_key *key) {
+static gneiss_status lay_value(stage_layer *layer, gn_node *base, const gn_node *over,
+                               const gn_key *key) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
-    if (key && !allowed(l->path))
-        return wrong(l, over, "expected a key that a stage may change, found '%s': %s", l->path,
-                     reason_of(l->path));
+    if (key && !allowed(layer->path))
+        return wrong(layer, over, "expected a key that a stage may change, found '%s': %s",
+                     layer->path, reason_of(layer->path));
     bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
     if (off && key && key->type == GN_KEY_SECTION) {
         drop(base, over->key);
         return GNEISS_OK;
     }
     if (!old) {
-        old = gn_tree_add(l->tree, base, over);
-        if (!old) return no_memory(l->reader);
+        old = gn_tree_add(layer->tree, base, over);
+        if (!old) return no_memory(layer->reader);
     } else {
         gn_node *next = old->next;
         *old = *over;
@@ -228,13 +229,13 @@ static gneiss_status lay_value(layer *l, gn_node *base, const gn_node *over, con
     return GNEISS_OK;
 }
 
-static gneiss_status lay_section(layer *l, gn_node *base, const gn_node *over) {
+static gneiss_status lay_section(stage_layer *layer, gn_node *base, const gn_node *over) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
     if (!old || old->kind != GN_NODE_MAP) {
         drop(base, over->key);
-        old = gn_tree_add_map(l->tree, base, over);
+        old = gn_tree_add_map(layer->tree, base, over);
     }
-    return old ? lay_map(l, old, over) : no_memory(l->reader);
+    return old ? lay_map(layer, old, over) : no_memory(layer->reader);
 }
 
 /* A wall has one of both, and so has a servo: what is said last takes the place of the other. */
@@ -269,42 +270,42 @@ static bool seen(const gn_node *map, const gn_node *child) {
     return false;
 }
 
-static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
-    const gn_key *key = gn_scene_key_at(l->path);
+static gneiss_status lay_child(stage_layer *layer, gn_node *base, const gn_node *child) {
+    const gn_key *key = gn_scene_key_at(layer->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
     const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
-    if (empty && !holds_allowed(l->path)) return lay_value(l, base, child, key);
+    if (empty && !holds_allowed(layer->path)) return lay_value(layer, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
-        return lay_list(l, (gn_node *)gn_node_child(base, child->key), child);
-    if (key && key->type == GN_KEY_SECTION && map) return lay_section(l, base, child);
-    return lay_value(l, base, child, key);
+        return lay_list(layer, (gn_node *)gn_node_child(base, child->key), child);
+    if (key && key->type == GN_KEY_SECTION && map) return lay_section(layer, base, child);
+    return lay_value(layer, base, child, key);
 }
 
-static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
-    if (begins_with(l->path, "walls.*")) make_way(base, over);
-    if (begins_with(l->path, "walls.*.servo")) make_way_in_servo(base, over);
-    if (begins_with(l->path, "periodic.*")) make_way_in_box(base, over);
+static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *over) {
+    if (begins_with(layer->path, "walls.*")) make_way(base, over);
+    if (begins_with(layer->path, "walls.*.servo")) make_way_in_servo(base, over);
+    if (begins_with(layer->path, "periodic.*")) make_way_in_box(base, over);
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
-        size_t mark = push(l, child->key);
+        size_t mark = push(layer, child->key);
         if (seen(over, child))
-            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(wrong(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(l, base, child));
-        l->path[mark] = '\0';
+            GN_TRY(lay_child(layer, base, child));
+        layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
 /* Own keys of a stage are no changes. */
-static gneiss_status lay_stage(layer *l, gn_node *root, const gn_node *stage) {
+static gneiss_status lay_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
-        snprintf(l->path, sizeof l->path, "%s", child->key);
+        snprintf(layer->path, sizeof layer->path, "%s", child->key);
         if (seen(stage, child))
-            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(wrong(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(l, root, child));
+            GN_TRY(lay_child(layer, root, child));
     }
     return GNEISS_OK;
 }
@@ -375,12 +376,13 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
 }
 
 /* Messages while running point at the stage. */
-static void point_at_stage(gn_scene *s, gn_scene_place where) {
-    s->time_where = where;
-    for (size_t k = 0; k < s->wall_count; k++) s->walls[k].where = where;
-    for (size_t k = 0; k < s->body_count; k++) s->bodies[k].where = where;
-    for (size_t k = 0; k < s->set_count; k++) s->sets[k].where = where;
-    for (size_t k = 0; k < s->elements.motion_count; k++) s->elements.motions[k].where = where;
+static void point_at_stage(gn_scene *scene, gn_scene_place where) {
+    scene->time_where = where;
+    for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
+    for (size_t k = 0; k < scene->body_count; k++) scene->bodies[k].where = where;
+    for (size_t k = 0; k < scene->set_count; k++) scene->sets[k].where = where;
+    for (size_t k = 0; k < scene->elements.motion_count; k++)
+        scene->elements.motions[k].where = where;
 }
 
 /* The last stage that a value under the node is from. */
@@ -398,7 +400,7 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     gn_node *root = (gn_node *)gn_tree_root(tree);
     gn_node *node = (gn_node *)gn_node_item(gn_node_child(root, "stages"), stage);
     gn_reader own = *reader;
-    layer l = {.reader = &own, .tree = tree, .stage = stage};
+    stage_layer l = {.reader = &own, .tree = tree, .stage = stage};
     mark_stage(node, stage + 1);
     GN_TRY(lay_stage(&l, root, node));
     memset(now, 0, sizeof *now);
@@ -493,29 +495,29 @@ gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
 
 /* ---- a stage by itself ---- */
 
-typedef struct visit {
+typedef struct section_visit {
     void (*visit)(void *context, gn_table *table);
     void *context;
-} visit;
+} section_visit;
 
-static void visit_section(const gn_section *section, char *base, const visit *v) {
+static void visit_section(const gn_section *section, char *base, const section_visit *visit) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         char *at = base + key->offset;
-        if (key->type == GN_KEY_SECTION) visit_section(key->section, at, v);
-        if (key->type == GN_KEY_TABLE) v->visit(v->context, (gn_table *)at);
+        if (key->type == GN_KEY_SECTION) visit_section(key->section, at, visit);
+        if (key->type == GN_KEY_TABLE) visit->visit(visit->context, (gn_table *)at);
         if (key->type != GN_KEY_LIST) continue;
         char *array;
         memcpy(&array, at, sizeof array);
         size_t count = array ? *(size_t *)(base + key->second) : 0;
         for (size_t item = 0; item < count; item++)
-            visit_section(key->section, array + item * key->section->size, v);
+            visit_section(key->section, array + item * key->section->size, visit);
     }
 }
 
 void gn_scene_tables(gn_scene *scene, void (*visit_one)(void *context, gn_table *table),
                      void *context) {
-    const visit v = {visit_one, context};
+    const section_visit v = {visit_one, context};
     visit_section(&gn_scene_section, (char *)scene, &v);
 }
 

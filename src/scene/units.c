@@ -227,43 +227,43 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
     }
 }
 
-static bool is_letter(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80 ||
-           c == '%' || c == '_';
+static bool is_letter(char letter) {
+    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+           (unsigned char)letter >= 0x80 || letter == '%' || letter == '_';
 }
 
 /* One factor of a unit, "mm" or "m-3" or "s^2": what comes behind it, NULL when there is none. */
-static const char *skip_factor(const char *s) {
+static const char *skip_factor(const char *text) {
     static const char *const words[] = {"since", "after", "from", "ref", "per"};
-    const char *start = s;
-    while (is_letter(*s)) s++;
-    size_t length = (size_t)(s - start);
+    const char *start = text;
+    while (is_letter(*text)) text++;
+    size_t length = (size_t)(text - start);
     for (size_t k = 0; k < sizeof words / sizeof *words; k++)
         if (strlen(words[k]) == length && strncasecmp(start, words[k], length) == 0) return NULL;
     if (length == 0) return NULL;
-    bool sign = *s == '^';
-    if (sign) s++;
-    if (*s == '-' || *s == '+') s++, sign = true;
-    if (sign && !(*s >= '1' && *s <= '9')) return NULL;
-    if (*s >= '1' && *s <= '9') s++;
-    return s;
+    bool sign = *text == '^';
+    if (sign) text++;
+    if (*text == '-' || *text == '+') text++, sign = true;
+    if (sign && !(*text >= '1' && *text <= '9')) return NULL;
+    if (*text >= '1' && *text <= '9') text++;
+    return text;
 }
 
 /* Only products and quotients of powers reach the parser of UDUNITS-2: "23 10 mm" is a slip, not
  * 230 mm; times since a date are of no use here; and the parser loses memory over bad syntax. */
-static bool looks_like_unit(const char *s) {
-    if (strlen(s) >= UNIT_SIZE) return false;
-    if (strncmp(s, "1/", 2) == 0) s += 2;
+static bool looks_like_unit(const char *text) {
+    if (strlen(text) >= UNIT_SIZE) return false;
+    if (strncmp(text, "1/", 2) == 0) text += 2;
     for (;;) {
-        s = skip_factor(s);
-        if (!s) return false;
-        if (!*s) return true;
-        const char *gap = s;
-        while (*s == ' ') s++;
-        bool joined = *s == '/' || *s == '.' || *s == '*';
-        if (joined) s++;
-        if (!joined && gap == s) return false;
-        while (*s == ' ') s++;
+        text = skip_factor(text);
+        if (!text) return false;
+        if (!*text) return true;
+        const char *gap = text;
+        while (*text == ' ') text++;
+        bool joined = *text == '/' || *text == '.' || *text == '*';
+        if (joined) text++;
+        if (!joined && gap == text) return false;
+        while (*text == ' ') text++;
     }
 }
 

@@ -138,21 +138,22 @@ static void last_words(const char *folder, char *message, size_t size) {
     message[used] = '\0';
 }
 
-void gn_child_outcome(const gn_child *child, int wait_status, gn_outcome *o) {
-    *o = (gn_outcome){.state = GN_RUN_FAILED};
+void gn_child_outcome(const gn_child *child, int wait_status, gn_outcome *outcome) {
+    *outcome = (gn_outcome){.state = GN_RUN_FAILED};
     if (WIFSIGNALED(wait_status)) {
         int number = WTERMSIG(wait_status);
-        o->code = 128 + number;
-        snprintf(o->message, sizeof o->message, "ended by signal %d (%s)", number,
+        outcome->code = 128 + number;
+        snprintf(outcome->message, sizeof outcome->message, "ended by signal %d (%s)", number,
                  strsignal(number));
         return;
     }
-    o->code = WEXITSTATUS(wait_status);
-    if (o->code == GNEISS_OK) {
-        o->state = GN_RUN_DONE;
+    outcome->code = WEXITSTATUS(wait_status);
+    if (outcome->code == GNEISS_OK) {
+        outcome->state = GN_RUN_DONE;
         return;
     }
-    last_words(child->folder, o->message, sizeof o->message);
-    if (!o->message[0])
-        snprintf(o->message, sizeof o->message, "exit code %d without a message", o->code);
+    last_words(child->folder, outcome->message, sizeof outcome->message);
+    if (!outcome->message[0])
+        snprintf(outcome->message, sizeof outcome->message, "exit code %d without a message",
+                 outcome->code);
 }

@@ -36,11 +36,12 @@ typedef struct gn_envelopes {
     bool *grouping;  /* [parameter_count]: whether envelopes differ in the parameter */
 } gn_envelopes;
 
-gneiss_status gn_envelopes_make(const gn_summary *m, gn_envelopes *envelopes, gneiss_error *error);
+gneiss_status gn_envelopes_make(const gn_summary *summary, gn_envelopes *envelopes,
+                                gneiss_error *error);
 void gn_envelopes_free(gn_envelopes *envelopes);
 /* "friction = 0.3": the parameters of an envelope that vary; "". */
-const char *gn_envelope_label(const gn_summary *m, const gn_envelopes *envelopes, size_t which,
-                              char *text, size_t size);
+const char *gn_envelope_label(const gn_summary *summary, const gn_envelopes *envelopes,
+                              size_t which, char *text, size_t size);
 
 /* Of numbers; those that are not finite are left out. */
 gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,

@@ -158,22 +158,23 @@ static gneiss_status read_parameter(gn_reader *reader, const gn_node *node, gn_d
     if (sweep->parameter_count == GN_SWEEP_PARAMETERS_MAX)
         return gn_read_fail(reader, node, node->key_where, reader->path,
                             "expected at most %d parameters", GN_SWEEP_PARAMETERS_MAX);
-    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", key);
-    p->where = node->key_where;
-    p->meant = gn_scene_key_at(p->key);
-    if (!p->meant || p->meant->type == GN_KEY_SECTION) {
+    gn_sweep_parameter *parameter = &sweep->parameters[sweep->parameter_count++];
+    snprintf(parameter->key, sizeof parameter->key, "%s", key);
+    parameter->where = node->key_where;
+    parameter->meant = gn_scene_key_at(parameter->key);
+    if (!parameter->meant || parameter->meant->type == GN_KEY_SECTION) {
         char nearest[GN_KEY_PATH_SIZE];
-        const char *dot = strrchr(p->key, '.');
-        bool known = gn_scene_nearest_key(dot ? dot + 1 : p->key, nearest, sizeof nearest);
+        const char *dot = strrchr(parameter->key, '.');
+        bool known = gn_scene_nearest_key(dot ? dot + 1 : parameter->key, nearest, sizeof nearest);
         return gn_read_fail(reader, node, node->key_where, reader->path,
-                            p->meant ? "expected a key with a value, found a section%s%s%s"
-                                     : "unknown key%s%s%s",
-                            known && !p->meant ? "; did you mean '" : "",
-                            known && !p->meant ? nearest : "", known && !p->meant ? "'?" : "");
+                            parameter->meant ? "expected a key with a value, found a section%s%s%s"
+                                             : "unknown key%s%s%s",
+                            known && !parameter->meant ? "; did you mean '" : "",
+                            known && !parameter->meant ? nearest : "",
+                            known && !parameter->meant ? "'?" : "");
     }
-    gneiss_status status = gn_parameter_read(reader, node, drawing, p);
-    drawing->dimension += p->sampled;
+    gneiss_status status = gn_parameter_read(reader, node, drawing, parameter);
+    drawing->dimension += parameter->sampled;
     return status;
 }
 
@@ -202,15 +203,15 @@ static gneiss_status check_lengths(gn_reader *reader, const gn_sweep_file *file,
     const gn_sweep_parameter *first = NULL;
     if (file->combine != GN_COMBINE_ZIPPED || reader->problems->count) return GNEISS_OK;
     for (size_t k = 0; k < sweep->parameter_count; k++) {
-        const gn_sweep_parameter *p = &sweep->parameters[k];
-        if (p->sampled || p->count < 2) continue;
-        if (!first) first = p, wanted = p->count;
-        if (p->count == wanted) continue;
-        set_path(reader, p->key);
+        const gn_sweep_parameter *parameter = &sweep->parameters[k];
+        if (parameter->sampled || parameter->count < 2) continue;
+        if (!first) first = parameter, wanted = parameter->count;
+        if (parameter->count == wanted) continue;
+        set_path(reader, parameter->key);
         return gn_read_keep(reader,
-                            gn_read_fail(reader, NULL, p->where, reader->path,
+                            gn_read_fail(reader, NULL, parameter->where, reader->path,
                                          "expected %zu values, as zipped with %s, found %zu",
-                                         wanted, first->key, p->count));
+                                         wanted, first->key, parameter->count));
     }
     return GNEISS_OK;
 }
@@ -332,11 +333,11 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
     const size_t pressures = find_pressure(root, key, sizeof key);
     if (is_given(sweep, tree, confining) || is_given(sweep, tree, key)) return GNEISS_OK;
     if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
-    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", key);
+    gn_sweep_parameter *parameter = &sweep->parameters[sweep->parameter_count++];
+    snprintf(parameter->key, sizeof parameter->key, "%s", key);
     snprintf(reader->path, sizeof reader->path, "test.confinement");
-    p->where = list->key_where;
-    p->meant = gn_scene_key_at(confining);
+    parameter->where = list->key_where;
+    parameter->meant = gn_scene_key_at(confining);
     if (!pressures)
         return gn_fail(reader->error, GNEISS_ERROR_INPUT,
                        "%s:%d:%d: test.confinement: expected a membrane, whose pressure is to be "
@@ -347,7 +348,7 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
                        "%s:%d:%d: test.confinement: expected the pressure of one membrane, of the "
                        "scene or of one stage, that is to be each of the list, found %zu",
                        sweep->scene, list->key_where.line, list->key_where.column, pressures);
-    return gn_parameter_read(reader, list, &none, p);
+    return gn_parameter_read(reader, list, &none, parameter);
 }
 
 /* Of a text that is no scene there are none: reading it as one says why. */

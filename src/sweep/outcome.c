@@ -26,7 +26,7 @@ static void outcome_path(const char *folder, char *path, size_t size) {
 }
 
 /* JSON is YAML. *results (malloc'ed, NULL: not said) is the digest of the results it ended with. */
-static bool parse(const char *text, const char *path, gn_outcome *o, char **results) {
+static bool parse(const char *text, const char *path, gn_outcome *outcome, char **results) {
     gn_tree *tree = NULL;
     if (gn_tree_read(text, strlen(text), path, &tree, NULL) != GNEISS_OK) return false;
     const gn_node *root = gn_tree_root(tree), *state = gn_node_child(root, "status"),
@@ -36,11 +36,11 @@ static bool parse(const char *text, const char *path, gn_outcome *o, char **resu
     bool done = known && strcmp(state->text, names[GN_RUN_DONE]) == 0;
     known = done || (known && strcmp(state->text, names[GN_RUN_FAILED]) == 0);
     if (known) {
-        o->state = done ? GN_RUN_DONE : GN_RUN_FAILED;
-        o->code = (int)strtol(code->text, NULL, 10);
+        outcome->state = done ? GN_RUN_DONE : GN_RUN_FAILED;
+        outcome->code = (int)strtol(code->text, NULL, 10);
         if (message && message->kind == GN_NODE_SCALAR)
-            snprintf(o->message, sizeof o->message, "%s", message->text);
-        gn_make_printable(o->message);
+            snprintf(outcome->message, sizeof outcome->message, "%s", message->text);
+        gn_make_printable(outcome->message);
         if (digest && digest->kind == GN_NODE_SCALAR) *results = strdup(digest->text);
     }
     gn_tree_free(tree);
@@ -110,9 +110,9 @@ static bool has_results(const char *folder, const char *results, bool *replaced,
 }
 
 /* What it left is of no use: it is computed again, from its last checkpoint if there is one. */
-static void lose(gn_outcome *o, const char *what, const gneiss_error *trouble) {
-    *o = (gn_outcome){.lost = true};
-    snprintf(o->message, sizeof o->message, "its %s cannot be read: %.500s", what,
+static void lose(gn_outcome *outcome, const char *what, const gneiss_error *trouble) {
+    *outcome = (gn_outcome){.lost = true};
+    snprintf(outcome->message, sizeof outcome->message, "its %s cannot be read: %.500s", what,
              trouble->message);
 }
 
@@ -143,7 +143,8 @@ gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
 }
 
 /* Tells whether there is one to go on from; of another run there is none. */
-static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gneiss_error *error) {
+static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcome,
+                                          gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
     size_t count = 0;
     gneiss_error trouble = {0};
@@ -151,42 +152,42 @@ static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gne
     GN_TRY(gn_checkpoint_list(folder, step, CHECKPOINTS_MOST, &count, error));
     for (size_t k = 0; k < count; k++) {
         if (!is_foreign(folder, step[k], &trouble))
-            o->state = GN_RUN_INTERRUPTED;
-        else if (!o->lost)
-            lose(o, "checkpoint", &trouble);
+            outcome->state = GN_RUN_INTERRUPTED;
+        else if (!outcome->lost)
+            lose(outcome, "checkpoint", &trouble);
     }
     return GNEISS_OK;
 }
 
 /* *known is false, and o->lost true, where outcome.json is there and says nothing. */
-static void read_outcome(const char *folder, gn_outcome *o, char **results, bool *known) {
+static void read_outcome(const char *folder, gn_outcome *outcome, char **results, bool *known) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     gneiss_error trouble = {0};
     outcome_path(folder, path, sizeof path);
     *known = false;
     if (access(path, F_OK) != 0) return;
     if (gn_read_text_file(path, 1 << 16, &text, &trouble) == GNEISS_OK)
-        *known = parse(text, path, o, results);
+        *known = parse(text, path, outcome, results);
     if (!*known && text)
         gn_fail(&trouble, GNEISS_ERROR_INPUT,
                 "%.300s: expected status (done, failed) and code, found others", path);
     free(text);
-    if (!*known) lose(o, "outcome", &trouble);
+    if (!*known) lose(outcome, "outcome", &trouble);
 }
 
-gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
+gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_error *error) {
     char *results = NULL;
     bool known, replaced = false;
     gneiss_error trouble = {0};
-    *o = (gn_outcome){0};
-    read_outcome(folder, o, &results, &known);
-    bool whole =
-        known && (o->state != GN_RUN_DONE || has_results(folder, results, &replaced, &trouble));
+    *outcome = (gn_outcome){0};
+    read_outcome(folder, outcome, &results, &known);
+    bool whole = known && (outcome->state != GN_RUN_DONE ||
+                           has_results(folder, results, &replaced, &trouble));
     free(results);
     if (whole) return GNEISS_OK;
-    if (known) lose(o, "results", &trouble);
-    o->replaced = replaced;
-    return replaced ? GNEISS_OK : look_for_checkpoints(folder, o, error);
+    if (known) lose(outcome, "results", &trouble);
+    outcome->replaced = replaced;
+    return replaced ? GNEISS_OK : look_for_checkpoints(folder, outcome, error);
 }
 
 /* "" where they cannot be read, which the next call finds. */
@@ -202,15 +203,15 @@ static void digest_in_folder(const char *folder, char digest[24]) {
 
 /* Not synced: where a power cut takes it, the run is taken up from its last checkpoint, at its end.
  */
-gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_error *error) {
+gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], digest[24] = "";
-    if (o->state == GN_RUN_DONE) digest_in_folder(folder, digest);
-    gn_json *j = gn_json_begin();
-    gn_json_text(j, "status", names[o->state]);
-    gn_json_integer(j, "code", o->code);
-    gn_json_text(j, "message", o->message);
-    if (*digest) gn_json_text(j, "results", digest);
-    char *text = gn_json_finish(j, true);
+    if (outcome->state == GN_RUN_DONE) digest_in_folder(folder, digest);
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "status", names[outcome->state]);
+    gn_json_integer(json, "code", outcome->code);
+    gn_json_text(json, "message", outcome->message);
+    if (*digest) gn_json_text(json, "results", digest);
+    char *text = gn_json_finish(json, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for outcome.json");
     outcome_path(folder, path, sizeof path);
     gneiss_status status = gn_write_text_file(path, text, GN_RENAMED, error);
@@ -226,7 +227,7 @@ void gn_outcome_forget(const char *folder, bool lost) {
     if (lost) (void)unlink(path);
 }
 
-bool gn_outcome_stands(const gn_outcome *o) {
-    return o->state == GN_RUN_DONE ||
-           (o->state == GN_RUN_FAILED && o->code == GNEISS_ERROR_UNSTABLE);
+bool gn_outcome_stands(const gn_outcome *outcome) {
+    return outcome->state == GN_RUN_DONE ||
+           (outcome->state == GN_RUN_FAILED && outcome->code == GNEISS_ERROR_UNSTABLE);
 }

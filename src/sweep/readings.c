@@ -31,15 +31,15 @@ static bool is_ending(const char *name, const char *ending) {
 
 /* Of a wall, a set, ...: <kind>_<any name>_<quantity>. Those that have names are told by the runs.
  */
-static bool is_of_an_owner(const char *column, const gn_quantity_group *g) {
-    size_t length = strlen(g->kind);
-    if (strncmp(column, g->kind, length) != 0 || column[length] != '_') return false;
-    for (size_t q = 0; q < g->quantity_count; q++) {
+static bool is_of_an_owner(const char *column, const gn_quantity_group *group) {
+    size_t length = strlen(group->kind);
+    if (strncmp(column, group->kind, length) != 0 || column[length] != '_') return false;
+    for (size_t q = 0; q < group->quantity_count; q++) {
         char ending[GN_COLUMN_NAME_SIZE];
         gn_shape_component part[GN_SHAPE_MOST];
-        size_t parts = gn_shape_components(g->quantities[q].shape, 3, part);
+        size_t parts = gn_shape_components(group->quantities[q].shape, 3, part);
         for (size_t c = 0; c < parts; c++) {
-            snprintf(ending, sizeof ending, "_%s%s", g->quantities[q].name, part[c].suffix);
+            snprintf(ending, sizeof ending, "_%s%s", group->quantities[q].name, part[c].suffix);
             if (is_ending(column + length + 1, ending)) return true;
         }
     }
@@ -47,21 +47,21 @@ static bool is_of_an_owner(const char *column, const gn_quantity_group *g) {
 }
 
 /* A scene in the plane has some of those that one in space has. */
-static void add_columns(columns *all, const gn_quantity *q) {
+static void add_columns(columns *all, const gn_quantity *quantity) {
     gn_shape_component part[GN_SHAPE_MOST];
-    size_t parts = gn_shape_components(q->shape, 3, part);
+    size_t parts = gn_shape_components(quantity->shape, 3, part);
     for (size_t c = 0; c < parts && all->count < COLUMNS_MOST; c++)
-        snprintf(all->name[all->count++], GN_COLUMN_NAME_SIZE, "history.%s%s", q->name,
+        snprintf(all->name[all->count++], GN_COLUMN_NAME_SIZE, "history.%s%s", quantity->name,
                  part[c].suffix);
 }
 
 static bool is_column(const char *name, columns *all) {
     const char *column = strncmp(name, "history.", 8) == 0 ? name + 8 : "";
     for (size_t k = 0; k < GN_QUANTITY_GROUPS; k++) {
-        const gn_quantity_group *g = &gn_quantity_groups[k];
-        if (g->kind && is_of_an_owner(column, g)) return true;
-        for (size_t q = 0; !g->kind && q < g->quantity_count; q++)
-            add_columns(all, &g->quantities[q]);
+        const gn_quantity_group *group = &gn_quantity_groups[k];
+        if (group->kind && is_of_an_owner(column, group)) return true;
+        for (size_t q = 0; !group->kind && q < group->quantity_count; q++)
+            add_columns(all, &group->quantities[q]);
     }
     for (size_t k = 0; k < all->count; k++)
         if (strcmp(name, all->name[k]) == 0) return true;

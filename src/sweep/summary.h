@@ -33,7 +33,7 @@ typedef struct gn_summary {
 gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *summary,
                               gneiss_error *error);
 /* The largest such error of the runs of a combination; NaN: they have none. */
-double gn_summary_rest(const gn_summary *m, size_t combination, size_t reading);
+double gn_summary_rest(const gn_summary *summary, size_t combination, size_t reading);
 void gn_summary_free(gn_summary *summary);
 
 /* sweep.csv (a row for every run), sweep-means.csv (for every combination), sweep.h5. */
