@@ -19,7 +19,7 @@ static bool pushed(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
-/* `ends`: what moves of the ends of the test counts. */
+/* `ends`: motions of the ends of the test count as well. */
 static bool presses(const gn_scene *scene, bool ends) {
     bool acts = scene->elements.load_count > 0 || gn_scene_box_moves(scene);
     for (size_t k = 0; k < scene->wall_count; k++) {
@@ -72,7 +72,7 @@ bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end) {
     return any;
 }
 
-/* Whether a wall ever comes towards the specimen, to which its normal points. */
+/* True if a wall ever moves along its normal, towards the specimen. */
 static bool approaches(const gn_wall_def *wall) {
     bool closes = false;
     for (int a = 0; a < 3; a++) {
@@ -104,7 +104,7 @@ bool gn_scene_squeezes(const gn_scene *scene) {
     return squeezes;
 }
 
-/* --- sides that stand --- */
+/* --- fixed sides --- */
 
 bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name) {
     for (size_t k = 0; k < parts; k++)
@@ -124,7 +124,8 @@ bool gn_scene_wall_stands(const gn_scene *scene, size_t wall, int axis) {
            (scene->stage_count || (!w->servo.active && !gn_table_acts(&w->motion.velocity[axis])));
 }
 
-/* Any that leans against the direction will do: a tube of many walls has few that face it. */
+/* A wall counts if its normal has any component in this direction: of the walls of a tube only few
+ * face it. */
 static bool wall_stands(const gn_scene *scene, int axis, double sense) {
     for (size_t k = 0; k < scene->wall_count; k++) {
         const gn_wall_def *wall = &scene->walls[k];
@@ -133,12 +134,13 @@ static bool wall_stands(const gn_scene *scene, int axis, double sense) {
     return false;
 }
 
-/* Whether the specimen may stand in it, so that it is an end and what holds the sides in one. */
+/* True if the specimen may stand inside the body, which is then both an end and a lateral support.
+ */
 static bool may_be_cup(const gn_body_def *body) {
     return !body->has_box;
 }
 
-/* A channel that is prescribed and stays at rest. */
+/* True for a component that is prescribed and zero. */
 static bool held(const gn_table *velocity) {
     return velocity->count && !gn_table_acts(velocity);
 }
@@ -174,7 +176,7 @@ bool gn_scene_stands(const gn_scene *scene, int axis) {
         if (scene->stage_count ? !gn_scene_is_end(scene, scene->elements.motions[k].name)
                                : gn_scene_motion_stands(scene, k, axis))
             return true;
-    return scene->has_specimen && scene->has_elements; /* a container, or what stands in one */
+    return scene->has_specimen && scene->has_elements; /* a container, or the content of one */
 }
 
 /* --- ends of a shear test --- */
@@ -187,7 +189,7 @@ static bool bears(const gn_scene *scene, const char *name, int normal) {
     if (motion >= 0)
         return scene->elements.load_count ||
                scene->elements.motions[motion].motion.velocity[normal].count;
-    return true; /* a wall or a body, which has a weight if it is free */
+    return true; /* a wall or a body; a free body has a weight */
 }
 
 bool gn_scene_end_bears(const gn_scene *scene, const gn_test_end *end) {

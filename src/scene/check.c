@@ -26,7 +26,7 @@ gneiss_status gn_check_fail(const check *section, const char *key, const char *f
     if (!*key && *path) path[strlen(path) - 1] = '\0'; /* the element itself */
     snprintf(up, sizeof up, "%s", key);
     const gn_node *node = gn_node_find(section->map, up);
-    bool value = node && node->kind != GN_NODE_MAP; /* of a section the key is the place */
+    bool value = node && node->kind != GN_NODE_MAP; /* the place of a section is its key */
     while (!node) {
         char *dot = strrchr(up, '.');
         if (dot) *dot = '\0';
@@ -79,7 +79,8 @@ static void add_source(char sources[SOURCES_SIZE], const char *name) {
     snprintf(sources + used, SOURCES_SIZE - used, "%s%s", used ? ", " : "", name);
 }
 
-/* Exactly one of them is given; `source` is its name. Sets the kind of the shape. */
+/* Checks that exactly one source is given and returns its name in `source`. Sets the kind of the
+ * shape. */
 static gneiss_status check_source(const check *section, gn_specimen *specimen, int64_t dimension,
                                   char source[SOURCES_SIZE]) {
     char path[GN_KEY_PATH_SIZE], shapes[GN_SHAPE_NAMES_SIZE];
@@ -111,7 +112,7 @@ static bool is_zero(const double vector[3]) {
     return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
 }
 
-/* What only a shape has a use for. */
+/* Refuses keys that only a shape reads. */
 static gneiss_status check_no_shape(const check *section, gn_specimen *specimen, int64_t dimension,
                                     const char *source) {
     char shapes[GN_SHAPE_NAMES_SIZE];
@@ -122,7 +123,7 @@ static gneiss_status check_no_shape(const check *section, gn_specimen *specimen,
                       : !is_zero(specimen->pack.origin)             ? "specimen.origin"
                       : gn_check_given(section, "specimen.packing") ? "specimen.packing"
                                                                     : NULL;
-    /* It is not written; a zero with a sign would not come back. */
+    /* The origin is not written, and a signed zero would be lost. */
     if (!key) memset(specimen->pack.origin, 0, sizeof specimen->pack.origin);
     if (!key) return GNEISS_OK;
     if (section->reader->specimen_only)
@@ -148,7 +149,7 @@ static gneiss_status check_refinement(const check *section, const gn_refinement 
     return GNEISS_OK;
 }
 
-/* Particles come by their number or their size, or from the nodes of a mesh. */
+/* Checks that the particles are given by their number, by their size, or by the nodes of a mesh. */
 static gneiss_status check_amount(const check *section, const gn_pack_def *pack,
                                   const char *shape) {
     const char *key = pack->count ? "specimen.particles" : "specimen.mean_radius";
@@ -204,8 +205,8 @@ static gneiss_status check_pack(const check *section, const gn_pack_def *pack, c
     return GNEISS_OK;
 }
 
-/* Cuts the body to the region; what is in it already stays as it is to the bit, so that a scene
- * that was written is read as it was. */
+/* Clips the body to the region. A body inside the region keeps its bits, so that a written scene is
+ * read back unchanged. */
 static gneiss_status clip(const check *section, gn_pack_def *pack, int dimension,
                           const char *shape) {
     const double *low = pack->region_min, *high = pack->region_max;
@@ -229,7 +230,7 @@ static gneiss_status clip(const check *section, gn_pack_def *pack, int dimension
     return GNEISS_OK;
 }
 
-/* It is of lengths in files. */
+/* Checks that `scale` comes with a file whose lengths it scales. */
 static gneiss_status check_scale(const check *section, const gn_specimen *specimen,
                                  const char *source) {
     const gn_shape_kind shape = specimen->pack.shape;
@@ -278,7 +279,7 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
         GN_TRY(gn_check_keep(section, not_given(section, "materials")));
     if (!scene->has_law && gn_check_sound(section, "law"))
         GN_TRY(gn_check_keep(section, not_given(section, "law")));
-    if (!scene->specimen_given) return GNEISS_OK; /* sources bring all */
+    if (!scene->specimen_given) return GNEISS_OK; /* sources supply all particles */
     GN_TRY(gn_check_keep(section, check_particles(section, scene)));
     if (!*specimen->material && scene->material_count == 1)
         memcpy(specimen->material, scene->materials[0].name, sizeof specimen->material);
@@ -301,7 +302,7 @@ gneiss_status gn_check_need(const check *section, double value, const char *key,
     return gn_check_fail(section, key, "required %s, but not given", reason);
 }
 
-/* What resists rolling is as stiff as the tangential spring lets it be. */
+/* Checks that resistance to rolling has a tangential spring, from which its stiffness follows. */
 static gneiss_status check_rolls(const check *section, const gn_material *material, bool area) {
     bool rolls = material->rolling_friction > 0 || material->twisting_friction > 0;
     if (!rolls || (area ? material->beta : material->kratio) != 0) return GNEISS_OK;
@@ -362,7 +363,7 @@ static gneiss_status check_material(const check *section, const gn_scene *scene,
 
 /* ---- damping ---- */
 
-/* A rate or a fraction, as the model has it. */
+/* The coefficient is a rate or a fraction, as the model requires. */
 static gneiss_status check_background(const check *section, const gn_scene *scene, const char *key,
                                       double coefficient) {
     double value;
@@ -451,7 +452,7 @@ static gneiss_status check_spin(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* What is prescribed from the start has no other velocity there. */
+/* Checks that a velocity prescribed from the start is not contradicted by an initial velocity. */
 static gneiss_status check_start(const check *section, const gn_table given[3],
                                  const double start[3], const char *key, const char *axis) {
     for (int a = 0; a < 3; a++) {
@@ -485,14 +486,14 @@ static gneiss_status check_set(const check *section, const gn_scene *scene, size
     return gn_check_plane_motion(section, scene, &set->motion);
 }
 
-/* A unit vector stays as it is, so that a scene written out and read again keeps every bit. */
+/* A unit vector stays as it is, so that a scene that is written and read again keeps every bit. */
 bool gn_check_direction(double vector[3]) {
     double largest = fmax(fabs(vector[0]), fmax(fabs(vector[1]), fabs(vector[2])));
     if (!(largest > 0)) return false;
     double square = vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2];
     if (fabs(square - 1) <= 8 * DBL_EPSILON) return true;
-    /* A power of two near the largest component rounds nothing and keeps squares from overflowing.
-     */
+    /* Scaling by a power of two near the largest component is exact and keeps squares from
+     * overflowing. */
     int exponent;
     frexp(largest, &exponent);
     for (int k = 0; k < 3; k++) vector[k] = ldexp(vector[k], -exponent);
@@ -539,7 +540,7 @@ static gneiss_status check_servo(const check *section, const gn_scene *scene, si
                          scene->dimension == 2 ? "two walls" : "two pairs of walls");
 }
 
-/* What only particles have a use for. */
+/* Refuses keys that only particles read. */
 static gneiss_status check_no_specimen(const check *section, const gn_scene *scene) {
     const struct {
         bool found;
@@ -561,7 +562,7 @@ static gneiss_status check_no_specimen(const check *section, const gn_scene *sce
     return GNEISS_OK;
 }
 
-/* Element by element. */
+/* Checks one element of a list. */
 typedef gneiss_status check_one(const check *c, const gn_scene *s, size_t index);
 
 static gneiss_status check_list(const check *section, const char *list, size_t count,
@@ -601,7 +602,8 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     scene->has_specimen = scene->specimen_given || scene->source_count > 0;
     if (scene->bonds == GN_SWITCH_AUTO)
         scene->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
-    /* Who says something of the end says all of it, also if it is lifted later; auto, too. */
+    /* A scene that states one condition for the end states all of them, including `auto` and
+     * conditions that are switched off. */
     if (scene->stop_peak_drop < 0 && (scene->stop_strain > 0 || scene->stop_unbalanced > 0) &&
         !gn_check_given(&c, "time.stop.peak_drop"))
         scene->stop_peak_drop = 0;

@@ -1,9 +1,9 @@
-/* What the keys of `bodies` must hold together. */
+/* Cross-key checks of `bodies`. */
 #include "scene/check.h"
 
 #include <string.h>
 
-/* Exactly one of the shapes is given. */
+/* Checks that exactly one of the shapes is given. */
 static gneiss_status check_body_shape(const check *section, const gn_scene *scene,
                                       const gn_body_def *body) {
     static const char *const names[] = {"surface", "box", "cylinder", "polygon", "polyline"};
@@ -20,7 +20,7 @@ static gneiss_status check_body_shape(const check *section, const gn_scene *scen
                          *found ? found : "none");
 }
 
-/* One of density and mass; inertia that a body can have. */
+/* Checks that one of density and mass is given, and that the inertia is physically possible. */
 static gneiss_status check_weight(const check *section, const gn_scene *scene,
                                   const gn_body_def *body) {
     if (!(body->density > 0) && !(body->mass > 0))
@@ -41,8 +41,8 @@ static gneiss_status check_weight(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* Without a closed surface, and about another point than the centre of what it encloses, only with
- * all that the surface would say. */
+/* A body without a closed surface, or turning about another point than the centre of the enclosed
+ * volume, must state all that follows from a closed surface. */
 static gneiss_status check_centre(const check *section, const gn_body_def *body) {
     if (body->has_reference) {
         if (body->mass > 0 && body->has_inertia) return GNEISS_OK;
@@ -61,7 +61,7 @@ static gneiss_status check_centre(const check *section, const gn_body_def *body)
     return GNEISS_OK;
 }
 
-/* What is led has no spin of its own. */
+/* Checks that spin components prescribed by the motion have no initial value. */
 static gneiss_status check_spins(const check *section, const gn_scene *scene,
                                  const gn_body_def *body) {
     static const char *const keys[] = {"motion.wx", "motion.wy", "motion.wz"};

@@ -1,10 +1,10 @@
-/* What materials have to say of bonds that soften or yield, and what does not go together. */
+/* Cross-key checks of bonds that soften, yield or carry moments. */
 #include "scene/check.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* What the material needs to soften. */
+/* Checks that the material has the values that softening reads. */
 static gneiss_status check_softening(const check *section, const gn_scene *scene,
                                      const gn_material *material) {
     switch (scene->softening) {
@@ -76,7 +76,7 @@ gneiss_status gn_check_shear_of_pair(const check *section, const gn_scene *scene
                : GNEISS_OK;
 }
 
-/* Laws of bonds that soften or yield, and of such that carry moments. */
+/* Checks laws of bonds that soften, yield or carry moments. */
 gneiss_status gn_check_bonds_of(const check *section, const gn_scene *scene,
                                 const gn_material *material) {
     if (scene->bond_radius_multiplier > 0)
@@ -96,7 +96,8 @@ static bool frictional(const gn_scene *scene) {
     return found;
 }
 
-/* Two lines share out an energy, and what they are drawn by is read by no other curve. */
+/* The bilinear curve divides an energy between two lines; no other curve reads the keys of its
+ * kink. */
 static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     if (scene->softening_curve == GN_SOFTENING_BILINEAR) {
         if (scene->softening == GN_SOFTENING_ENERGY) return GNEISS_OK;
@@ -113,7 +114,7 @@ static gneiss_status check_curve(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* What acts on mu_1 needs one. */
+/* Checks that a stress that mu_1 acts on comes with a mu_1. */
 gneiss_status gn_check_coupling(const check *section, const gn_scene *scene) {
     if (scene->fracture_energy_of == GN_FRACTURE_BODY && scene->softening != GN_SOFTENING_ENERGY)
         return gn_check_fail(section, "law.fracture_energy_of",
@@ -137,7 +138,7 @@ static const char *beside_moments(const gn_scene *scene) {
     return NULL;
 }
 
-/* Moments need spins, and are a law of bonds of their own. */
+/* Moments need spins, and are a separate law of bonds. */
 gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
     if (scene->bonds != GN_SWITCH_ON) return GNEISS_OK;
     if (!(scene->bond_radius_multiplier > 0)) {

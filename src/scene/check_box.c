@@ -1,10 +1,9 @@
-/* Whether the sides of a periodic box can move as a scene says. */
+/* Checks that the sides of a periodic box can move as the scene states. */
 #include "scene/check.h"
 
 #include <math.h>
 
-/* What the convention of a box that moves leaves no place for: particles ride on it, and nothing
- * else does. */
+/* Refuses what the convention of a moving box excludes: only particles follow its deformation. */
 static gneiss_status check_company(const check *section, const gn_scene *scene) {
     bool prescribed = false;
     for (size_t k = 0; k < scene->set_count; k++)
@@ -28,7 +27,7 @@ static gneiss_status check_company(const check *section, const gn_scene *scene) 
                          "expected double beside a periodic box whose sides move, found mixed");
 }
 
-/* Where it has no sides its corners are not looked at. */
+/* Corners along an open axis are not checked. */
 static gneiss_status check_corners(const check *section, const gn_scene *scene) {
     double high[3];
     for (int a = 0; a < 3; a++)
@@ -45,7 +44,7 @@ static gneiss_status check_corners(const check *section, const gn_scene *scene) 
     return GNEISS_OK;
 }
 
-/* What only a servo has a use for, and sides of which nothing is said. */
+/* Refuses keys that only a servo reads, and sides without a motion. */
 static gneiss_status check_idle(const check *section, const gn_box_side *side, const char *key) {
     const gn_node *given = gn_node_find(section->map, key);
     const char *idle = side->max_rate > 0 ? "max_rate" : side->relaxation > 0 ? "relaxation" : NULL;

@@ -1,4 +1,4 @@
-/* What materials say of each other, and what is drawn bond by bond. */
+/* Checks of pairs of materials and of properties that are drawn for each bond. */
 #include "scene/check.h"
 #include "scene/sides.h"
 
@@ -22,7 +22,7 @@ gneiss_status gn_check_scatter(const check *section, const char *key, const gn_s
     return GNEISS_OK;
 }
 
-/* The first key that this law.stiffness does not read; NULL: none. */
+/* Returns the first key that this law.stiffness does not read; NULL: none. */
 static const char *unread(const gn_scene *scene, const gn_contact_def *contact) {
     bool area = gn_scene_by_area(scene), uniform = scene->stiffness == GN_STIFFNESS_UNIFORM;
     bool hertz = gn_scene_hertz(scene), strength = !uniform && !hertz;
@@ -56,8 +56,8 @@ static const gn_material *material_of(const gn_scene *scene, const gn_contact_de
     return &scene->materials[gn_scene_find_material(scene, contact->between[at])];
 }
 
-/* Tells whether the contacts of two materials have a tangential spring; `d`, NULL: what a pair
- * says. */
+/* True if the contacts of two materials have a tangential spring; `contact`: the entry of the pair,
+ * or NULL. */
 static bool has_spring(const gn_scene *scene, const gn_material *first, const gn_material *second,
                        const gn_contact_def *contact) {
     const bool area = gn_scene_by_area(scene);
@@ -91,8 +91,9 @@ bool gn_material_has_spring(const gn_scene *scene, const gn_material *material) 
     return has_spring(scene, material, material, NULL) || has_spring_in_a_pair(scene, material);
 }
 
-/* Stages may bring a spring, or a friction to the springs of the base, so that friction of the base
- * may stand in a scene with stages; friction that a stage itself gives needs a spring there. */
+/* Later stages may add a spring, or friction to the springs of the base. Friction of the base may
+ * therefore stand without a spring in a scene with stages; friction that a stage itself gives needs
+ * a spring there. */
 static bool may_come_later(const check *section, const gn_scene *scene, const char *key) {
     const gn_node *node = gn_node_find(section->map, key);
     return scene->stage_count && !(node && node->stage);
@@ -109,7 +110,7 @@ gneiss_status gn_check_grip(const check *section, const gn_scene *scene,
                : GNEISS_OK;
 }
 
-/* A friction that the materials of a pair have, where the pair itself takes the spring away. */
+/* Refuses friction of the materials of a pair whose entry removes the spring. */
 static gneiss_status check_inherited_grip(const check *section, const gn_scene *scene,
                                           const gn_contact_def *contact, const gn_material *first,
                                           const gn_material *second) {

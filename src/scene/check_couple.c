@@ -1,4 +1,4 @@
-/* What `couple` must hold together. */
+/* Cross-key checks of `couple`. */
 #include "scene/check.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ static bool same_edges(const gn_scene *scene, const gn_couple_zone *first,
     return same;
 }
 
-/* A zone that is there twice is one by mistake: the second changes nothing. */
+/* Refuses a zone that is given twice: the second changes nothing and is a mistake. */
 static gneiss_status check_other(const check *section, const gn_scene *scene, size_t index) {
     for (size_t k = 0; k < index; k++)
         if (same_edges(scene, &scene->couple.zones[k], &scene->couple.zones[index]))
@@ -43,7 +43,7 @@ static gneiss_status check_other(const check *section, const gn_scene *scene, si
     return GNEISS_OK;
 }
 
-/* What a zone does not go with. */
+/* Refuses keys that exclude coupling zones. */
 static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     if (!scene->has_specimen || !scene->has_elements)
         return gn_check_fail(section, "couple",
@@ -62,7 +62,7 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* ---- a wave at the start ---- */
+/* ---- initial wave ---- */
 
 static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
     double size2 = 0.0;
@@ -74,8 +74,8 @@ static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
     return GNEISS_OK;
 }
 
-/* Springs tie places, not spins; non-viscous damping goes by the resultant on each mass by itself,
- * which consistent ones are not. */
+/* Springs couple displacements, not spins. Non-viscous damping acts on the resultant at each mass
+ * separately, which consistent masses exclude. */
 static gneiss_status check_constraint(const check *section, const gn_scene *scene) {
     if (scene->couple.constraint == GN_COUPLE_CONSISTENT &&
         scene->background != GN_BACKGROUND_NONE && scene->background != GN_BACKGROUND_VISCOUS &&
@@ -83,7 +83,7 @@ static gneiss_status check_constraint(const check *section, const gn_scene *scen
         return gn_check_fail(section, "couple.constraint",
                              "expected lumped or penalty beside background damping that is not "
                              "viscous, found consistent");
-    /* Scenes that were written have all keys: those that say nothing are let pass. */
+    /* Scenes that were written contain all keys; those at their default are accepted. */
     const char *springs = scene->couple.penalty != 1.0           ? "couple.penalty"
                           : scene->couple.penalty_damping != 0.0 ? "couple.penalty_damping"
                                                                  : NULL;
@@ -98,7 +98,8 @@ static gneiss_status check_constraint(const check *section, const gn_scene *scen
 
 /* ---- conversion ---- */
 
-/* Sets that are only watched, as the sides of a notch's mouth, do nothing to who sleeps. */
+/* Sets that are only observed, such as the sides of a notch's mouth, do not affect dormant
+ * particles. */
 static gneiss_status check_convert_set(const check *section, const gn_set_def *set) {
     bool moves = false;
     for (int a = 0; a < 3; a++)
@@ -127,7 +128,7 @@ static gneiss_status check_convert_set(const check *section, const gn_set_def *s
     return GNEISS_OK;
 }
 
-/* Elements do not press on walls: these stop what has come off. */
+/* Elements do not press on walls: walls only stop debris. */
 static gneiss_status check_convert_walls(const check *section, const gn_scene *scene) {
     const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
     for (size_t k = 0; k < scene->wall_count; k++)
@@ -146,7 +147,7 @@ static gneiss_status check_convert_walls(const check *section, const gn_scene *s
     return GNEISS_OK;
 }
 
-/* What it does not go with, at the key that says so. */
+/* Refuses keys that exclude conversion, with a message at the key. */
 static gneiss_status check_convert_beside(const check *section, const gn_scene *scene,
                                           const gn_node *root) {
     const struct {
@@ -177,7 +178,7 @@ static gneiss_status check_convert_beside(const check *section, const gn_scene *
     return GNEISS_OK;
 }
 
-/* Without a box it is the region that was packed, with what rounding does to nodes on its sides. */
+/* Without a box the packed region holds, extended by the rounding of nodes on its sides. */
 static gneiss_status set_box(const check *section, gn_scene *scene) {
     gn_convert_def *q = &scene->couple.convert;
     const gn_pack_def *pack = &scene->specimen.pack;

@@ -1,4 +1,4 @@
-/* What keys of finite elements must hold together. */
+/* Cross-key checks of finite elements. */
 #include "scene/check.h"
 
 #include <math.h>
@@ -131,7 +131,7 @@ static gneiss_status check_load(const check *section, const gn_scene *scene,
                          "expected at least one component, found none");
 }
 
-/* What is not in a list. */
+/* Checks the keys outside lists. */
 static gneiss_status check_whole(const check *section, const gn_scene *scene) {
     const gn_element_def *elements = &scene->elements;
     GN_TRY(check_mesh(section, scene));

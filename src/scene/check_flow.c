@@ -1,10 +1,10 @@
-/* What the keys of `sources` and `sinks` must hold together. */
+/* Cross-key checks of `sources` and `sinks`. */
 #include "scene/check.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The key of the last shape that is given, "" of none. */
+/* Returns the key of the last given shape, "" if there is none. */
 static const char *region_key(const gn_flow_region *region) {
     return region->has_cylinder   ? "cylinder"
            : region->has_box      ? "box"
@@ -13,7 +13,7 @@ static const char *region_key(const gn_flow_region *region) {
                                   : (region->has_rectangle ? "rectangle" : "");
 }
 
-/* Exactly one of the shapes; of a sink that, or a plane. */
+/* Checks that exactly one shape is given; for a sink, exactly one shape or a plane. */
 static gneiss_status check_region(const check *section, const gn_scene *scene,
                                   const gn_flow_region *region, const gn_sink_def *sink) {
     static const char *const names[] = {"plane", "rectangle", "disc", "polygon", "box", "cylinder"};
@@ -39,7 +39,7 @@ static gneiss_status check_region(const check *section, const gn_scene *scene,
     return GNEISS_OK;
 }
 
-/* m, of the box about it. */
+/* m, bounding box of the region. */
 static void bounds(const gn_flow_region *region, double lower[3], double upper[3]) {
     const bool round = region->has_disc || region->has_cylinder;
     for (size_t a = 0; a < 3; a++) {
@@ -56,7 +56,7 @@ static void bounds(const gn_flow_region *region, double lower[3], double upper[3
     }
 }
 
-/* Particles come in where particles may be. */
+/* Checks that particles are created inside the domain and the periodic box. */
 static gneiss_status check_place(const check *section, const gn_scene *scene,
                                  const gn_flow_region *region) {
     double lower[3], upper[3];
@@ -154,7 +154,7 @@ static gneiss_status check_sink(const check *section, const gn_scene *scene, siz
     return GNEISS_OK;
 }
 
-/* What goes by particles that are there from the start to the end. */
+/* Refuses keys that need the same particles from start to end. */
 static gneiss_status check_beside(const check *section, const gn_scene *scene) {
     const struct {
         bool found;

@@ -1,4 +1,4 @@
-/* What goes with Hertz's law, and what walls and surfaces say of their contacts by any. */
+/* Checks of Hertz's law, and of the contact parameters of walls and surfaces for any law. */
 #include "scene/check.h"
 #include "scene/sides.h"
 
@@ -44,7 +44,7 @@ static gneiss_status not_read(const check *section, const char *key, double valu
     return gn_check_fail(section, key, "expected none %s, found %g", why, value);
 }
 
-/* A body meets walls and other bodies by a stiffness of its own. */
+/* Contacts of a body with walls and other bodies have the body's own stiffness. */
 static gneiss_status check_body_springs(const check *section, const gn_scene *scene,
                                         gn_side_keys side) {
     int m = *side.material ? gn_scene_find_material(scene, side.material) : -1;
@@ -56,7 +56,7 @@ static gneiss_status check_body_springs(const check *section, const gn_scene *sc
                         : GNEISS_OK;
 }
 
-/* With Hertz's law of a material or rigid, else of a stiffness. */
+/* With Hertz's law a surface has a material or is rigid; otherwise it has a stiffness. */
 gneiss_status gn_check_side(const check *section, const gn_scene *scene, const char *prefix,
                             gn_side_keys side) {
     char stiffness[64], kratio[64], friction[64], material[64];

@@ -1,15 +1,15 @@
-/* Keys that change nothing in the scene that they stand in. Each row of the tables below names a
- * key, the condition under which nothing reads it, and the reason; a value that is the default is
- * none that somebody relies on. They are notes and not errors, so that a scene can be varied. */
+/* Keys that change nothing in their scene. Each row of the tables below names a key, the condition
+ * under which nothing reads it, and the reason; a value equal to the default gets no note. These
+ * are notes and not errors, so that a scene can be varied. */
 #include "scene/check.h"
 #include "scene/sides.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what is given ---- */
+/* ---- given values ---- */
 
-/* Tells whether a value in the struct is the one that the key has when it is left out. */
+/* True if a value in the struct is the default of the key. */
 static bool is_default(const gn_key *key, const void *base) {
     const char *at = (const char *)base + key->offset;
     if (key->presence == GN_PRESENT_BOOL || key->presence == GN_PRESENT_ENUM)
@@ -27,7 +27,7 @@ static bool is_default(const gn_key *key, const void *base) {
     return false;
 }
 
-/* Notes the key of an element, or of the scene, if it has another value than its default. */
+/* Notes the key of an element, or of the scene, if its value is not the default. */
 static void note(const check *section, const void *base, const char *key, const char *why) {
     char path[GN_KEY_PATH_SIZE], text[256];
     const gn_node *node = gn_node_find(section->map, key);
@@ -53,12 +53,12 @@ static const char no_bonds[] = "no bonds are formed";
 static const char other_law[] = "this law.stiffness does not read it";
 static const char other_softening[] = "this law.softening does not read it";
 
-/* Why a key of a material is not read; NULL: it is. `limits`: strengths are forces. */
+/* Reason why a key of a material is not read; NULL: it is read. `limits`: strengths are forces. */
 typedef struct material_row {
     const char *key;
     bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads it */
     bool of_bonds;
-    int64_t softening; /* that reads it, a gn_softening; -1: any */
+    int64_t softening; /* that reads the key, a gn_softening; -1: any */
 } material_row;
 
 static bool uniform(const gn_scene *scene) {
@@ -106,7 +106,8 @@ static const char *unread_by_material(const gn_scene *scene, const material_row 
     return NULL;
 }
 
-/* Tells whether something is of the material; files of particles and earlier runs may name any. */
+/* True if something consists of the material; files of particles and earlier runs may name any
+ * material. */
 static bool is_used(const gn_scene *scene, const char *name) {
     bool used = *scene->specimen.file || *scene->specimen.from ||
                 strcmp(scene->specimen.material, name) == 0 ||
@@ -139,7 +140,8 @@ static void note_materials(const gn_reader *reader, const gn_node *root, const g
     }
 }
 
-/* What law.stiffness and law.softening do not read in a pair is refused (check_contacts.c). */
+/* Keys of a pair that law.stiffness and law.softening do not read are refused (check_contacts.c).
+ */
 static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     for (size_t k = 0; !bonded(scene) && k < scene->contact_count; k++) {
         check c = gn_check_element(reader, root, "contacts", k);
@@ -258,7 +260,7 @@ static bool is_zero(const gn_table *table) {
     return true;
 }
 
-/* A plane that moves in itself, without friction. */
+/* A plane that moves within itself, without friction, has no effect. */
 static void note_walls(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     static const char *const keys[] = {"motion.vx", "motion.vy", "motion.vz"};
     for (size_t k = 0; k < scene->wall_count; k++) {

@@ -1,4 +1,4 @@
-/* What files are to have besides what they have anyway. */
+/* Checks of fields that files hold on request. */
 #include "base/asked.h"
 #include "base/names.h"
 #include "scene/check.h"

@@ -1,4 +1,4 @@
-/* Whether stages can begin and end. */
+/* Checks that stages can begin and end. */
 #include "base/vec3.h"
 #include "scene/acts.h"
 #include "scene/check.h"
@@ -23,7 +23,7 @@ static gneiss_status check_name(const check *section, const gn_scene *scene, siz
     return GNEISS_OK;
 }
 
-/* s, by which stages that end by time alone are over. */
+/* s, earliest start of a stage: the end of the stages before it that end by time alone. */
 static double least_start(const gn_scene *scene, size_t stage) {
     double sum = 0.0;
     for (size_t k = 0; k < stage; k++)
@@ -89,13 +89,13 @@ static bool prescribed(const gn_motion *motion) {
     return given(motion->velocity) || given(motion->spin);
 }
 
-/* Whether contacts may begin with a force: bonds that are free of stress at another distance, or
- * that another run had loaded. */
+/* True if contacts may begin with a force: bonds that are free of stress at another distance, or
+ * bonds of another run that were loaded. */
 static bool prestressed(const gn_scene *scene) {
     return scene->specimen.from_bonds || (scene->bonds == GN_SWITCH_ON && !scene->passive_gaps);
 }
 
-/* Whether anything could change a specimen that is at rest, besides what presses it. */
+/* True if anything but a load could change a specimen at rest. */
 static bool anything_else_acts(const gn_scene *scene) {
     bool acts = prestressed(scene) || scene->source_count || scene->has_pulse ||
                 scene->random_velocity != 0;
@@ -109,7 +109,7 @@ static bool anything_acts(const gn_scene *scene) {
     return gn_scene_presses(scene) || anything_else_acts(scene);
 }
 
-/* Whether rows of a scene reach into each other or into a wall that does not take that for free of
+/* True if listed particles overlap each other, or a wall that does not take the overlap as free of
  * stress. */
 static bool rows_overlap(const gn_scene *scene) {
     const gn_specimen *specimen = &scene->specimen;
@@ -130,14 +130,15 @@ static bool rows_overlap(const gn_scene *scene) {
     return false;
 }
 
-/* Whether a stage that begins at rest may find contacts that are pressed: what is not in the scene
- * itself is looked at once it stands (gn_world_stage_check). */
+/* True if a stage that begins at rest may find loaded contacts. Particles that are not listed in
+ * the scene are checked once they exist (gn_world_stage_check). */
 static bool may_overlap(const gn_scene *scene) {
     return !scene->specimen.particle_count || scene->body_count || scene->has_elements ||
            rows_overlap(scene);
 }
 
-/* After a stage before it may still be on the move: what is held, too, has a reason to be there. */
+/* After an earlier stage the specimen may still move, so that a prescribed zero velocity has an
+ * effect as well. */
 static bool anything_given(const gn_scene *scene) {
     bool any = anything_acts(scene);
     for (size_t k = 0; k < scene->wall_count; k++) any = any || prescribed(&scene->walls[k].motion);
@@ -149,9 +150,9 @@ static bool anything_given(const gn_scene *scene) {
     return any;
 }
 
-/* ---- ends that only part ---- */
+/* ---- ends that only separate ---- */
 
-/* The most of a table, or of minus it, from a time on; 0 of an empty one. */
+/* Returns the largest value of `sign` times the table from a time on; 0 for an empty table. */
 static double most(const gn_table *table, double sign, double from) {
     double found = table->count ? sign * table->value[table->count - 1] : 0.0;
     for (size_t k = 0; k + 1 < table->count; k++)
@@ -159,7 +160,7 @@ static double most(const gn_table *table, double sign, double from) {
     return found;
 }
 
-/* The velocity of a part of an end along the axis; NULL: it follows forces. */
+/* Returns the velocity of a part of an end along the axis; NULL: the part follows forces. */
 static const gn_table *velocity_of(const gn_scene *scene, const char *name) {
     const int axis = (int)scene->test.axis, wall = gn_scene_find_wall(scene, name),
               body = gn_scene_find_body(scene, name), set = gn_scene_find_set(scene, name),
@@ -174,8 +175,8 @@ static const gn_table *velocity_of(const gn_scene *scene, const char *name) {
     return m && (stands || m->velocity[axis].count) ? &m->velocity[axis] : NULL;
 }
 
-/* The fastest that an end ever moves in the sense of `sign` along the axis in a stage or later;
- * infinity where parts of it follow forces. */
+/* Returns the largest velocity of an end in the sense of `sign` along the axis in a stage or later;
+ * infinity if a part of it follows forces. */
 static double fastest(const gn_scene *scene, size_t stage, const gn_test_end *end, double sign) {
     double sum = 0.0;
     for (size_t k = 0; k < end->count; k++) {
@@ -187,7 +188,7 @@ static double fastest(const gn_scene *scene, size_t stage, const gn_test_end *en
     return sum / (double)end->count;
 }
 
-/* Whether the strain of a test whose ends are moved as given can never grow. */
+/* True if the strain of a test with prescribed motions of the ends can never grow. */
 static bool never_strains(const gn_scene *scene, size_t stage) {
     const gn_test *test = &scene->test;
     if (test->kind == GN_TEST_NONE || test->kind == GN_TEST_HYDROSTATIC || test->has_control)
@@ -203,8 +204,8 @@ static const char *strains_by(const gn_scene *scene) {
                                                           : "come apart";
 }
 
-/* Whether each part of an end is moved as given, and none of them ever in the sense of `sign`; the
- * others are counted. */
+/* True if the motion of each part of an end is prescribed and none is ever in the sense of `sign`;
+ * counts the parts that move the other way. */
 static bool only_against(const gn_scene *scene, const gn_test_end *end, double sign, int *against) {
     for (size_t k = 0; k < end->count; k++) {
         const gn_table *velocity = velocity_of(scene, end->name[k]);
@@ -230,7 +231,7 @@ gneiss_status gn_check_parting(const check *section, const gn_scene *scene) {
     if (!only_against(scene, &test->upper, sign, &against) ||
         !only_against(scene, &test->lower, -sign, &against))
         return GNEISS_OK;
-    if (!against) return GNEISS_OK; /* what stands may be there to be watched */
+    if (!against) return GNEISS_OK; /* fixed ends may only observe */
     return gn_check_fail(section, "test.upper",
                          "expected ends that %s, found ends that only %s: the test would measure "
                          "nothing",
@@ -241,8 +242,8 @@ static double largest_pressure(const gn_scene *scene) {
     return scene ? fmax(0.0, most(&scene->membrane.pressure, 1.0, -INFINITY)) : 0.0;
 }
 
-/* A specimen on which nothing but a membrane presses has its pressure as mean stress, at most twice
- * that where it comes at once. */
+/* A specimen loaded by a membrane alone has its pressure as mean stress, and at most twice the
+ * pressure if it is applied at once. */
 static bool never_so_pressed(const gn_scene *before, const gn_scene *scene, double stress) {
     if (scene->test.kind != GN_TEST_HYDROSTATIC || gn_scene_presses_beside(scene, true) ||
         anything_else_acts(scene))
@@ -258,7 +259,7 @@ static bool servo(const gn_scene *scene) {
     return false;
 }
 
-/* What is looked at in rows of the history alone. */
+/* Returns the first condition that is evaluated only in rows of the history. */
 static const char *end_by_rows(const gn_stage *stage) {
     return stage->strain > 0       ? "end.strain"
            : stage->stress > 0     ? "end.stress"
@@ -274,7 +275,7 @@ static const char nothing[] = "expected something that moves or acts in this sta
 static const char parting[] = "expected ends that %s in this stage, found none that do: it would "
                               "never end";
 
-/* Of a given step, which stays what it is. */
+/* Checks a given step, which later stages cannot change. */
 static gneiss_status check_steps(const check *section, const gn_scene *scene,
                                  const gn_stage *stage) {
     gn_stage other = *stage;
@@ -288,7 +289,7 @@ static gneiss_status check_steps(const check *section, const gn_scene *scene,
                          scene->end, duration, scene->step);
 }
 
-/* What can only end by strain or stress, where neither comes. */
+/* Refuses a stage that can end only by strain or stress if neither can develop. */
 static gneiss_status check_growth(const check *section, const gn_scene *before,
                                   const gn_scene *scene, size_t stage, bool first) {
     const gn_stage *e = &scene->stages[stage];
@@ -319,7 +320,8 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
                              "the history, found 0: the stage would never end by it");
     gn_stage others = *e;
     others.held = 0.0;
-    /* A pressure of 0 that a stage gives is one of a series; else the membrane may begin later. */
+    /* A pressure of 0 that a stage gives belongs to a series; otherwise the membrane may begin
+     * later. */
     const bool pressed = scene->has_membrane &&
                          (scene->membrane_stage > 0 || gn_table_acts(&scene->membrane.pressure));
     if (e->held > 0 && !servo(scene) && !pressed && !gn_stage_has_end(&others))
@@ -363,7 +365,7 @@ static const char fewer[] =
     "expected the channels that it has before this stage, %s '%s': which are prescribed holds for "
     "all of the run (a velocity may be 0)";
 
-/* Whether a material has what bonds that soften or yield have damage over. */
+/* True if two materials agree in everything but friction. */
 static bool same_bonds(const gn_material *first, const gn_material *second) {
     gn_material now = *second;
     now.friction = first->friction;
@@ -391,7 +393,7 @@ static gneiss_status check_damage(const check *section, const gn_scene *before,
     return GNEISS_OK;
 }
 
-/* The skin is found once, when the run begins. */
+/* The skin is determined once, when the run begins. */
 static gneiss_status check_skin(const check *section, const gn_scene *before, const gn_scene *now) {
     const gn_membrane_def *was = &before->membrane, *is = &now->membrane;
     const char *other = was->faces != is->faces       ? "membrane.faces"
@@ -405,7 +407,7 @@ static gneiss_status check_skin(const check *section, const gn_scene *before, co
                          "ramp may change");
 }
 
-/* What the parts decide once, when they are made. */
+/* Refuses changes of values that the parts of a world read only when they are created. */
 static gneiss_status check_kept(const check *section, const gn_scene *before, const gn_scene *now) {
     GN_TRY(check_skin(section, before, now));
     for (size_t k = 0; k < now->body_count; k++) {
@@ -421,7 +423,7 @@ static gneiss_status check_kept(const check *section, const gn_scene *before, co
     return GNEISS_OK;
 }
 
-/* Who sleeps has its bonds put by, and no contacts. */
+/* Dormant particles have no contacts; their bonds are stored separately. */
 gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root, size_t stage) {
     static const char *const keys[] = {"bonds", "materials", "contacts", "damping.contact"};
     const check c = gn_check_element(reader, root, "stages", stage);

@@ -1,18 +1,18 @@
-/* The section of a box of walls, by which a servo that holds a stress knows its force. */
+/* Section of a box of walls, from which a servo that holds a stress gets its force. */
 #include "scene/facing.h"
 
 #include "base/vec3.h"
 
 #include <math.h>
 
-/* Cosine of what counts as a right angle, and what opposite normals may miss. */
+/* Tolerance on the cosine of a right angle, and on that of opposite normals. */
 static const double slack = 1e-6;
 
 static bool across(const double *first, const double *second) {
     return fabs(gn_dot3(first, second)) < slack;
 }
 
-/* Two walls that face each other across the direction of `normal` and, if given, of `other`. */
+/* Finds two walls that face each other and are orthogonal to `normal` and, if given, `other`. */
 static bool find_pair(const gn_scene *scene, const double *normal, const double *other,
                       gn_facing *facing) {
     for (size_t i = 0; i < scene->wall_count; i++) {

@@ -10,7 +10,7 @@ typedef struct key_printer {
     bool markdown;
     const char *const *sought; /* [sought_count]; none: every key */
     size_t sought_count;
-    int rank; /* of the keys that are printed now */
+    int rank; /* rank of the keys that are printed now */
     size_t count;
 } key_printer;
 
@@ -136,9 +136,7 @@ static void print_key(key_printer *printer, const char *path, const gn_key *key)
             fallback, key->text);
 }
 
-/* Words of the field and of other programs, and what the paths of the keys hold that they are
- * about.
- */
+/* Synonyms from the field and other programs, and the parts of key paths that they stand for. */
 static const struct {
     const char *word, *parts[4];
 } synonyms[] = {
@@ -191,7 +189,7 @@ static bool is_synonym(const char *word, const char *path) {
 
 enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
-/* Where a key holds a word, the nearest first; RANKS: nowhere. */
+/* Returns the best match of a key with a word, the nearest first; RANKS: none. */
 static int rank_of_word(const char *word, const char *path, const gn_key *key) {
     char type[256];
     if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
@@ -202,7 +200,7 @@ static int rank_of_word(const char *word, const char *path, const gn_key *key) {
                : RANKS;
 }
 
-/* Several words may be one term of the field: "crack mouth". */
+/* Several words may form one term: "crack mouth". */
 static bool is_term(const key_printer *printer, const char *path) {
     char term[256] = "";
     for (size_t k = 0, used = 0; k < printer->sought_count && used < sizeof term; k++)
@@ -211,7 +209,7 @@ static bool is_term(const key_printer *printer, const char *path) {
     return printer->sought_count > 1 && is_synonym(term, path);
 }
 
-/* Of several words the one that it holds farthest behind; all of them are wanted. */
+/* The rank of several words is the lowest of theirs; a key must contain all of them. */
 static int rank_of(const key_printer *printer, const char *path, const gn_key *key) {
     int rank = RANK_START;
     for (size_t k = 0; k < printer->sought_count; k++) {
@@ -264,8 +262,8 @@ static const gn_key *key_named(const gn_section *section, const char *name, size
     return NULL;
 }
 
-/* A path goes down a section by the name of a key, a list by an element (whichever) and a value of
- * several numbers by a component; "materials.rock.friction" and "materials[0].friction" alike. */
+/* A path enters a section by the name of a key, a list by any element and a value of several
+ * numbers by a component; "materials.rock.friction" and "materials[0].friction" are equal. */
 const gn_key *gn_scene_key_at(const char *path) {
     const gn_section *section = &gn_scene_section;
     const gn_key *key = NULL;
@@ -286,7 +284,7 @@ const gn_key *gn_scene_key_at(const char *path) {
     return key;
 }
 
-/* ---- slips ---- */
+/* ---- misspelt keys ---- */
 
 typedef struct key_slip {
     gn_names names;
@@ -294,7 +292,7 @@ typedef struct key_slip {
     size_t size;
 } key_slip;
 
-/* What is kept is a copy: a path does not last. */
+/* The candidate is copied, because a path is temporary. */
 static void offer(key_slip *slip, const char *name) {
     size_t least = slip->names.least;
     gn_names_add(&slip->names, name);

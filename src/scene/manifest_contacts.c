@@ -1,4 +1,4 @@
-/* The keys of `contacts`, and of what is drawn bond by bond. */
+/* Keys of `contacts` and of distributions of bond properties. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice distributions[] = {

@@ -1,4 +1,4 @@
-/* The keys of zones that particles and elements share. */
+/* Keys of coupling zones and of conversion. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice constraints[] = {{"lumped", GN_COUPLE_LUMPED},

@@ -1,4 +1,4 @@
-/* The keys of finite elements. */
+/* Keys of finite elements. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice formulations[] = {

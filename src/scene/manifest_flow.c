@@ -1,4 +1,4 @@
-/* The keys of `sources` and `sinks`. */
+/* Keys of `sources` and `sinks`. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},

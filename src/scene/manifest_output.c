@@ -1,4 +1,4 @@
-/* The keys of `output`. */
+/* Keys of `output`. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice switches[] = {

@@ -1,4 +1,4 @@
-/* Keys of the section `specimen`: where the particles come from. */
+/* Keys of the section `specimen`, the source of the particles. */
 #include "scene/manifest_keys.h"
 
 /* ---- words ---- */

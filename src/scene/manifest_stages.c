@@ -1,4 +1,4 @@
-/* The keys of `stages`. */
+/* Keys of `stages`. */
 #include "scene/manifest_keys.h"
 #include "scene/stages.h"
 #include "scene/units.h"

@@ -1,4 +1,4 @@
-/* The keys of `time`. */
+/* Keys of `time`. */
 #include "scene/manifest_keys.h"
 #include "scene/units.h"
 

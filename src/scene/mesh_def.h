@@ -1,4 +1,4 @@
-/* What a scene says of built-in meshes. */
+/* Definitions of built-in meshes. */
 #ifndef GN_SCENE_MESH_DEF_H
 #define GN_SCENE_MESH_DEF_H
 
@@ -6,7 +6,7 @@
 
 typedef enum gn_diagonals { GN_DIAGONALS_ALTERNATING, GN_DIAGONALS_PARALLEL } gn_diagonals;
 
-/* A beam with supports below, a load above mid-span and a notch there. */
+/* A beam with supports below, a load above mid-span and a notch below mid-span. */
 typedef struct gn_beam_def {
     double length, height, thickness; /* m; thickness 0 in 2D */
     double span;                      /* m between the supports; 0: the length */

@@ -39,7 +39,7 @@ static int by_place(const void *left, const void *right) {
     return (x > y) - (x < y);
 }
 
-/* A line each; what has no room is counted. */
+/* Each message takes a line; messages without room are counted. */
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error) {
     enum { REST = 48 };
     const gn_problem *order[GN_PROBLEMS_MAX];
@@ -59,7 +59,8 @@ gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
 }
 
-/* "FILE:LINE:COLUMN: PATH: text", or "--set KEY: text"; returns where PATH or KEY begins. */
+/* Writes "FILE:LINE:COLUMN: PATH: text", or "--set KEY: text"; returns the offset of PATH or KEY.
+ */
 static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                        const char *path, const char *text, char *out, size_t size) {
     char place[GN_PATH_SIZE + 64], stage[32] = "";
@@ -69,7 +70,7 @@ static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_pl
     else
         snprintf(place, sizeof place, "%.*s:%d:%d", GN_PATH_SIZE, reader->name, where.line,
                  where.column);
-    /* A scene as a stage leaves it has the keys of a scene. */
+    /* The scene of a stage has the keys of a scene. */
     if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
         snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
     snprintf(out, size, "%s: %s%.*s%s%s", place, same ? "" : stage, GN_KEY_PATH_SIZE,
@@ -133,9 +134,9 @@ gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
     return gn_problem_keep(reader->problems, status, reader->error);
 }
 
-/* --- what is in doubt --- */
+/* --- keys in doubt --- */
 
-/* Whether a path is `top` or below it. */
+/* True if a path is `top` or below it. */
 static bool below(const char *path, const char *top) {
     size_t length = strlen(top);
     return strncmp(path, top, length) == 0 && (!path[length] || strchr(".[", path[length]));
@@ -159,7 +160,7 @@ bool gn_problem_names(const gn_problems *problems, const char *list) {
     if (problems->count > GN_PROBLEMS_MAX) return true;
     for (size_t k = 0; k < kept(problems); k++) {
         const char *path = problems->problem[k].path;
-        if (below(list, path)) return true; /* the list itself, or what holds it */
+        if (below(list, path)) return true; /* the list itself, or its parent */
         if (!below(path, list)) continue;
         const char *rest = strchr(path + strlen(list), ']');
         if (!rest || !rest[1] || strcmp(rest, "].name") == 0) return true;

@@ -1,4 +1,4 @@
-/* What scenes call for, whatever is built. */
+/* Effects that scenes need, before effects that are not built are removed. */
 #define GN_EVERY_EFFECT
 #include "scene/scene.h"
 #include "scene/sides.h"
@@ -36,14 +36,14 @@ static gneiss_status note_overrides(gn_scene *scene, const gn_override *override
     return GNEISS_OK;
 }
 
-/* Whether the path of one key is that of another or of what is below it. */
+/* True if the path of a key is `top` or below it. */
 static bool within(const char *path, size_t length, const char *top, size_t top_length) {
     if (length < top_length || memcmp(path, top, top_length) != 0) return false;
     return length == top_length || strchr(".[", path[top_length]);
 }
 
-/* The key on the command line that gave what stands at a path, or around it; below it where no file
- * did; its length, 0: none. */
+/* Finds the key on the command line that gave the value at a path or around it, or below it if no
+ * file gave one; returns its length, 0: none. */
 static size_t overriding(const gn_scene *scene, bool filed, const char *path, const char **key) {
     const size_t length = strlen(path);
     const bool below = !filed || strchr(path, '.');
@@ -88,7 +88,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     return gn_problems_status(reader->problems, reader->error);
 }
 
-/* The reader keeps messages even for a caller who does not want them. */
+/* The reader keeps messages even if the caller does not ask for them. */
 static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                size_t override_count) {
     gneiss_error own = {0}, *error = reader->error;
@@ -119,7 +119,7 @@ static gneiss_status check_length(const char *text, size_t length, const char *n
     return GNEISS_OK;
 }
 
-/* Fills reader->scene; what else the reader needs is there. */
+/* Fills reader->scene; all other fields of the reader are set. */
 static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
                            const gn_override *overrides, size_t override_count) {
     const char *name = reader->name;
@@ -128,7 +128,7 @@ static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
     GN_TRY(check_length(text, length, name, reader->error));
     snprintf(scene->source, sizeof scene->source, "%s", name);
     gn_tree *tree = NULL;
-    /* Numbers have a point, whatever the locale of the calling program says. */
+    /* Numbers have a decimal point in any locale of the calling program. */
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c_locale) return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
     locale_t previous = uselocale(c_locale);
@@ -150,7 +150,7 @@ gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t leng
     return parse(&reader, text, length, overrides, override_count);
 }
 
-/* With units of its own. */
+/* Parses with a separate unit system. */
 static gneiss_status parse_alone(gn_reader *reader, const char *text, size_t length,
                                  const gn_override *overrides, size_t override_count) {
     memset(reader->scene, 0, sizeof *reader->scene);
@@ -182,7 +182,7 @@ gneiss_status gn_scene_parse_stage(const char *text, const char *name, size_t st
     return parse_alone(&reader, text, strlen(text), NULL, 0);
 }
 
-/* The whole file with a NUL behind it; stops one byte above the limit. */
+/* Reads the whole file and appends a NUL; stops one byte above the limit. */
 static gneiss_status read_all(FILE *file, const char *path, char **text, size_t *length,
                               gneiss_error *error) {
     size_t capacity = 1 << 16;
@@ -211,7 +211,7 @@ static gneiss_status read_scene_file(const char *path, char **text, size_t *leng
                                      gneiss_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) {
-        /* A scene that is not there is a slip of the one who named it, not of the disk. */
+        /* A missing scene is an input error, not an I/O error. */
         bool absent = errno == ENOENT || errno == ENOTDIR;
         return gn_fail(error,
                        absent            ? GNEISS_ERROR_INPUT
@@ -295,7 +295,7 @@ void gn_scene_free(gn_scene *scene) {
 
 /* ---- copying ---- */
 
-/* The array at *slot gives way to a copy of its own; without memory for it, or empty, to NULL. */
+/* Replaces the array at *slot by a copy; by NULL if it is empty or memory is lacking. */
 static bool own_array(void *slot, size_t count, size_t size) {
     void *from, *own = NULL;
     memcpy(&from, slot, sizeof from);
@@ -349,7 +349,7 @@ static bool bonds_possible(const gn_scene *scene) {
     return some;
 }
 
-/* Of bonds with tangential springs. */
+/* Effects of bonds with tangential springs. */
 static gn_effects strength_effects(const gn_scene *scene) {
     bool frictional = false, yields = false;
     for (size_t k = 0; k < scene->material_count; k++) {
@@ -383,7 +383,7 @@ bool gn_scene_rolls(const gn_scene *scene) {
     return rolls;
 }
 
-/* Friction and damping of any pair. */
+/* Effects of friction and damping of any pair. */
 static gn_effects hertz_effects(const gn_scene *scene) {
     bool friction = false, damping = scene->restitution >= 0 || scene->damping_fraction > 0;
     for (size_t k = 0; k < scene->material_count; k++) {
@@ -467,7 +467,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
         if (scene->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < gn_scene_sides(scene); k++)
         if (mask & GN_FX_FRICTION && *gn_scene_side(scene, k).material) mask |= GN_FX_WALL_SHEAR;
-    /* Its moments stand beside tangential forces, which may be none. */
+    /* Its moments need the storage of tangential forces even if these are zero. */
     if (scene->has_specimen && gn_scene_rolls(scene))
         mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
@@ -478,7 +478,7 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     if (scene->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (scene->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (scene->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
-    /* Of stages one world holds all that any of them needs; background damping needs nothing. */
+    /* The world holds what any of the stages needs; background damping needs no storage. */
     const gn_effects background =
         GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
     return mask | (scene->united & ~background) | background_effect(scene);
@@ -590,7 +590,7 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
     return false;
 }
 
-/* Nodes take no moments: on finite elements nothing resists rolling. */
+/* Nodes take no moments, so that nothing resists rolling on finite elements. */
 gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place) {
     const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
     const gn_wall_def *wall = place < walls ? &scene->walls[place] : NULL;

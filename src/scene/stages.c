@@ -1,6 +1,6 @@
-/* Stages: what one changes is laid over the tree of the scene as it stands before, and the whole is
- * read again. So every key that may change has its one meaning, its checks and its place in the
- * file. */
+/* Stages: the changes of a stage are merged into the tree of the previous scene, and the result is
+ * read as a whole. Every key that may change thus keeps its one meaning, its checks and its place
+ * in the file. */
 #include "scene/stages.h"
 
 #include "base/memory.h"
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what may change ---- */
+/* ---- keys that may change ---- */
 
-/* A path that begins with these steps; a star stands for any step. */
+/* A path that begins with these steps may change; a star stands for any step. */
 static const char *const may_change[] = {
     "gravity",
     "damping",
@@ -54,7 +54,7 @@ static const char *const may_change[] = {
     "membrane.pressure",
     "membrane.ramp",
     "membrane.surface",
-    "membrane.faces", /* as they are from the start on, check_stages.c */
+    "membrane.faces", /* must equal those at the start, see check_stages.c */
     "membrane.axis",
     "membrane.follow",
     "elements.motions.*.motion",
@@ -98,8 +98,8 @@ static const struct {
     {"", "it holds for all of the run"},
 };
 
-/* Whether a path and a pattern are alike as far as the shorter one goes; leaves of each what is
- * longer than the other. */
+/* True if a path and a pattern agree over the length of the shorter one; advances both past the
+ * common part. */
 static bool alike(const char **path, const char **pattern) {
     while (**path && **pattern) {
         size_t step = strcspn(*path, "."), wanted = strcspn(*pattern, ".");
@@ -121,7 +121,7 @@ static bool allowed(const char *path) {
     return false;
 }
 
-/* Whether a stage may change anything at a path or below it. */
+/* True if a stage may change anything at a path or below it. */
 static bool holds_allowed(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++) {
         const char *own = path, *pattern = may_change[k];
@@ -136,7 +136,7 @@ static const char *reason_of(const char *path) {
     return fixed[k].reason;
 }
 
-/* ---- laying a stage over the scene ---- */
+/* ---- merging a stage into the scene ---- */
 
 typedef struct stage_layer {
     gn_reader *reader;
@@ -150,7 +150,7 @@ static gneiss_status no_memory(const gn_reader *reader) {
                    reader->name);
 }
 
-/* Messages say the stage besides the place. */
+/* Messages state the stage in addition to the place. */
 static gneiss_status wrong(const stage_layer *layer, const gn_node *node, const char *format,
                            const char *what, const char *more) {
     char path[GN_KEY_PATH_SIZE + 32], text[512];
@@ -182,7 +182,7 @@ static void drop(gn_node *map, const char *key) {
 
 static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *over);
 
-/* Elements by name: of a map its keys, of a list what `name` says. */
+/* Merges elements by name: of a map its keys, of a list the value of `name`. */
 static gneiss_status lay_list(stage_layer *layer, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
@@ -238,14 +238,15 @@ static gneiss_status lay_section(stage_layer *layer, gn_node *base, const gn_nod
     return old ? lay_map(layer, old, over) : no_memory(layer->reader);
 }
 
-/* A wall has one of both, and so has a servo: what is said last takes the place of the other. */
+/* A wall has either `motion` or `servo`, and a servo either `force` or `stress`: the later key
+ * replaces the other. */
 static void make_way(gn_node *base, const gn_node *over) {
     const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
     if (motion && !servo) drop(base, "servo");
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
 }
 
-/* Sides of a periodic box follow a stress or a rate. */
+/* Sides of a periodic box follow either a stress or a rate. */
 static void make_way_in_box(gn_node *base, const gn_node *over) {
     const gn_node *stress = gn_node_child(over, "stress"), *rate = gn_node_child(over, "rate");
     if (stress && !rate) drop(base, "rate");
@@ -263,7 +264,7 @@ static void make_way_in_servo(gn_node *base, const gn_node *over) {
     drop(base, "area");
 }
 
-/* The first of several keys of one name counts, and the others are told. */
+/* The first of several keys of one name counts; the others are reported. */
 static bool seen(const gn_node *map, const gn_node *child) {
     for (const gn_node *other = map->first; other != child; other = other->next)
         if (strcmp(other->key, child->key) == 0) return true;
@@ -297,7 +298,7 @@ static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *o
     return GNEISS_OK;
 }
 
-/* Own keys of a stage are no changes. */
+/* The stage's own keys (name, end) are no changes. */
 static gneiss_status lay_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
@@ -330,8 +331,8 @@ static gneiss_status keep_changes(gn_reader *reader, const gn_node *node, gn_sta
     return size == 1 || stage->changes ? GNEISS_OK : no_memory(reader);
 }
 
-/* The tree as it is now, as a scene by itself. Its messages are about keys that the stage changed,
- * or about what does not go with them. */
+/* Reads the current tree as a scene. Its messages concern keys that the stage changed, or keys that
+ * conflict with them. */
 static gneiss_status read_whole(const gn_reader *reader, const gn_node *root, gn_scene *scene) {
     gn_reader own = *reader;
     memset(scene, 0, sizeof *scene);
@@ -356,8 +357,8 @@ static void point_at_elements(const gn_key *key, const char *from, char *to, gn_
                  stage);
 }
 
-/* Places are those of the file, not of the text that the scene of a stage is read from; of what
- * only stages have that of the stage. */
+/* Copies the places of the file into the scene of a stage, which was read from another text; values
+ * that only stages have get the place of the stage. */
 static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage) {
     if (section->where != GN_NO_WHERE) {
         gn_scene_place given, own;
@@ -375,7 +376,7 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
     }
 }
 
-/* Messages while running point at the stage. */
+/* Sets the places for messages during the run to that of the stage. */
 static void point_at_stage(gn_scene *scene, gn_scene_place where) {
     scene->time_where = where;
     for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
@@ -385,7 +386,7 @@ static void point_at_stage(gn_scene *scene, gn_scene_place where) {
         scene->elements.motions[k].where = where;
 }
 
-/* The last stage that a value under the node is from. */
+/* Returns the last stage that gave a value under the node. */
 static size_t last_stage_in(const gn_node *node) {
     size_t stage = node ? node->stage : 0;
     for (const gn_node *child = node ? node->first : NULL; child; child = child->next) {
@@ -413,8 +414,8 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     return gn_check_stage(reader, root, before, now, stage);
 }
 
-/* The base is checked by itself before. What a later stage inherits is not told again: the first
- * that is wrong ends it. */
+/* The base is checked separately before. Problems that a later stage inherits are not repeated: the
+ * first stage with a problem ends the loop. */
 static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before, gn_scene *now) {
     gn_scene *base = reader->scene;
     const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");
@@ -462,7 +463,7 @@ gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
     return status;
 }
 
-/* ---- a membrane that begins later ---- */
+/* ---- a membrane that begins in a later stage ---- */
 
 static const gn_node *first_membrane(const gn_node *stages) {
     for (size_t k = 0; stages && stages->kind == GN_NODE_LIST && k < stages->count; k++) {
@@ -481,7 +482,7 @@ gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
     if (!base) return no_memory(reader);
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
         const gn_node *said = gn_node_child(first, kept[k]);
-        if (!said) continue; /* a pressure that is missing is asked for */
+        if (!said) continue; /* the check asks for the missing pressure */
         gn_node *own = gn_tree_add(tree, base, said);
         if (!own) return no_memory(reader);
         if (k > 0) continue;
@@ -493,7 +494,7 @@ gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
     return GNEISS_OK;
 }
 
-/* ---- a stage by itself ---- */
+/* ---- one stage ---- */
 
 typedef struct section_visit {
     void (*visit)(void *context, gn_table *table);

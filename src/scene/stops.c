@@ -4,9 +4,9 @@
 
 #include <stdio.h>
 
-/* Half the peak is past what a strength is read off. Fracture energy is read once a tenth of the
- * load is left; with what rings in broken parts besides. What is sheared may hold most of its peak
- * by friction for as long as it is pressed. Others have no peak that they end at. */
+/* Half the peak suffices to read a strength. Fracture energy is read once a tenth of the load is
+ * left, including the vibration of broken parts. A sheared specimen may keep most of its peak by
+ * friction while it is loaded. Other tests have no peak that ends them. */
 static gn_stops stops_of(gn_test_kind kind) {
     switch (kind) {
     case GN_TEST_COMPRESSION:
@@ -32,7 +32,8 @@ static gn_stops stops_of(gn_test_kind kind) {
 gn_stops gn_scene_stops(const gn_scene *scene) {
     gn_stops stops = {.peak_drop = scene->stop_peak_drop > 0.0 ? scene->stop_peak_drop : 0.0,
                       .strain = scene->stop_strain};
-    /* Read in rows of the history: without any nothing is. What is controlled is followed down. */
+    /* Conditions are evaluated in rows of the history, so that none holds without a history. A
+     * controlled test continues past its peak. */
     if (scene->stop_peak_drop >= 0.0 || scene->stage_count || !scene->history_rows ||
         scene->test.has_control)
         return stops;

@@ -11,7 +11,7 @@
 
 enum { CHUNK_SIZE = 1 << 16, DEPTH_LIMIT = 32 };
 
-/* Nodes and texts live in chunks that go together: no path of failure can leak one. */
+/* Nodes and texts live in chunks that are freed together, so that no failure can leak one. */
 typedef struct chunk {
     struct chunk *next;
     size_t used, size;
@@ -88,7 +88,7 @@ typedef struct tree_builder {
     struct fy_parser *parser;
     struct fy_diag *diag;
     gneiss_error *error;
-    const char *set; /* the override being read, NULL for the file */
+    const char *set; /* the current override, NULL for the file */
     int depth;
 } tree_builder;
 
@@ -115,7 +115,7 @@ static gneiss_status fail_syntax(tree_builder *builder) {
     if (!first) return fail_at(builder, (gn_scene_place){1, 1}, "not valid YAML");
     char text[512];
     snprintf(text, sizeof text, "not valid YAML: %s", first->msg ? first->msg : "unknown reason");
-    char *slip = strstr(text, "indendation"); /* the library's spelling */
+    char *slip = strstr(text, "indendation"); /* the library's misspelling */
     if (slip) slip[5] = 't';
     return fail_at(
         builder,
@@ -132,14 +132,15 @@ static gneiss_status read_scalar(tree_builder *builder, struct fy_event *event, 
     struct fy_token *token = event->scalar.value;
     enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
     gn_scene_place where = event_where(event);
-    if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) where.column--; /* its quote */
+    if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED)
+        where.column--; /* the opening quote */
     if (event->scalar.tag) return fail_at(builder, where, "YAML tags are not part of a scene");
     size_t length = 0;
     const char *text = token ? fy_token_get_text(token, &length) : "";
     if (!text) return fail_memory(builder);
     if (memchr(text, 0, length))
         return fail_at(builder, where, "expected text, found a NUL character in it");
-    bool nothing = length == 0 && style == FYSS_PLAIN; /* then the library knows no place of it */
+    bool nothing = length == 0 && style == FYSS_PLAIN; /* the library reports no place for it */
     *node = tree_node(builder->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
     if (!*node) return fail_memory(builder);
     (*node)->set = builder->set;
@@ -207,19 +208,20 @@ static gneiss_status read_node(tree_builder *builder, struct fy_event *event, gn
     case FYET_SEQUENCE_START:
         return read_open(builder, event, node);
     case FYET_ALIAS:
-        where.column--; /* the mark is behind the star */
+        where.column--; /* the reported place is after the star */
         return fail_at(builder, where, "YAML aliases are not part of a scene; repeat the value");
     default:
         return fail_at(builder, where, "expected a value, found the end of the document");
     }
 }
 
-/* The whole stream: one document, or none (then *node stays NULL). */
+/* Reads the whole stream: one document, or none (then *node stays NULL). */
 static gneiss_status read_stream(tree_builder *builder, gn_node **node) {
     *node = NULL;
     for (;;) {
         struct fy_event *event = fy_parser_parse(builder->parser);
-        /* After the last event the parser gives NULL too: only a diagnostic tells an error. */
+        /* After the last event the parser returns NULL too: only a diagnostic indicates an error.
+         */
         if (!event)
             return fy_parser_get_stream_error(builder->parser) || fy_diag_got_error(builder->diag)
                        ? fail_syntax(builder)
@@ -247,7 +249,7 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
     errno = 0;
     b.diag = fy_diag_create(&diag_cfg);
     if (!b.diag) return fail_memory(&b);
-    /* Collected errors are not printed: nothing of the library's own reaches stderr. */
+    /* Errors are collected, so that the library prints nothing to stderr. */
     fy_diag_set_collect_errors(b.diag, true);
     struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET | FYPCF_JSON_NONE | FYPCF_ALLOW_DUPLICATE_KEYS,
                                .diag = b.diag};
@@ -257,14 +259,15 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
         status = fail_memory(&b);
     else
         status = read_stream(&b, node);
-    /* To the library a lack of memory is an error like any other, or a shorter text. */
+    /* The library reports lack of memory as any other error, or as a shorter text. */
     if (errno == ENOMEM) status = fail_memory(&b);
     if (b.parser) fy_parser_destroy(b.parser);
     fy_diag_destroy(b.diag);
     return status;
 }
 
-/* Length of the UTF-8 sequence at `s` (Unicode 15, table 3-7), 0 when it is none or a control. */
+/* Returns the length of the UTF-8 sequence at `bytes` (Unicode 15, table 3-7), 0 if it is invalid
+ * or a control character. */
 static size_t utf8_length(const unsigned char *bytes, size_t left) {
     if (bytes[0] < 0x80)
         return bytes[0] >= 0x20 || bytes[0] == '\t' || bytes[0] == '\n' || bytes[0] == '\r' ? 1 : 0;
@@ -398,7 +401,7 @@ gn_node *gn_node_element(const gn_node *list, const char *name) {
     return list_element(list, name, strlen(name));
 }
 
-/* By what `name` its elements could be reached. */
+/* Fails with a list of the names of the list's elements. */
 static gneiss_status no_such_element(const gn_node *list, const char *step, int shown,
                                      const gn_override *override, gneiss_error *error) {
     char wanted[96], advice[GN_ADVICE_SIZE] = "";
@@ -414,12 +417,12 @@ static gneiss_status no_such_element(const gn_node *list, const char *step, int 
                    override->key, wanted, advice);
 }
 
-/* One step down a key of an override; makes sections that are not there. */
+/* Goes one step down the key of an override; creates missing sections. */
 static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size_t length,
                              const gn_override *override, gneiss_error *error) {
     gn_node *node = *at, *child = NULL;
     int shown = length < 80 ? (int)length : 80;
-    /* A section that the file leaves empty, or says that there is none of. */
+    /* A section that is empty in the file, or switched off. */
     const bool none = node->kind == GN_NODE_SCALAR && strcmp(node->text, "none") == 0;
     if (node->kind == GN_NODE_NULL || (none && *step != '[')) node->kind = GN_NODE_MAP;
     if (node->kind == GN_NODE_SCALAR)
@@ -446,8 +449,8 @@ static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size
     return GNEISS_OK;
 }
 
-/* Lists and sections are YAML; anything else is taken as it stands, so that no shell quoting of
- * quotes is needed. */
+/* Lists and sections are parsed as YAML; anything else is taken literally, so that the shell needs
+ * no nested quotes. */
 static gneiss_status override_value(gn_tree *tree, const gn_override *override, gn_node **value,
                                     gneiss_error *error) {
     const char *set = tree_text(tree, override->key, strlen(override->key));
@@ -470,7 +473,7 @@ static gneiss_status override_value(gn_tree *tree, const gn_override *override, 
     return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
 }
 
-/* One component is put onto a list that the file leaves out: the other ones keep their default. */
+/* One component overrides a list that the file omits: the others keep their defaults. */
 static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step,
                                   const gn_override *override, gneiss_error *error) {
     char path[256];
@@ -493,7 +496,7 @@ static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step
     return GNEISS_OK;
 }
 
-/* The step of a key that begins at `from`, which is moved behind it; false: it is no key. */
+/* Returns the step of a key that begins at `from` and moves `from` past it; false: not a key. */
 static bool next_step(const char *key, const char **from, const char **step, size_t *length) {
     const char *at = *from;
     bool bracket = *at == '[' && at > key;
@@ -524,7 +527,7 @@ void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t siz
     }
 }
 
-/* Those in the text of an override are none in the file. */
+/* Places in the text of an override are no places in the file. */
 static void forget_places(gn_node *node) {
     node->where = node->key_where = (gn_scene_place){0, 0};
     for (gn_node *child = node->first; child; child = child->next) forget_places(child);
@@ -550,7 +553,7 @@ gneiss_status gn_tree_override(gn_tree *tree, const gn_override *override, gneis
     GN_TRY(override_value(tree, override, &value, error));
     if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", override->key);
     forget_places(value);
-    /* The new value takes the place of the old one in the list of its parent. */
+    /* The new value replaces the old one in the list of its parent. */
     at->kind = value->kind;
     at->text = value->text;
     at->set = value->set;
