@@ -371,7 +371,7 @@ def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
     for setting, words in (("couple.constraint=penalty", "expected no couple.constraint but lumped beside couple.convert, found penalty"),
                            ("couple.constraint=consistent", "beside couple.convert, found consistent"),
                            ("elements.formulation=mixed", "expected no mixed form beside couple.convert, found mixed"),
-                           ("sets=[{name: a, select: {all: true}, motion: {vx: 0}}]", "expected no sets that move, hold or push beside couple.convert, .*, found set 'a'")):
+                           ("sets=[{name: a, select: {all: true}, motion: {vx: 0}}]", "expected no sets with motion or force beside couple.convert, .*, found set 'a'")):
         expect(gneiss("check", scene, "--set", setting), 2, words)
 
 
@@ -789,7 +789,7 @@ def a_region_in_space_and_what_has_none(folder):
     assert re.search(r"volume +4e-06 m3, of the shape", done.stdout), done.stdout + done.stderr
     assert re.search(r"\n  x +0\.03\d* to 0\.0[45]\d* m", done.stdout), done.stdout
     box["specimen"]["packing"]["region"]["max"][1] = 0.005
-    expect(gneiss("check", write_scene(folder, box)), 2, r"specimen\.packing\.region: expected a box that has a part of the body, y from 0 to 0\.03 m, found 0\.01 to 0\.005 m")
+    expect(gneiss("check", write_scene(folder, box)), 2, r"specimen\.packing\.region: expected a box that contains a part of the body, y from 0 to 0\.03 m, found 0\.01 to 0\.005 m")
     disc = REGION.replace("rectangle: {width: 60 mm, height: 16 mm}, mean", "disc: {diameter: 16 mm}, mean")
     expect(gneiss("check", write_scene(folder, disc)), 2, r"specimen\.packing\.region: expected a rectangle or box beside it, of which it is a part, found disc")
     without = REGION.replace(", region: {min: [20 mm, -1 mm], max: [44 mm, 30 mm]}", "")

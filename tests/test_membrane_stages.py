@@ -139,7 +139,7 @@ def what_of_a_membrane_cannot_change_is_refused(folder):
             ([first, {**confine, "membrane": {"ramp": "1 ms"}}], {}, r"membrane.pressure: "),
             ([first, {**confine, "membrane": "off"}], {"membrane": {"pressure": 1}}, r"stages\[1\].membrane: expected a key that a stage may change"),
             ([first, {**confine, "membrane": {"follow": False}}], {"membrane": {"pressure": 1}},
-             r"stages\[1\].membrane.follow: expected what holds before this stage too"),
+             r"stages\[1\].membrane.follow: expected the value before this stage"),
             ([stage("a", {"held": 0.01}), confine], {"membrane": {"pressure": 0}}, r"stages\[0\].end.held: expected a wall or a periodic box with a servo, or a membrane"),
             ([first, {**confine, "membrane": {"pressure": "-1 MPa"}}], {}, r"stages\[1\].membrane.pressure: expected .*\[0, 1e18\]"),
             ([stage("a", {"held": 0.01}), confine], {}, r"stages\[0\].end.held: expected a wall")):

@@ -746,7 +746,7 @@ def a_sieve_curve_comes_out_by_mass(folder):
 def sieve_curves_that_are_none_are_refused(folder):
     for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: sieve: expected a sieve beside it, found none"),
                              ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: expected sizes: sieve beside it"),
-                             ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected sizes that grow"),
+                             ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected increasing sizes"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0.1], [1, 1]]}, r"specimen.packing.sieve: expected a first row \[size, 0\]"),
                              ({"sizes": "even"}, "specimen.packing.sizes: expected one of fitted, uniform, normal, sieve")):
         scene = {"dimension": 3, "specimen": {"box": {"size": [1, 1, 1]}, "particles": 100, "packing": packing}}

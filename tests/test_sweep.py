@@ -826,7 +826,7 @@ def units_of_another_kind_are_refused_as_in_a_scene(folder):
     refused("materials.block.friction", [0.5, "0.5 m/m"], slope)
     refused("materials.block.friction", {"from": 0.1, "to": "0.5 m/m", "count": 3}, slope)
     refused("materials.block.friction", {"mean": "30 deg", "deviation": "5 deg"}, "deviation: expected a number")
-    refused("walls.top.motion.vz", ["-1 m/s", "-1 m rad/s"], r"an angle is in it")
+    refused("walls.top.motion.vz", ["-1 m/s", "-1 m rad/s"], r"it contains an angle")
     for command in ("check", "plan"):
         expect(gneiss(command, LATTICE, "--set", "materials.block.friction=0.5 m/m"), 2, slope)
         done = gneiss(command, LATTICE, "--set", "materials.block.density=2.5 ton/m3")

@@ -138,7 +138,7 @@ static gneiss_status check_refinement(const check *section, const gn_refinement 
                    : gn_check_fail(section, "from", "required beside to, but not given");
     if (refinement->has_region == refinement->boundary)
         return gn_check_fail(section, "boundary",
-                             "expected from and to, or boundary true, found %s",
+                             "expected from and to, or boundary: true, found %s",
                              refinement->boundary ? "both" : "none");
     const double *low = refinement->lower, *high = refinement->upper;
     for (int k = 0; k < 3; k++)
@@ -166,7 +166,7 @@ static gneiss_status check_amount(const check *section, const gn_pack_def *pack,
     }
     if (!some)
         return gn_check_fail(section, "specimen",
-                             "expected particles (how many) or mean_radius beside %s, found none",
+                             "expected particles (a number) or mean_radius beside %s, found none",
                              shape);
     if (pack->count && pack->mean_radius > 0)
         return gn_check_fail(section, "specimen.mean_radius",
@@ -190,10 +190,10 @@ static gneiss_status check_pack(const check *section, const gn_pack_def *pack, c
                              "whose first row has the smallest size");
     if (pack->size_variation >= 0 &&
         (pack->sizes == GN_SIZES_UNIFORM || pack->sizes == GN_SIZES_SIEVE))
-        return gn_check_fail(section, "specimen.packing.size_variation",
-                             "expected sizes: fitted or normal beside it, found %s, which has its "
-                             "own",
-                             pack->sizes == GN_SIZES_UNIFORM ? "uniform" : "sieve");
+        return gn_check_fail(
+            section, "specimen.packing.size_variation",
+            "expected sizes: fitted or normal beside it, found %s, which implies its own",
+            pack->sizes == GN_SIZES_UNIFORM ? "uniform" : "sieve");
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
         return gn_check_fail(section, "specimen.packing.overlap_size",
                              "expected overlap passive beside it, found none");
@@ -220,8 +220,8 @@ static gneiss_status clip(const check *section, gn_pack_def *pack, int dimension
         const double upper = pack->origin[a] + pack->size[a], rounding = 1e-12 * pack->size[a];
         if (!(low[a] < high[a]) || !(fmax(low[a], pack->origin[a]) < fmin(high[a], upper)))
             return gn_check_fail(section, "specimen.packing.region",
-                                 "expected a box that has a part of the body, %c from %g to %g m, "
-                                 "found %g to %g m",
+                                 "expected a box that contains a part of the body, %c from %g to "
+                                 "%g m, found %g to %g m",
                                  "xyz"[a], pack -> origin[a], upper, low[a], high[a]);
         const bool below = low[a] > pack->origin[a] + rounding, above = high[a] < upper - rounding;
         if (below) pack->origin[a] = low[a];
@@ -237,10 +237,9 @@ static gneiss_status check_scale(const check *section, const gn_specimen *specim
     if (specimen->scale == 1.0 || *specimen->file || shape == GN_SHAPE_SURFACE ||
         shape == GN_SHAPE_MESH)
         return GNEISS_OK;
-    return gn_check_fail(section, "specimen.scale",
-                         "expected file, surface or mesh beside it, whose lengths it is of, found "
-                         "%s",
-                         source);
+    return gn_check_fail(
+        section, "specimen.scale",
+        "expected file, surface or mesh beside it, whose lengths it scales, found %s", source);
 }
 
 static gneiss_status check_particles(const check *section, gn_scene *scene) {
@@ -353,8 +352,7 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
 static gneiss_status check_material(const check *section, const gn_scene *scene, size_t index) {
     const gn_material *material = &scene->materials[index];
     if (gn_scene_find_material(scene, material->name) != (int)index)
-        return gn_check_fail(section, "name",
-                             "expected a name of its own, found '%s' a second time",
+        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
                              material->name);
     GN_TRY(gn_check_scatter(section, "strength_scatter", &material->strength_scatter));
     GN_TRY(gn_check_scatter(section, "stiffness_scatter", &material->stiffness_scatter));
@@ -434,8 +432,8 @@ gneiss_status gn_check_plane_motion(const check *section, const gn_scene *scene,
                       : motion->spin[1].count   ? "motion.wy"
                                                 : NULL;
     if (!key) return GNEISS_OK;
-    return gn_check_fail(
-        section, key, "expected nothing out of the plane of a 2D scene: only vx, vy and wz move");
+    return gn_check_fail(section, key,
+                         "expected no motion out of the plane of a 2D scene: only vx, vy and wz");
 }
 
 static gneiss_status check_spin(const check *section, const gn_scene *scene,
@@ -470,8 +468,8 @@ static gneiss_status check_set(const check *section, const gn_scene *scene, size
     const gn_set_def *set = &scene->sets[index];
     if (gn_scene_find_set(scene, set->name) != (int)index ||
         gn_scene_find_wall(scene, set->name) >= 0)
-        return gn_check_fail(section, "name",
-                             "expected a name of its own, found '%s' a second time", set->name);
+        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
+                             set->name);
     if (!set->all && !set->has_box && !set->id_count && set->end_axis < 0)
         return gn_check_fail(section, "select", "expected all, box, ids or end, found none");
     if (set->has_box)
@@ -509,8 +507,8 @@ static bool moves(const gn_motion *motion) {
 static gneiss_status check_wall(const check *section, const gn_scene *scene, size_t index) {
     gn_wall_def *wall = &scene->walls[index];
     if (gn_scene_find_wall(scene, wall->name) != (int)index)
-        return gn_check_fail(section, "name",
-                             "expected a name of its own, found '%s' a second time", wall->name);
+        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
+                             wall->name);
     if (!gn_check_direction(wall->normal))
         return gn_check_fail(section, "normal", "expected a direction, found [0, 0, 0]");
     GN_TRY(gn_check_side(section, scene, "",
@@ -558,7 +556,7 @@ static gneiss_status check_no_specimen(const check *section, const gn_scene *sce
         if (keys[k].found)
             return gn_check_fail(section, keys[k].key,
                                  "expected a specimen beside it, found elements only (their "
-                                 "materials, motions and loads stand under elements)");
+                                 "materials, motions and loads belong under elements)");
     return GNEISS_OK;
 }
 
@@ -587,12 +585,11 @@ static gneiss_status check_from(const check *section, const gn_scene *scene) {
     if (!scene->specimen.from_bonds) return GNEISS_OK;
     if (!scene->specimen.from[0])
         return gn_check_fail(section, "specimen.from_bonds",
-                             "expected none without another run that it comes from, found keep");
+                             "expected none without specimen.from, found keep");
     if (scene->bonds == GN_SWITCH_ON || scene->stage_count) return GNEISS_OK; /* check_stages.c */
     return gn_check_fail(
         section, "specimen.from_bonds",
-        "expected the section bonds beside keep, which says how they behave, found "
-        "none");
+        "expected the section bonds beside keep, which defines their behaviour, found none");
 }
 
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {

@@ -35,7 +35,7 @@ static gneiss_status check_weight(const check *section, const gn_scene *scene,
         if (own > (1 + 1e-9) * others)
             return gn_check_fail(section, "inertia",
                                  "expected no moment of inertia above the sum of the two others, "
-                                 "found %g beside %g: no body has that",
+                                 "found %g above %g: this is impossible",
                                  own, others);
     }
     return GNEISS_OK;
@@ -47,8 +47,8 @@ static gneiss_status check_centre(const check *section, const gn_body_def *body)
     if (body->has_reference) {
         if (body->mass > 0 && body->has_inertia) return GNEISS_OK;
         return gn_check_fail(section, "reference",
-                             "expected mass and inertia beside it, as it says where the centre of "
-                             "mass of a free body is, found no %s",
+                             "expected mass and inertia beside it, as it is the centre of mass of "
+                             "a free body, found no %s",
                              body->has_inertia ? "mass" : "inertia");
     }
     static const char whole[] =
@@ -75,7 +75,7 @@ static gneiss_status check_spins(const check *section, const gn_scene *scene,
     for (int a = 0; a < 3; a++) {
         if (spin[a].count && body->has_initial_spin && body->initial_spin[a] != 0)
             return gn_check_fail(section, "initial_spin",
-                                 "expected 0 where motion gives the spin (%s), found %g rad/s",
+                                 "expected 0 where motion prescribes the spin (%s), found %g rad/s",
                                  keys[a], body->initial_spin[a]);
     }
     return GNEISS_OK;
@@ -102,8 +102,8 @@ static gneiss_status check_body(const check *section, const gn_scene *scene, siz
     gn_body_def *body = &scene->bodies[index];
     if (gn_scene_find_body(scene, body->name) != (int)index ||
         gn_scene_find_wall(scene, body->name) >= 0 || gn_scene_find_set(scene, body->name) >= 0)
-        return gn_check_fail(section, "name",
-                             "expected a name of its own, found '%s' a second time", body->name);
+        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
+                             body->name);
     if (scene->has_periodic)
         return gn_check_fail(section, "name", "expected no periodic box beside a body, found one");
     GN_TRY(check_body_shape(section, scene, body));

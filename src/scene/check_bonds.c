@@ -55,8 +55,8 @@ static gneiss_status need_shear(const check *section, const gn_scene *scene, dou
                          "expected a tangential spring %s, found 0", reason);
 }
 
-static const char of_moments[] =
-    "with bonds.radius_multiplier (the twist of a bond has the stiffness of its shear)";
+static const char of_moments[] = "with bonds.radius_multiplier (the twisting stiffness of a bond "
+                                 "follows from its shear stiffness)";
 static const char of_softening[] = "beside bonds that soften or yield";
 
 static bool inelastic(const gn_scene *scene) {
@@ -123,8 +123,8 @@ gneiss_status gn_check_coupling(const check *section, const gn_scene *scene) {
     if (scene->bonds != GN_SWITCH_ON || frictional(scene)) return GNEISS_OK;
     if (scene->coupling == GN_COUPLING_LINEAR)
         return gn_check_fail(section, "law.coupling",
-                             "expected a bond_friction above 0 beside linear (tension takes mu_1 "
-                             "f_n from the strength in shear), found none");
+                             "expected a bond_friction above 0 beside linear (tension lowers the "
+                             "shear strength by mu_1 f_n), found none");
     if (scene->confinement == GN_CONFINEMENT_MEAN)
         return gn_check_fail(section, "law.confinement",
                              "expected a bond_friction above 0 beside mean, found none");
@@ -146,18 +146,18 @@ gneiss_status gn_check_moments(const check *section, const gn_scene *scene) {
             gn_check_given(section, "bonds.radius_multiplier"))
             return GNEISS_OK;
         return gn_check_fail(section, "bonds.moment_share",
-                             "expected a radius_multiplier above 0 beside it (without one bonds "
+                             "expected a radius_multiplier above 0 beside it (otherwise bonds "
                              "carry no moments), found none");
     }
     if (scene->rotation == GN_SWITCH_OFF)
         return gn_check_fail(section, "bonds.radius_multiplier",
-                             "expected 0 where particles do not spin (law.rotation: off), found "
-                             "%g: what does not turn cannot bend or twist a bond",
+                             "expected 0 with law.rotation: off, found %g: particles without "
+                             "rotation cannot bend or twist a bond",
                              scene->bond_radius_multiplier);
     const char *other = beside_moments(scene);
     if (!other) return GNEISS_OK;
     return gn_check_fail(section, "bonds.radius_multiplier",
-                         "expected 0 beside %s (damage and yield are laws of the forces of a bond "
-                         "alone; what they would do to its moments is not defined), found %g",
+                         "expected 0 beside %s (damage and yield are defined for the forces of a "
+                         "bond, not for its moments), found %g",
                          other, scene->bond_radius_multiplier);
 }

@@ -20,7 +20,7 @@ static gneiss_status check_company(const check *section, const gn_scene *scene) 
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
             return gn_check_fail(section, "periodic",
-                                 "expected particles alone in a box whose sides move, found %s",
+                                 "expected only particles in a box whose sides move, found %s",
                                  others[k].what);
     if (scene->precision != GN_PRECISION_MIXED) return GNEISS_OK;
     return gn_check_fail(section, "run.precision",

@@ -162,8 +162,7 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
     const gn_material *first = material_of(scene, contact, 0), *b = material_of(scene, contact, 1);
     if (gn_scene_find_contact(scene, first, b) != contact)
         return gn_check_fail(section, "between",
-                             "expected a pair of its own, found '%s' and '%s' a "
-                             "second time",
+                             "expected a unique pair, found '%s' and '%s' a second time",
                              first->name, b->name);
     if (contact->kratio > 0 && contact->kratio < 1e-6)
         return gn_check_fail(section, "kratio",
@@ -174,10 +173,9 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
         GN_TRY(check_grip_of_pair(section, scene, contact, first, b));
     const char *key = gn_check_sound(section, "law.stiffness") ? unread(scene, contact) : NULL;
     if (!key) return GNEISS_OK;
-    return gn_check_fail(
-        section, key,
-        "expected a value that this law.stiffness and law.softening read, found one "
-        "that they do not");
+    return gn_check_fail(section, key,
+                         "expected a value that this law.stiffness and law.softening read, found "
+                         "one that they ignore");
 }
 
 gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
@@ -188,7 +186,7 @@ gneiss_status gn_check_gamma(const check *section, const gn_scene *scene) {
     if (scene->gamma_rule != GN_GAMMA_VOLUME && scene->stiffness == GN_STIFFNESS_POLYHEDRON)
         return gn_check_fail(section, "law.gamma_rule",
                              "expected volume beside stiffness polyhedron (whose bonds have "
-                             "sections of their own, without gamma), found porosity");
+                             "individual sections, without gamma), found porosity");
     if (scene->gamma_rule != GN_GAMMA_VOLUME && (!area || scene->gamma > 0))
         return gn_check_fail(section, "law.gamma_rule", "expected %s beside it, found %s",
                              area ? "gamma auto" : "stiffness dempack or polyhedron",

@@ -6,7 +6,7 @@
 static gneiss_status check_zone(const check *section, const gn_scene *scene, size_t index) {
     const gn_couple_zone *zone = &scene->couple.zones[index];
     if (!zone->edge_count)
-        return gn_check_fail(section, "edges", "expected one at least, found none");
+        return gn_check_fail(section, "edges", "expected at least one, found none");
     for (size_t e = 0; e < zone->edge_count; e++) {
         double width2 = 0.0;
         char key[32];
@@ -114,16 +114,16 @@ static gneiss_status check_convert_set(const check *section, const gn_set_def *s
     for (size_t k = 0; k < sizeof acts / sizeof *acts; k++) {
         if (!acts[k].found) continue;
         return acts[k].instead
-                   ? gn_check_fail(section, acts[k].key,
-                                   "expected no sets that move, hold or push beside "
-                                   "couple.convert, as particles sleep and follow elements (%s do "
-                                   "it), found set '%s'",
-                                   acts[k].instead, set->name)
-                   : gn_check_fail(section, acts[k].key,
-                                   "expected none beside couple.convert, as particles sleep and "
-                                   "wake with the motion of their elements, which start at rest, "
-                                   "found that of set '%s'",
-                                   set->name);
+                   ? gn_check_fail(
+                         section, acts[k].key,
+                         "expected no sets with motion or force beside couple.convert, as dormant "
+                         "particles follow the elements (use %s), found set '%s'",
+                         acts[k].instead, set->name)
+                   : gn_check_fail(
+                         section, acts[k].key,
+                         "expected none beside couple.convert, as released particles take the "
+                         "velocity of their elements, which start at rest, found that of set '%s'",
+                         set->name);
     }
     return GNEISS_OK;
 }
@@ -217,7 +217,7 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     if (scene->couple.has_convert && gn_check_sound(&c, "couple"))
         GN_TRY(gn_check_keep(&c, check_convert(&c, scene, root)));
     if (!scene->couple.zone_count && !scene->couple.has_convert)
-        return gn_check_fail(&c, "couple.zones", "expected one at least, found none");
+        return gn_check_fail(&c, "couple.zones", "expected at least one, found none");
     for (size_t k = 0; k < scene->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);
         if (!gn_check_element_sound(&element)) continue;

@@ -34,13 +34,13 @@ static gneiss_status check_notch(const check *section, const gn_beam_def *beam) 
                              "required by notch_depth, but not given");
     if (beam->notch_depth >= beam->height)
         return gn_check_fail(section, "elements.beam.notch_depth",
-                             "expected a notch below the height of %g m, found %g m", beam->height,
+                             "expected a depth below the height of %g m, found %g m", beam->height,
                              beam->notch_depth);
     double span = beam->span > 0 ? beam->span : beam->length;
     if (beam->notch_width < span) return GNEISS_OK;
     return gn_check_fail(section, "elements.beam.notch_width",
-                         "expected a notch between the supports, %g m apart, found %g m", span,
-                         beam->notch_width);
+                         "expected a width below the distance of the supports, %g m, found %g m",
+                         span, beam->notch_width);
 }
 
 static gneiss_status check_beam(const check *section, const gn_scene *scene) {
@@ -60,7 +60,8 @@ static gneiss_status check_beam(const check *section, const gn_scene *scene) {
     if (scene->dimension == 3) cells *= fmax(1.0, beam->thickness / beam->cell);
     if (cells > 1e8)
         return gn_check_fail(section, "elements.beam.cell",
-                             "expected cells for at most 1e8 of them, found %g m", beam->cell);
+                             "expected a size that gives at most 1e8 cells, found %g m",
+                             beam->cell);
     return check_notch(section, beam);
 }
 
@@ -110,8 +111,8 @@ static gneiss_status check_motion(const check *section, const gn_scene *scene, s
         gn_scene_find_set(scene, motion->name) >= 0 ||
         gn_scene_find_wall(scene, motion->name) >= 0 ||
         gn_scene_find_body(scene, motion->name) >= 0)
-        return gn_check_fail(section, "name",
-                             "expected a name of its own, found '%s' a second time", motion->name);
+        return gn_check_fail(section, "name", "expected a unique name, found '%s' a second time",
+                             motion->name);
     GN_TRY(check_region(section, scene, &motion->region));
     return gn_check_plane_motion(section, scene, &motion->motion);
 }

@@ -87,8 +87,8 @@ gneiss_status gn_check_sieve(const check *checked, const char *section, bool wan
     for (size_t k = 1; k < count; k++)
         if (!(row[2 * k] > row[2 * k - 2]) || row[2 * k + 1] < row[2 * k - 1])
             return gn_check_fail(checked, sieve,
-                                 "expected sizes that grow and shares that do not fall, found [%g, "
-                                 "%g] behind [%g, %g]",
+                                 "expected increasing sizes and shares that do not decrease, found "
+                                 "[%g, %g] after [%g, %g]",
                                  row[2 * k], row[2 * k + 1], row[2 * k - 2], row[2 * k - 1]);
     if (count &&
         (!(row[0] > 0) || row[1] != 0 || row[2 * count - 2] != 1 || row[2 * count - 1] != 1))
@@ -111,8 +111,8 @@ static gneiss_status check_sizes(const check *section, const gn_source_def *sour
                              "expected sizes: normal beside it, found another");
     if (source->sizes == GN_SIZES_NORMAL && source->size_ratio == 1.0)
         return gn_check_fail(section, "size_ratio",
-                             "expected more than 1 beside sizes: normal, which lie between the "
-                             "smallest and the largest, found 1");
+                             "expected more than 1 beside sizes: normal, which is truncated at the "
+                             "smallest and the largest size, found 1");
     return GNEISS_OK;
 }
 
@@ -121,15 +121,14 @@ static gneiss_status check_source(const check *section, const gn_scene *scene, s
     for (size_t k = 0; k < index; k++)
         if (strcmp(scene->sources[k].name, source->name) == 0)
             return gn_check_fail(section, "name",
-                                 "expected a name of its own, found '%s' a second time",
-                                 source->name);
+                                 "expected a unique name, found '%s' a second time", source->name);
     GN_TRY(check_region(section, scene, &source->region, NULL));
     if ((source->rate > 0) == (source->mass_rate > 0))
         return gn_check_fail(section, source->rate > 0 ? "mass_rate" : "rate",
                              "expected either rate or mass_rate, found %s",
                              source->rate > 0 ? "both" : "none");
     if (source->end > 0 && !(source->end > source->start))
-        return gn_check_fail(section, "end", "expected an end behind the start, %g s, found %g s",
+        return gn_check_fail(section, "end", "expected an end after the start, %g s, found %g s",
                              source->start, source->end);
     GN_TRY(check_sizes(section, source));
     if (!*source->material && scene->material_count == 1)
@@ -144,8 +143,7 @@ static gneiss_status check_sink(const check *section, const gn_scene *scene, siz
     for (size_t k = 0; k < index; k++)
         if (strcmp(scene->sinks[k].name, sink->name) == 0)
             return gn_check_fail(section, "name",
-                                 "expected a name of its own, found '%s' a second time",
-                                 sink->name);
+                                 "expected a unique name, found '%s' a second time", sink->name);
     GN_TRY(check_region(section, scene, &sink->region, sink));
     if (!sink->remove && !sink->has_plane)
         return gn_check_fail(section, "remove", "expected plane beside false, found a region");
@@ -178,8 +176,8 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
         if (scene->sources[k].start == 0) return GNEISS_OK;
     if (scene->specimen_given) return GNEISS_OK;
     return gn_check_fail(section, list,
-                         "expected a specimen, or a source with start 0, found neither: there is "
-                         "nothing to begin with");
+                         "expected a specimen, or a source with start 0, found neither: the scene "
+                         "starts without particles");
 }
 
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root) {

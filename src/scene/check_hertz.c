@@ -19,7 +19,7 @@ static gneiss_status check_rolling(const check *section, const gn_scene *scene) 
     if (scene->bonds != GN_SWITCH_ON) return GNEISS_OK;
     return gn_check_fail(section, "bonds",
                          "expected no bonds beside rolling_friction or twisting_friction, which "
-                         "pairs that have broken would not have, found some");
+                         "broken pairs would lack, found some");
 }
 
 gneiss_status gn_check_hertz(const check *section, const gn_scene *scene) {
@@ -51,7 +51,7 @@ static gneiss_status check_body_springs(const check *section, const gn_scene *sc
     double friction = m >= 0 ? scene->materials[m].friction : side.friction;
     if (!(side.stiffness > 0))
         return not_read(section, "kratio", side.kratio,
-                        "without a stiffness, by which a body meets walls and others");
+                        "without a stiffness of contacts with walls and other bodies");
     return friction > 0 ? gn_check_need(section, side.kratio, "kratio", "by stiffness and friction")
                         : GNEISS_OK;
 }

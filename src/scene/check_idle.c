@@ -208,7 +208,7 @@ static bool events_of_nothing(const gn_scene *scene) {
 }
 static const char no_particles[] = "there are no particles";
 static const char no_contacts[] = "there are neither particles nor bodies";
-static const char own_damping[] = "every material has a restitution of its own";
+static const char own_damping[] = "every material has its own restitution";
 
 static const struct {
     const char *key;
@@ -230,10 +230,9 @@ static const struct {
     {"couple.convert.relax_iterations", without_relaxation, "couple.convert.relax is none"},
     {"couple.spins", without_spins, "law.rotation is off"},
     {"membrane.axis", all_faces, "membrane.faces is all"},
-    {"time.safety", with_step, "time.step is given, which it is a factor of where it is auto"},
+    {"time.safety", with_step, "time.step is given, and it is a factor of an automatic step"},
     {"time.contact_steps", with_step,
-     "time.step is given, and only the warning of collisions that it does not resolve counts by "
-     "it"},
+     "time.step is given, and only the warning of unresolved collisions reads it"},
     {"time.contact_steps", without_contacts, no_contacts},
     {"neighbours.skin", without_contacts, no_contacts},
     {"damping.contact.restitution", without_contacts, no_contacts},

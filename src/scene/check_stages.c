@@ -18,7 +18,7 @@ static gneiss_status check_name(const check *section, const gn_scene *scene, siz
     for (size_t k = 0; k < stage; k++)
         if (strcmp(scene->stages[k].name, scene->stages[stage].name) == 0)
             return gn_check_fail(section, "name",
-                                 "expected a name of its own, found '%s' a second time",
+                                 "expected a unique name, found '%s' a second time",
                                  scene->stages[stage].name);
     return GNEISS_OK;
 }
@@ -232,10 +232,10 @@ gneiss_status gn_check_parting(const check *section, const gn_scene *scene) {
         !only_against(scene, &test->lower, -sign, &against))
         return GNEISS_OK;
     if (!against) return GNEISS_OK; /* fixed ends may only observe */
-    return gn_check_fail(section, "test.upper",
-                         "expected ends that %s, found ends that only %s: the test would measure "
-                         "nothing",
-                         strains_by(scene), sign < 0.0 ? "come apart" : "close");
+    return gn_check_fail(
+        section, "test.upper",
+        "expected ends that %s, found ends that only %s: the test would measure nothing",
+        strains_by(scene), sign < 0.0 ? "come apart" : "close");
 }
 
 static double largest_pressure(const gn_scene *scene) {
@@ -269,11 +269,10 @@ static const char *end_by_rows(const gn_stage *stage) {
                                    : NULL;
 }
 
-static const char nothing[] = "expected something that moves or acts in this stage, found nothing: "
-                              "it would never end";
+static const char nothing[] =
+    "expected a motion or load in this stage, found none: it would never end";
 
-static const char parting[] = "expected ends that %s in this stage, found none that do: it would "
-                              "never end";
+static const char parting[] = "expected ends that %s in this stage, found none: it would never end";
 
 /* Checks a given step, which later stages cannot change. */
 static gneiss_status check_steps(const check *section, const gn_scene *scene,
@@ -305,8 +304,8 @@ static gneiss_status check_growth(const check *section, const gn_scene *before,
     if (e->stress > 0 && !(e->strain > 0) && !(e->peak_drop > 0) &&
         never_so_pressed(before, scene, e->stress))
         return gn_check_fail(section, "end.stress",
-                             "expected at most twice the pressure of the membrane, %g Pa, as "
-                             "nothing else presses, found %g Pa: it would never end",
+                             "expected at most twice the pressure of the membrane, %g Pa, the only "
+                             "load, found %g Pa: it would never end",
                              largest_pressure(scene), e->stress);
     return GNEISS_OK;
 }
@@ -316,7 +315,7 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
     const gn_stage *e = &scene->stages[stage];
     if (scene->history_rows == 0 && end_by_rows(e))
         return gn_check_fail(section, end_by_rows(e),
-                             "expected output.history_rows above 0, as it is looked at in rows of "
+                             "expected output.history_rows above 0, as it is evaluated in rows of "
                              "the history, found 0: the stage would never end by it");
     gn_stage others = *e;
     others.held = 0.0;
@@ -361,9 +360,8 @@ static unsigned channels(const gn_motion *motion) {
     return mask;
 }
 
-static const char fewer[] =
-    "expected the channels that it has before this stage, %s '%s': which are prescribed holds for "
-    "all of the run (a velocity may be 0)";
+static const char fewer[] = "expected the same prescribed components as before this stage, %s "
+                            "'%s': they are fixed for the whole run (a velocity may be 0)";
 
 /* True if two materials agree in everything but friction. */
 static bool same_bonds(const gn_material *first, const gn_material *second) {
@@ -379,16 +377,15 @@ static gneiss_status check_damage(const check *section, const gn_scene *before,
     for (size_t k = 0; k < now->material_count; k++) {
         if (now->materials[k].kratio == 0.0 && before->materials[k].kratio > 0.0)
             return gn_check_fail(section, "materials",
-                                 "expected a tangential spring of '%s' in this stage too, for what "
-                                 "its contacts hold, found kratio 0",
+                                 "expected a tangential spring of '%s' in this stage too, for the "
+                                 "forces of its contacts, found kratio 0",
                                  now->materials[k].name);
         bool damaged = now->softening != GN_SOFTENING_NONE || now->materials[k].yield_stress[0] > 0;
         if (damaged && !same_bonds(&before->materials[k], &now->materials[k]))
-            return gn_check_fail(
-                section, "materials",
-                "expected no other stiffness and strength of '%s', whose bonds "
-                "soften or yield: what they have gone through is relative to these",
-                now->materials[k].name);
+            return gn_check_fail(section, "materials",
+                                 "expected unchanged stiffness and strength of '%s', whose bonds "
+                                 "soften or yield: their damage is relative to these",
+                                 now->materials[k].name);
     }
     return GNEISS_OK;
 }
@@ -402,9 +399,9 @@ static gneiss_status check_skin(const check *section, const gn_scene *before, co
                         : was->surface != is->surface ? "membrane.surface"
                                                       : NULL;
     if (!other) return GNEISS_OK;
-    return gn_check_fail(section, other,
-                         "expected what holds before this stage too: of a membrane pressure and "
-                         "ramp may change");
+    return gn_check_fail(
+        section, other,
+        "expected the value before this stage: only pressure and ramp of a membrane may change");
 }
 
 /* Refuses changes of values that the parts of a world read only when they are created. */
@@ -432,11 +429,10 @@ gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (gn_check_given(&c, keys[k]))
             GN_TRY(gn_check_keep(
-                &c,
-                gn_check_fail(&c, keys[k],
-                              "expected what holds before this stage too beside couple.convert, "
-                              "as particles sleep with bonds that are put by (gravity, "
-                              "damping.background, elements, time and output may change)")));
+                &c, gn_check_fail(&c, keys[k],
+                                  "expected the value before this stage beside couple.convert, as "
+                                  "dormant particles have stored bonds (gravity, "
+                                  "damping.background, elements, time and output may change)")));
     return GNEISS_OK;
 }
 

@@ -16,8 +16,8 @@ static gneiss_status check_mass_scaling(const check *section, const gn_scene *sc
                              scene->scaled_step > 0.0 ? "both" : "neither");
     if (scene->step > 0.0)
         return gn_check_fail(section, "time.mass_scaling",
-                             "expected time.step: auto, which takes the step that masses are "
-                             "raised for, found a step of %g s",
+                             "expected time.step: auto, which takes the target step of mass "
+                             "scaling, found a step of %g s",
                              scene->step);
     if (!scene->has_specimen)
         return gn_check_fail(section, "time.mass_scaling",
@@ -28,13 +28,12 @@ static gneiss_status check_mass_scaling(const check *section, const gn_scene *sc
                              "expected a step below the end, found %g s and %g s",
                              scene->scaled_step, scene->end);
     if (falls && scene->scaled_gravity == GN_GRAVITY_REFUSED)
-        return gn_check_fail(section, "time.mass_scaling",
-                             "expected no gravity, in which heavier particles fall more slowly, or "
-                             "gravity: own_mass, which leaves each its weight, found gravity and "
-                             "%s",
-                             gn_check_given(section, "time.mass_scaling.gravity")
-                                 ? "gravity: refuse"
-                                 : "no such key");
+        return gn_check_fail(
+            section, "time.mass_scaling",
+            "expected no gravity, as scaled masses would change weights, or gravity: own_mass, "
+            "which keeps each weight and lets particles fall more slowly, found gravity and %s",
+            gn_check_given(section, "time.mass_scaling.gravity") ? "gravity: refuse"
+                                                                 : "no such key");
     return GNEISS_OK;
 }
 
@@ -65,15 +64,15 @@ const char *gn_scene_no_statics(const gn_scene *scene) {
     if (scene->has_elements) return "particles alone, found elements";
     if (scene->body_count) return "walls and sets, found bodies";
     if (scene->has_membrane) return "walls and sets, found a membrane";
-    if (gn_scene_box_moves(scene)) return "a periodic box that stands, found sides that move";
+    if (gn_scene_box_moves(scene)) return "a fixed periodic box, found sides that move";
     if (scene->background == GN_BACKGROUND_VISCOUS &&
         gn_scene_spin_damping(scene) != scene->background_coefficient &&
         scene->rotation != GN_SWITCH_OFF)
-        return "spins that are damped as velocities are, found damping.background.rotation";
+        return "equal damping of spins and velocities, found damping.background.rotation";
     if (scene->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
     if (scene->has_pulse) return "a specimen at rest, found initial.pulse";
     for (size_t k = 0; k < scene->wall_count; k++) {
-        if (scene->walls[k].servo.active) return "walls that move as given, found a servo";
+        if (scene->walls[k].servo.active) return "walls with prescribed motion, found a servo";
         if (motion_changes(&scene->walls[k].motion))
             return "motions at constant velocity, found a wall whose velocity changes";
     }
@@ -114,7 +113,7 @@ static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
     if (!stop || scene->history_rows > 0) return GNEISS_OK;
     return gn_check_fail(section, stop,
-                         "expected output.history_rows above 0, as it is looked at in rows of the "
+                         "expected output.history_rows above 0, as it is evaluated in rows of the "
                          "history, found 0: it would never stop the run");
 }
 

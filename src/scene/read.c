@@ -265,7 +265,7 @@ static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const 
     GN_TRY(read_number(reader, &time, "s", row->first, &table->time[index]));
     GN_TRY(read_number(reader, key, key->unit, row->last, &table->value[index]));
     if (index > 0 && table->time[index] <= table->time[index - 1])
-        return unexpected(reader, row->first, "a time after that of the row before", "");
+        return unexpected(reader, row->first, "a time after that of the previous row", "");
     return GNEISS_OK;
 }
 

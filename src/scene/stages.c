@@ -76,26 +76,26 @@ static const char *const may_change[] = {
 static const struct {
     const char *path, *reason;
 } fixed[] = {
-    {"specimen", "particles are made once, when the run begins"},
-    {"sources", "sources are the same throughout; each has its start and end"},
-    {"sinks", "sinks are the same throughout"},
-    {"elements", "elements are made once, when the run begins; motions and loads may change"},
-    {"time.end", "it bounds the whole run; a stage ends by what stands under its end"},
-    {"time.stop", "a stage ends by what stands under its end"},
+    {"specimen", "particles are created once, when the run begins"},
+    {"sources", "sources hold for the whole run; each has its start and end"},
+    {"sinks", "sinks hold for the whole run"},
+    {"elements", "elements are created once, when the run begins; motions and loads may change"},
+    {"time.end", "it bounds the whole run; a stage ends by the conditions under its end"},
+    {"time.stop", "a stage ends by the conditions under its end"},
     {"time.mass_scaling", "masses are raised once, when the run begins"},
-    {"time", "it says how the run begins"},
+    {"time", "it is the initial state of the run"},
     {"initial", "it is the state at the start of the run"},
     {"walls", "of a wall, motion, servo and friction may change"},
     {"bodies", "of a body, motion and friction may change"},
     {"sets", "of a set, motion and force may change"},
     {"materials", "of a material, friction, stiffness and strength may change"},
     {"contacts", "of a pair of materials, friction may change"},
-    {"periodic", "of a periodic box, what its sides follow may change"},
-    {"membrane", "it covers the specimen for all of the run; pressure and ramp may change"},
-    {"bonds", "the law of bonds is one for the whole run"},
-    {"test", "the readings of all stages are those of one test"},
-    {"output", "it holds for all of the run; history_rows, snapshots and fields may change"},
-    {"", "it holds for all of the run"},
+    {"periodic", "of a periodic box, stress and rate of its sides may change"},
+    {"membrane", "it covers the specimen for the whole run; pressure and ramp may change"},
+    {"bonds", "the law of bonds is fixed for the whole run"},
+    {"test", "all stages belong to one test"},
+    {"output", "it is fixed for the whole run; history_rows, snapshots and fields may change"},
+    {"", "it is fixed for the whole run"},
 };
 
 /* True if a path and a pattern agree over the length of the shorter one; advances both past the
@@ -190,13 +190,12 @@ static gneiss_status lay_list(stage_layer *layer, gn_node *base, const gn_node *
         const char *name = over->kind == GN_NODE_MAP ? item->key : named ? said->text : "";
         gn_node *element = base && *name ? (gn_node *)gn_node_element(base, name) : NULL;
         if (!element || item->kind != GN_NODE_MAP) {
-            const char *nameless = "expected a name (what has none goes by its number, as in "
-                                   "contacts: {0: {friction: 0.3}}), found none%s%s";
+            const char *nameless = "expected a name (an element without one is addressed by its "
+                                   "number, as in contacts: {0: {friction: 0.3}}), found none%s%s";
             GN_TRY(wrong(layer, item,
                          !*name    ? nameless
-                         : element ? "expected what changes of '%s', a section%s"
-                                   : "expected the name of an element that the scene has, found "
-                                     "'%s'%s",
+                         : element ? "expected a section with the changed keys of '%s'%s"
+                                   : "expected the name of an element of the scene, found '%s'%s",
                          name, ""));
             continue;
         }

@@ -482,7 +482,7 @@ static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step
     const gn_key *key = length < (int)sizeof path ? gn_scene_key_at(path) : NULL;
     if (!key || !key->fallback || (key->type != GN_KEY_VECTOR && key->type != GN_KEY_SPIN))
         return fail_override(override, error,
-                             "expected a list that is there, such as by --set %.*s=[...]",
+                             "expected an existing list, such as by --set %.*s=[...]",
                              length < 200 ? length : 200, override->key);
     node->kind = GN_NODE_LIST;
     while (node->count < 3) {

@@ -180,7 +180,7 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
     if (!ok) *reason = source ? "another dimension" : "unknown unit";
     if (ok && angle_power(source) != angle_power(target)) {
         ok = false;
-        *reason = angle_power(source) ? "an angle is in it" : "no angle is in it";
+        *reason = angle_power(source) ? "it contains an angle" : "it contains no angle";
     }
     ut_free(source);
     ut_free(target);
