@@ -252,7 +252,7 @@ LID = "walls: [{name: lid, point: [0, 0, GAP], normal: [0, 0, -1], stiffness: 1e
 def a_step_that_nothing_limits_yet_is_told_in_words(folder):
     loose = LOOSE.replace("STEP", "1e-6")
     held = loose + "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
-    for text, words in ((loose, "nothing touches yet"), (held, "can move")):
+    for text, words in ((loose, "there are no contacts yet"), (held, "can move")):
         scene = write_scene(folder, text)
         for command in (("plan", scene), ("run", scene, "--out", os.path.join(folder, words.replace(" ", "_")))):
             out = expect(gneiss(*command), 0).stdout

@@ -719,7 +719,7 @@ def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
             radii = file["particles/radius"][:].reshape(-1)
             assert overlap == "passive" or file["contacts/gap"][:].min() > -1e-12, file["contacts/gap"][:].min()
         assert radii.max() / radii.min() < 3 * 1.1 / 0.9 * 1.003, (dimension, overlap, radii.max() / radii.min())
-        found = re.search(r"sizes +asked for 1 to 3, found 1 to (\S+); shares by (number|mass) off by at most (\S+) %, at", said)
+        found = re.search(r"sizes +requested 1 to 3, found 1 to (\S+); shares by (number|mass) off by at most (\S+) %, at", said)
         assert abs(float(found[1]) / (radii.max() / radii.min()) - 1) < 1e-3 and found[2] == ("mass" if "sieve" in law else "number") and 0 < float(found[3]) < 8, said
 
 

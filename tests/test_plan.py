@@ -328,7 +328,7 @@ def seeds_measure_the_scatter_and_say_what_is_left_of_the_error(folder):
              "time": {"end": "1.5 ms", "stop": {"peak_drop": 0.2}}, "output": {"snapshots": 0, "checkpoint": "off"}}
     done = expect(gneiss("run", write_scene(folder, scene), "--seeds", 3, "--out", os.path.join(folder, "out"), "--threads", 1), 0)
     line = next(line for line in done.stdout.splitlines() if line.lstrip().startswith("peak_stress"))
-    assert re.search(r"95 %, 3 runs; .*measured by it, the rest of the error estimated", line), line
+    assert re.search(r"95 %, 3 runs; .*includes packing and round-off, the rest of the error is estimated as", line), line
     with open(os.path.join(folder, "out", "sweep-means.csv"), newline="") as file:
         mean = next(csv.DictReader(file))
     runs = [h5py.File(path) for path in glob.glob(os.path.join(folder, "out", "*", "results.h5"))]

@@ -96,7 +96,7 @@ def a_scale_of_one_that_is_given_says_that_lengths_are_metres(folder):
 @fact
 def packings_and_particles_of_files_are_told(folder):
     done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
-    assert re.search(r"note: specimen\.surface: [\d.]+ m long without a scale", done.stdout), done.stdout
+    assert re.search(r"note: specimen\.surface: [\d.]+ m long with lengths of the file taken as metres", done.stdout), done.stdout
     scene = core(folder)
     scene["specimen"] = {"from": "p"}
     assert re.search(r"specimen\.from: 100 m long.*pack it with scale: 0\.001", check(folder, scene).stdout)

@@ -338,7 +338,7 @@ static void a_refinement_says_where_once(void **state) {
         {"boundary: false", "33: specimen.packing.refine[0].boundary: expected from and to, or "
                             "boundary: true, found none"},
         {"boundary: true, from: [0, 0], to: [1, 1]",
-         "33: specimen.packing.refine[0].boundary: expected from and to, or boundary true, found "
+         "33: specimen.packing.refine[0].boundary: expected from and to, or boundary: true, found "
          "both"},
         {"from: [0, 1], to: [1, 0]", "41: specimen.packing.refine[0].to: expected a corner not "
                                      "below from, found y: 1 to 0"}};

@@ -395,7 +395,7 @@ def a_run_that_went_bad_is_not_tried_again(folder):
 def a_sweep_of_which_no_run_comes_to_its_end_says_so(folder):
     done = gneiss("sweep", sweep_file(folder, parameters={"run.residual_limit": ["1e-30", "1e-31"]}), "--out",
                   os.path.join(folder, "out"), "--quiet", *QUICK)
-    expect(done, 5, "none of 2 runs came to its end")
+    expect(done, 5, "none of 2 runs was completed")
     assert [row["status"] for row in rows(os.path.join(folder, "out"))] == ["failed", "failed"]
 
 
@@ -622,7 +622,7 @@ def every_column_of_a_history_can_be_a_reading(folder):
 def a_reading_that_no_run_has_is_warned_of(folder):
     file = sweep_file(folder, readings=["history.wall_roof_force_z", "history.wall_top_force_z"], seeds=1)
     done = expect(gneiss("sweep", file, "--out", os.path.join(folder, "out"), "--quiet", *QUICK), 0,
-                  "warning: readings: no run that is done has a number for history.wall_roof_force_z")
+                  "warning: readings: no completed run has a number for history.wall_roof_force_z")
     assert "wall_top_force_z" not in done.stderr
 
 

@@ -15,7 +15,7 @@ static void print_one(const gn_readings *readings, const char *name, const char 
            gn_budget_text(causes, value / shown.factor, text, sizeof text));
 }
 
-/* What is in no sum is the same for most readings, and told once. */
+/* The causes that no sum includes are the same for most readings, and are printed once. */
 static void print_notes(const gn_budget *budget) {
     const gn_error_causes *causes = &budget->of[GN_READING_peak_stress];
     if (!causes->count) causes = &budget->of[GN_READING_young_modulus_average];

@@ -2,7 +2,7 @@
 
 #include <stdio.h>
 
-/* --- what is certain --- */
+/* --- certain cases --- */
 
 static bool turns(const gn_motion *motion) {
     return motion->spin[0].count || motion->spin[1].count || motion->spin[2].count;
@@ -21,7 +21,7 @@ static bool held_at_rest(const gn_table *channel) {
     return rests;
 }
 
-/* The first set that a particle is in drives it: later ones do not matter. */
+/* The first set of a particle drives it: later ones have no effect. */
 static bool all_spins_held(const gn_scene *scene) {
     const gn_set_def *set = scene->sets;
     bool held = scene->set_count > 0 && set->all && !set->has_initial_spin;
@@ -30,27 +30,29 @@ static bool all_spins_held(const gn_scene *scene) {
     return held && scene->set_count == 1;
 }
 
-/* Only tangential forces turn a sphere. Forces on facets are shared out over points beside the one
+/* Only tangential forces turn a sphere. Forces on facets are distributed over points beside the one
  * below its centre. */
 static const char *idle_rotation(const gn_world *world) {
     bool tangential = world->effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
     if (all_spins_held(&world->scene))
-        return "all spins are held at 0: the same to rounding (law.rotation: off)";
+        return "all spins are prescribed as 0: the same to rounding (law.rotation: off)";
     if (tangential || world->effects & GN_FX_FACETS || sets_turn(&world->scene)) return NULL;
     return "no tangential force and no set turns anything (law.rotation: off)";
 }
 
 static const char *idle_friction(const gn_world *world) {
     const gn_particles *q = &world->dem.particles;
-    if (world->effects & GN_FX_ROLLING) return NULL; /* moments stand beside tangential forces */
+    if (world->effects & GN_FX_ROLLING)
+        return NULL; /* moments need the storage of tangential forces */
     for (size_t p = 0; p < q->soa.count; p++)
         if (world->scene.materials[q->material[p]].friction > 0.0) return NULL;
     return "no particle has a material with friction";
 }
 
 static const char *idle_contact_damping(const gn_world *world) {
-    return world->dem.damping_fraction > 0.0 ? NULL
-                                             : "a restitution of 1 takes nothing (damping.contact)";
+    return world->dem.damping_fraction > 0.0
+               ? NULL
+               : "a restitution of 1 dissipates nothing (damping.contact)";
 }
 
 static const char *idle_background(const gn_world *world) {
@@ -71,14 +73,14 @@ static const char *idle_mass_scaling(const gn_world *world) {
     return world->dem.scaling.raised ? NULL : "no mass has to be raised (time.mass_scaling)";
 }
 
-/* What is only read off. */
+/* Effects that only output reads. */
 static const char *idle_energy(const gn_world *world) {
     (void)world;
-    return "for output and its warning alone, no motion depends on it (output.energy: off)";
+    return "read only by output and its warning, no motion depends on it (output.energy: off)";
 }
 static const char *idle_orientation(const gn_world *world) {
     (void)world;
-    return "for output alone, no motion depends on it (output.orientation: off)";
+    return "read only by output, no motion depends on it (output.orientation: off)";
 }
 
 /* --- words --- */
@@ -86,7 +88,7 @@ static const char *idle_orientation(const gn_world *world) {
 static const struct {
     gn_effect effect;
     gn_effect_index index;
-    const char *(*idle)(const gn_world *world); /* why; NULL: it may change something */
+    const char *(*idle)(const gn_world *world); /* the reason; NULL: it may change something */
 } idle_effects[] = {
 #define IDLE(NAME, find)                                                                           \
     { GN_FX_##NAME, GN_FX_INDEX_##NAME, find }

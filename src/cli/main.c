@@ -27,12 +27,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { LONG_RUN = 60 }; /* s of computing that are not replaced without being asked for */
+enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only on request */
 
 static const char nothing_lost[] =
     "gneiss: interrupted: before the first step; there is nothing to save\n";
 
-/* JSON lines: the text without its line breaks and indentation. */
+/* Prints a JSON text without its line breaks and indentation. */
 static void print_one_line(const char *json) {
     while (*json) {
         size_t length = strcspn(json, "\n");
@@ -58,7 +58,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
     return gn_run_verdict(run, error);
 }
 
-/* The bad state is kept for looking at; the message of the first error is the one that counts. */
+/* Stores the bad state for inspection; the message of the first error is kept. */
 static gneiss_status fail(gn_run *run, gneiss_error *error) {
     gneiss_error second = {0};
     gneiss_status status = error->status;
@@ -71,7 +71,7 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
     return status;
 }
 
-/* *shown: a progress line stands on the terminal, and the cursor behind it. */
+/* *shown: a progress line is on the terminal, and the cursor is at its end. */
 static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown,
                              gneiss_error *error) {
     char light[GNEISS_MESSAGE_SIZE];
@@ -87,8 +87,8 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
     if (*gn_conversion_watches(&run->world, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(options, run, error));
-    GN_TRY(gn_print_beginning(options, run, error));
-    GN_TRY(gn_expect_end(options, run, error));
+    GN_TRY(gn_print_initial_state(options, run, error));
+    GN_TRY(gn_predict_end(options, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || options->json ? 0.5 : 5.0;
@@ -102,7 +102,7 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
+        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; continue with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
     gneiss_status status = finish(options, run, error);
@@ -112,11 +112,11 @@ static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown
 static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *error) {
     bool shown = false;
     gneiss_status status = advance(options, run, &shown, error);
-    if (status != GNEISS_OK && shown) gn_leave_progress(options);
+    if (status != GNEISS_OK && shown) gn_end_progress_line(options);
     return status;
 }
 
-/* A scene on the heap: it is too large for a small stack. */
+/* The scene is on the heap because it is too large for a small stack. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     *scene = calloc(1, sizeof **scene);
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
@@ -132,8 +132,8 @@ static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gne
     return status;
 }
 
-/* Hours of computing are not thrown away by a command repeated by mistake, nor somebody else's
- * files by a folder named by mistake; both are told before anything is computed. */
+/* A repeated command does not replace hours of computing, and a mistaken folder does not lose other
+ * files; both are refused before anything is computed. */
 static gneiss_status check_replacing(const gn_options *options, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
@@ -158,7 +158,8 @@ static gneiss_status start(const gn_options *options, gn_scene *scene, gn_run *r
         return status;
     }
     GN_TRY(gn_run_start(scene, options->out, options->force, run, error));
-    run->cpu_start = 0.0; /* the process does nothing else: the packing made ahead counts, too */
+    run->cpu_start =
+        0.0; /* the process has done nothing else, so that the packing made before counts too */
     return GNEISS_OK;
 }
 
@@ -203,16 +204,17 @@ static gneiss_status command_resume(const gn_options *options, gneiss_error *err
             fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
                     gn_printable(options->target, shown, sizeof shown), run->stop_reason,
                     !options->override_count ? ""
-                    : run->world.halt[0] ? "; the model itself ended it, which no setting changes"
-                                         : "; a later time.end or a stop condition lifted goes on");
+                    : run->world.halt[0]
+                        ? "; the model itself ended it, which no setting changes"
+                        : "; a later time.end or removing the stop condition continues it");
         gn_run_free(run);
     }
     free(run);
     return status;
 }
 
-/* Of several confinements in one scene each is a scene: what is wrong with one of them is told as
- * `run` would tell it. */
+/* Each of several confinements in a scene is a scene of its own: a problem of one is reported as
+ * `run` reports it. */
 static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
     bool several = false;
     gn_sweep *sweep = calloc(1, sizeof *sweep);
@@ -252,13 +254,13 @@ static gneiss_status command_look(const gn_options *options, bool plan, gneiss_e
     }
     if (status == GNEISS_OK && !plan)
         printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
-               warnings ? "can run; mind the warnings above" : "can run");
+               warnings ? "can run; see the warnings above" : "can run");
     free(world);
     return status;
 }
 
-/* The report is a Python script: where it was installed, in the program's source tree, or moved
- * along with the program. A folder tools beside an installed one may be anybody's. */
+/* The report is a Python script: at the place of installation, in the program's source tree, or
+ * moved along with the program. A folder `tools` beside an installed program may be unrelated. */
 static gneiss_status command_report(const gn_options *options, gneiss_error *error) {
     struct stat target;
     if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
@@ -279,17 +281,16 @@ static gneiss_status command_report(const gn_options *options, gneiss_error *err
         }
     }
     if (!script)
-        return gn_fail(
-            error, GNEISS_ERROR_IO,
-            "report.py is neither in ../share/gneiss nor in ../tools nor in tools beside "
-            "the program (GNEISS_REPORT names another place)");
-    /* By its first argument Python finds its modules: a bare name would lead to a virtual
-     * environment that is active. */
+        return gn_fail(error, GNEISS_ERROR_IO,
+                       "report.py is neither in ../share/gneiss nor in ../tools nor in tools "
+                       "beside the program (GNEISS_REPORT gives another place)");
+    /* Python finds its modules by its first argument: a bare name would lead to an active virtual
+     * environment. */
     execl("/usr/bin/python3", "/usr/bin/python3", script, options->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
 
-/* The linker's: where the program begins in memory, and where its machine code ends. */
+/* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
 extern const char __executable_start[], etext[];
 
 static void command_info(void) {
@@ -319,7 +320,7 @@ static gneiss_status command_help(const gn_options *options, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* Why no key is about a word of the field; NULL: unknown. */
+/* Returns the reason why no key concerns a word of the field; NULL: unknown. */
 static const char *not_modelled(const char *word) {
     static const char *const words[][2] = {
         {"water", "no water or other fluid is modelled: stresses are effective ones"},
@@ -342,11 +343,11 @@ static gneiss_status command_keys(const gn_options *options, gneiss_error *error
                                  options->words[k]);
     const char *absent = not_modelled(sought);
     if (absent)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key is about '%s': %s", sought, absent);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key concerns '%s': %s", sought, absent);
     bool meant =
         options->word_count == 1 && gn_scene_nearest_key(options->target, nearest, sizeof nearest);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "keys: expected %s that a key or its description holds, found '%s'%s%s%s",
+                   "keys: expected %s that a key or its description contains, found '%s'%s%s%s",
                    options->word_count > 1 ? "words" : "a text", sought,
                    meant ? "; did you mean '" : "", meant ? nearest : "", meant ? "'?" : "");
 }
@@ -371,34 +372,33 @@ static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
     return command_keys(options, error);
 }
 
-/* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
- * a machine that others use as well the one that spins keeps the one it waits for from running. A
- * short spin, then sleep, costs little on an idle machine. The library reads this before main,
- * hence the second start. Where threads are bound it has put this one on a core of its own by now,
- * and a second start would be left with that core alone. */
+/* Threads synchronise twice a step. By default the OpenMP library spins for long while it waits,
+ * and on a shared machine the spinning thread keeps the awaited one from running. A short spin
+ * before blocking costs little on an idle machine. The library reads this before main, hence the
+ * second start. With bound threads the library has already put this thread on one core, and a
+ * second start would inherit only that core. */
 static void spin_briefly(char **argv) {
     static const char *const given[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND",
                                         "OMP_PLACES", "GOMP_CPU_AFFINITY"};
     for (size_t k = 0; k < sizeof given / sizeof *given; k++)
         if (getenv(given[k])) return;
     setenv("GOMP_SPINCOUNT", "20000", 1);
-    execv("/proc/self/exe", argv); /* on failure the default has to do */
+    execv("/proc/self/exe", argv); /* on failure the default remains */
 }
 
-static bool finished; /* main returns: no library ends the program */
+static bool finished; /* set when main returns: no library ended the program */
 
-/* Libraries that lack memory may end the program by themselves: the scanner of UDUNITS-2 by
- * exit(2), which would be called an input error, the OpenMP library by exit(1). They have said why.
- */
-static void name_the_end(void) {
+/* Libraries that lack memory may exit: the scanner of UDUNITS-2 by exit(2), which would count as an
+ * input error, the OpenMP library by exit(1). They have printed the reason. */
+static void report_library_exit(void) {
     if (finished) return;
     fputs("gneiss: out of memory: a library ended the program\n", stderr);
     _exit(GNEISS_ERROR_MEMORY);
 }
 
-/* What is large goes back to the system when it is freed. By default the allocator of glibc keeps
- * blocks of up to 32 MB once some were freed, and files that are formed in memory leave holes: the
- * same run took 118 or 268 MB. */
+/* Large blocks are returned to the system when they are freed. By default the allocator of glibc
+ * keeps blocks of up to 32 MB after some were freed, and files that are formed in memory leave
+ * holes: the same run took 118 or 268 MB. */
 static void give_back_large_blocks(void) {
 #ifdef __GLIBC__
     (void)mallopt(M_MMAP_THRESHOLD, 4 << 20);
@@ -408,26 +408,25 @@ static void give_back_large_blocks(void) {
 int main(int argc, char **argv) {
     spin_briefly(argv);
     give_back_large_blocks();
-    (void)atexit(name_the_end);
-    omp_set_dynamic(
-        0); /* no result depends on it, but the speed does: OMP_DYNAMIC is not followed */
+    (void)atexit(report_library_exit);
+    omp_set_dynamic(0); /* no result depends on it, but the speed does: OMP_DYNAMIC is ignored */
     gneiss_error error = {0};
     gn_options options;
     bool done = false;
-    signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
+    signal(SIGXFSZ, SIG_IGN); /* a file size limit is a write error and does not end the program */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {
         status = dispatch(&options, &error);
         if (status == GNEISS_ERROR_INPUT) gn_name_wrong_file(&options, &error);
     }
-    /* An earlier flush may have met the error, and nothing be left to write now. */
+    /* An earlier flush may have failed with nothing left to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
     finished = true;
-    /* HDF5 may hold files that it could not close without memory; its clean-up would trip over
+    /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
      * them. */
     if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
     return (int)status;

@@ -18,7 +18,7 @@ static gneiss_status add_override(gn_options *options, const char *key, const ch
     return GNEISS_OK;
 }
 
-/* "key=value" */
+/* Adds an override "key=value". */
 static gneiss_status add_set(gn_options *options, const char *text, gneiss_error *error) {
     const char *equals = strchr(text, '=');
     if (!equals || equals == text)
@@ -42,11 +42,11 @@ gneiss_status gn_no_command(const char *name, gneiss_error *error) {
                    name, advice);
 }
 
-/* Options that only sweeps have. */
+/* Refuses options of sweeps for other commands. */
 static gneiss_status check_sweep_options(const gn_options *options, const gn_command *command,
                                          gneiss_error *error) {
     bool sweep = strcmp(command->name, "sweep") == 0, run = strcmp(command->name, "run") == 0;
-    bool several = sweep || run; /* of a run the scene says: gn_command_several */
+    bool several = sweep || run; /* for a run the scene decides: gn_command_several */
     const char *only_sweep = options->array     ? "--array"
                              : options->collect ? "--collect"
                                                 : NULL,
@@ -67,7 +67,7 @@ static gneiss_status check_sweep_options(const gn_options *options, const gn_com
     return GNEISS_OK;
 }
 
-/* Options of `plan --error`. */
+/* Refuses options of `plan --error` without it. */
 static gneiss_status check_plan_options(const gn_options *options, const gn_command *command,
                                         gneiss_error *error) {
     const char *given = options->error           ? "--error"
@@ -261,14 +261,14 @@ static gneiss_status apply(gn_options *options, int option, const char *value,
     }
 }
 
-/* What getopt stopped at, and what may have been meant. */
+/* Reports the option at which getopt stopped, and the one that was probably intended. */
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
-    if (optopt >= OPT_OUT) /* one of the list: it was given a value */
+    if (optopt >= OPT_OUT) /* a long option without a value: it was given one */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%.*s: expected no value, found '%.200s'",
                        (int)strcspn(given, "="), given, given + strcspn(given, "=") + 1);
-    if (optopt) /* a letter, perhaps one of several */
+    if (optopt) /* a short option, perhaps one of several */
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option '-%c' (gneiss --help lists them)",
                        optopt);
     snprintf(name, sizeof name, "%.*s", (int)strcspn(given + 2, "="), given + 2);
@@ -279,7 +279,7 @@ static gneiss_status no_option(char **argv, gneiss_error *error) {
                    name, advice);
 }
 
-/* The first argument that is a command; NULL: none. */
+/* Returns the first argument that is a command; NULL: none. */
 static const gn_command *command_among(int argc, char **argv) {
     for (int k = 1; k < argc; k++)
         if (gn_command_named(argv[k])) return gn_command_named(argv[k]);
@@ -306,7 +306,7 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool 
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a value (gneiss --help)",
                            argv[optind - 1]);
         if (option == '?') return no_option(argv, error);
-        /* A value that may be left out counts as one only behind "=" to getopt. */
+        /* getopt accepts an optional value only after "=". */
         bool shard = option == OPT_ARRAY && !optarg && optind < argc && argv[optind][0] &&
                      strspn(argv[optind], "0123456789/") == strlen(argv[optind]);
         GN_TRY(apply(options, option, shard ? argv[optind++] : optarg, error));

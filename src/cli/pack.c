@@ -84,7 +84,7 @@ static gneiss_status obtain(const gn_options *options, const gn_scene *scene,
     return status;
 }
 
-/* The scene as a world would see it: the same packing whatever the origin. */
+/* Packs the scene relative to its origin, so that the packing does not depend on the origin. */
 static gneiss_status obtain_shifted(const gn_options *options, gn_scene *scene, gn_scene *shifted,
                                     gn_pack_result *result, gneiss_error *error) {
     GN_TRY(gn_origin_choose(scene, NULL, error));
@@ -154,8 +154,8 @@ static void print_quality(const gn_scene *scene, const gn_pack_result *result,
            100.0 * quality->wall_protrusion);
 }
 
-/* What was asked for beside what there is. Refined, or on a mesh, sizes differ from place to place.
- */
+/* Prints the requested and the actual sizes. In a refined packing, or on a mesh, sizes vary in
+ * space. */
 static void print_sizes(const gn_scene *scene, const gn_pack_result *result,
                         const gn_pack_quality *quality) {
     const gn_pack_def *def = &scene->specimen.pack;
@@ -164,7 +164,7 @@ static void print_sizes(const gn_scene *scene, const gn_pack_result *result,
     double least, most, at = 0.0, *radius = NULL;
     if (def->sizes == GN_SIZES_FITTED) return;
     gn_sizes_range(&sizes, &least, &most);
-    printf("  sizes            asked for 1 to %.4g, found 1 to %.4g", most / least,
+    printf("  sizes            requested 1 to %.4g, found 1 to %.4g", most / least,
            quality->radius_ratio);
     if (!def->refinement_count && def->shape != GN_SHAPE_MESH)
         radius = gn_alloc_array(result->packing.count, sizeof *radius);
@@ -203,7 +203,7 @@ static void print_quality_json(const gn_pack_result *result, const gn_pack_quali
     free(text);
 }
 
-/* A packing from the cache comes without its body, which is then made again. */
+/* A packing from the cache has no body, which is made again here. */
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
     gn_pack_shape body = {0};
@@ -237,14 +237,14 @@ static gneiss_status check_folder(const char *folder, gneiss_error *error) {
                    folder, results ? "results" : "checkpoints");
 }
 
-/* Particles as the user sees them, for files. */
+/* Shifts particles to the user's coordinates, for files. */
 static void move_out(const gn_scene *scene, gn_packing *packing) {
     for (size_t k = 0; k < packing->count; k++)
         for (size_t a = 0; a < 3; a++)
             packing->sphere[4 * k + a] = gn_point_out(scene->origin[a], packing->sphere[4 * k + a]);
 }
 
-/* A request says nothing of speeds and densities: only the size speaks. */
+/* Checks the scale by the size alone, because a packing has no velocities and densities. */
 static void note_scale(const gn_scene *scene, const gn_pack_result *result) {
     const double large = 5.0; /* m */
     const gn_specimen *specimen = &scene->specimen;
@@ -261,8 +261,8 @@ static void note_scale(const gn_scene *scene, const gn_pack_result *result) {
         longest = fmax(longest, high - low);
     }
     if (longest >= large)
-        printf("note: %s: %.4g m long without a scale, which takes the file's lengths for metres; "
-               "scale: 0.001 if they are millimetres, scale: 1 if they are metres\n",
+        printf("note: %s: %.4g m long with lengths of the file taken as metres, as no scale is "
+               "given; scale: 0.001 if they are millimetres, scale: 1 if they are metres\n",
                surface ? "specimen.surface" : "specimen.mesh", longest);
 }
 
@@ -281,7 +281,7 @@ static gneiss_status pack_into(const gn_options *options, gn_scene *scene, const
     if (!obtained) return status;
     move_out(scene, &result.packing);
     if (status == GNEISS_OK) {
-        (void)gn_signals_set_flag(); /* writing is short and is not left half done */
+        (void)gn_signals_set_flag(); /* writing is short and is completed */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK) warn_of_sizes(scene, &result, &quality);
         if (status == GNEISS_OK && options->json) print_quality_json(&result, &quality);
@@ -299,8 +299,8 @@ static gneiss_status pack_into(const gn_options *options, gn_scene *scene, const
     return status;
 }
 
-/* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
- * again when nothing came into it. */
+/* The folder is created first, so that an unwritable one fails before packing; a new folder is
+ * removed if it stays empty. */
 static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;

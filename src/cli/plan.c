@@ -42,7 +42,7 @@ static void print_record(const gn_record *record, const char *name, gn_effects e
     printf("\n");
 }
 
-/* How forces reach the particles, and which parameters are not streamed. */
+/* Prints how forces are summed on particles, and which parameters are shared by all contacts. */
 static void print_sums(const char *name, const gn_partials *partials, const gn_uniform *same) {
     if (!partials->blocks) return;
     printf("  forces of %-8s %10d rows of %zu bytes, in %zu blocks of %zu contacts", name,
@@ -94,7 +94,7 @@ static void print_kernels(const gn_world *world) {
     gn_print_element_kernels(world);
 }
 
-/* Why the step's limit lies below that of the springs that touch now. */
+/* Prints the reasons why the step's limit is below that of the springs in contact. */
 static void print_lowered(const gn_world *world) {
     double share = gn_world_nonviscous_share(world), particles = world->dem.stable;
     if (world->element_count) return;
@@ -103,7 +103,7 @@ static void print_lowered(const gn_world *world) {
                "mode\n",
                share);
     if (world->stable < 0.999 * share * particles)
-        printf("                   less %.3f for bodies that give way to particles\n",
+        printf("                   less %.3f for bodies that yield to particles\n",
                world->stable / (share * particles));
 }
 
@@ -115,13 +115,13 @@ static void print_particle_limits(const gn_world *world) {
         return;
     }
     if (world->dem.limit.bound == INFINITY) {
-        printf("  contacts to come %.6g s, since nothing touches yet\n", world->dem.stable);
+        printf("  contacts to come %.6g s, as there are no contacts yet\n", world->dem.stable);
         print_lowered(world);
         return;
     }
     if (world->dem.limit.iterations == 0)
-        printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
-               "below\n");
+        printf(
+            "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
                sharp, world->dem.limit.iterations, world->dem.limit.sharp_id);
@@ -136,7 +136,8 @@ static void print_particle_limits(const gn_world *world) {
            (world->scene.dimension == 3 ? 0.17 : 0.3) * world->dem.limit.literature / sharp);
 }
 
-/* What collisions ask for, and what may touch before the lists are made again. */
+/* Prints the limits from collisions, and from particles that may touch before the lists are
+ * rebuilt. */
 static void print_contacts_to_come(const gn_world *world) {
     const gn_resolution *r = &world->dem.resolution;
     char text[GNEISS_MESSAGE_SIZE];
@@ -146,14 +147,13 @@ static void print_contacts_to_come(const gn_world *world) {
                r->step, r->contact, gn_resolution_text(world, text, sizeof text),
                r->contact / r->step, r->contact / world->dt);
     else
-        printf("  collisions       none that would have to be resolved\n");
+        printf("  collisions       none that need to be resolved\n");
     if (world->effects & GN_FX_BONDS && world->effects & GN_FX_ENERGY && world->scene.step == 0.0 &&
         gn_world_rings(world))
-        printf(
-            "  debris           undamped: once bonds have broken, what is wedged may ask for steps "
-            "up to four times shorter\n");
+        printf("  debris           undamped: once bonds have broken, wedged particles may need "
+               "steps up to four times shorter\n");
     if (world->dem.listed < INFINITY)
-        printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
+        printf("  near contacts    %.6g s is the stability limit with all of them in contact\n",
                world->dem.listed);
     if (*gn_world_step_warning(world, text, sizeof text)) printf("  warning: %s\n", text);
 }
@@ -171,17 +171,17 @@ static void print_mass_scaling(const gn_world *world) {
            100.0 * s->added / world->dem.mass, (long long)s->raised, world->dem.particles.soa.count,
            s->largest);
     if (world->dt < (1.0 - 1e-9) * s->step)
-        printf("  warning: time.mass_scaling: more mass does not give %.6g s\n", s->step);
+        printf("  warning: time.mass_scaling: added mass does not give %.6g s\n", s->step);
 }
 
-/* Servo walls that the step makes slower than they are asked to be. */
+/* Prints servo walls whose relaxation is lowered by the step. */
 static void print_servos(const gn_world *world) {
     for (size_t k = 0; k < world->scene.wall_count; k++) {
         const gn_wall_def *wall = &world->scene.walls[k];
         double most = gn_world_servo_relaxation(world, k);
         if (!wall->servo.active || wall->servo.relaxation <= most) continue;
-        printf("  servo            wall '%.60s': relaxation %.3g%s instead of %g, which would not "
-               "be stable with this step (a smaller time.safety leaves more)\n",
+        printf("  servo            wall '%.60s': relaxation %.3g%s instead of %g, which would be "
+               "unstable with this step (a smaller time.safety allows more)\n",
                wall->name, most, world->dem.damping_fraction > 0.0 ? " or less" : "",
                wall->servo.relaxation);
     }
@@ -193,7 +193,7 @@ static void print_step(const gn_world *world) {
     if (world->stable < INFINITY)
         printf(" = %.3f of the stability limit %.6g s", world->dt / world->stable, world->stable);
     else if (world->scene.step == 0.0)
-        printf(": how far bodies go in it, since nothing can touch");
+        printf(": limited by the motion of bodies per step, as there are no contacts");
     printf("\n");
     print_mass_scaling(world);
     if (world->scene.has_specimen) print_contacts_to_come(world);
@@ -226,7 +226,8 @@ gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *er
     return GNEISS_OK;
 }
 
-/* The states on the way are looked for in earnest: nothing less tells where they end. */
+/* The states up to the start are computed in full, because nothing cheaper gives the end of them.
+ */
 static gneiss_status find_start(gn_world *world, gneiss_error *error) {
     gn_first_break found;
     if (world->scene.start != GN_START_FIRST_BREAK) return GNEISS_OK;
@@ -297,7 +298,7 @@ void gn_print_range(const gn_world *world, int axis, double lower, double upper,
 
 /* --- check --- */
 
-/* Stiffness and radius of the beams that bonds are, and what strength takes of their moments. */
+/* Prints stiffness and radius of the beams of bonds, and the share of moments in their strength. */
 static void print_beams(const gn_world *world) {
     const gn_contacts *b = &world->dem.bonds;
     const double n[3] = {1.0, 0.0, 0.0};
@@ -321,7 +322,7 @@ static void print_beams(const gn_world *world) {
 }
 
 static void print_bond_numbers(const gn_world *world, int *warnings) {
-    /* Of several stages a later one may form them. */
+    /* A later stage may form the bonds. */
     if (!world->dem.particles.bonds0 || world->scene.bonds != GN_SWITCH_ON) return;
     size_t none = 0, few = 0, n = world->dem.particles.soa.count;
     int most = 0;
@@ -335,10 +336,9 @@ static void print_bond_numbers(const gn_world *world, int *warnings) {
            (size_t)world->dem.bonds_at_start, 2.0 * (double)world->dem.bonds_at_start / (double)n,
            most);
     if (world->dem.bonds.soa.count > (size_t)world->dem.bonds_at_start)
-        printf(
-            "  free overlaps    %zu pairs without a bond overlap, and are free of stress as they "
-            "are (bonds.passive_gaps)\n",
-            world->dem.bonds.soa.count - (size_t)world->dem.bonds_at_start);
+        printf("  free overlaps    %zu pairs without a bond overlap, free of stress "
+               "(bonds.passive_gaps)\n",
+               world->dem.bonds.soa.count - (size_t)world->dem.bonds_at_start);
     print_beams(world);
     if (few)
         printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n",
@@ -371,7 +371,7 @@ static void print_walls(const gn_world *world, int *warnings) {
     }
 }
 
-/* Particles on a surface, behind what was said of it in the same line. */
+/* Prints particles on a surface, after the text on it in the same line. */
 static void print_overlap(const gn_world *world, const gn_overlap *overlap, const char *name,
                           int *warnings) {
     if (world->scene.has_specimen) {
@@ -385,14 +385,14 @@ static void print_overlap(const gn_world *world, const gn_overlap *overlap, cons
     (*warnings)++;
 }
 
-/* One that is put down without an overlap presses with twice its weight at most. */
+/* A body placed without an overlap presses with at most twice its weight. */
 static void print_on_walls(const gn_world *world, size_t body, int *warnings) {
     const double *g = world->scene.gravity;
     double most = 2.0 * world->boundary.bodies[body].mass * sqrt(gn_dot3(g, g));
     if (world->scene.bodies[body].free && world->effects & GN_FX_HERTZ &&
         !(world->scene.bodies[body].stiffness > 0.0) &&
         (world->scene.wall_count || world->scene.body_count > 1))
-        printf("  body %-12s passes through walls and bodies without a stiffness, as it has none\n",
+        printf("  body %-12s has no stiffness, and passes through walls and bodies without one\n",
                world->scene.bodies[body].name);
     for (size_t n = 0; n < world->scene.wall_count; n++) {
         gn_body_overlap o = gn_body_walls_overlap(world, body, n);
@@ -400,13 +400,13 @@ static void print_on_walls(const gn_world *world, size_t body, int *warnings) {
         printf("  body %-12s %zu vertices behind wall '%s', deepest %.3g m\n",
                world->scene.bodies[body].name, o.vertices, world->scene.walls[n].name, o.deepest);
         if (!(o.force > most)) continue;
-        printf("  warning: wall '%s' pushes body '%s' out with %.3g N at the start\n",
+        printf("  warning: wall '%s' pushes out body '%s' with %.3g N at the start\n",
                world->scene.walls[n].name, world->scene.bodies[body].name, o.force);
         (*warnings)++;
     }
 }
 
-/* The same of two bodies; each pair is said once. */
+/* Prints overlaps of two bodies; each pair is printed once. */
 static gneiss_status print_on_bodies(const gn_world *world, size_t body, int *warnings,
                                      gneiss_error *error) {
     if (gn_body_misses_bodies(world, body))
@@ -416,7 +416,7 @@ static gneiss_status print_on_bodies(const gn_world *world, size_t body, int *wa
         gn_bodies_overlap o;
         GN_TRY(gn_bodies_overlap_of(world, k, body, &o, error));
         if (!(o.depth > 0.0)) continue;
-        printf("  body %-12s overlaps body '%s', %.3g m in the mean\n",
+        printf("  body %-12s overlaps body '%s', %.3g m on average\n",
                world->scene.bodies[body].name, world->scene.bodies[k].name, o.depth);
         if (!(o.force > o.rest)) continue;
         printf("  warning: bodies '%s' and '%s' push each other apart with %.3g N at the start\n",
@@ -437,7 +437,7 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
         if (world->scene.bodies[k].free) {
             printf("; free: ");
-            if (b->volume > 0.0) printf("%.6g m3, ", b->volume); /* not found where mass is given */
+            if (b->volume > 0.0) printf("%.6g m3, ", b->volume); /* not computed if mass is given */
             printf("%.6g kg, centre of mass %s m", b->mass,
                    gn_point_text(world->scene.origin, b->position, at));
         }
@@ -456,10 +456,10 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
         printf("  warning: %s\n", light);
         (*warnings)++;
     }
-    /* The last surface, behind those of bodies, is that of elements. */
+    /* The last surface, after those of bodies, is that of elements. */
     if (world->boundary.surface_count == world->scene.body_count) return GNEISS_OK;
     const gn_surface *s = &world->boundary.surfaces[world->scene.body_count];
-    printf("  elements         %zu facets that particles may touch", s->facets.count);
+    printf("  elements         %zu facets for contact with particles", s->facets.count);
     print_overlap(world, &overlaps[world->scene.body_count], "the elements", warnings);
     return GNEISS_OK;
 }
@@ -480,34 +480,33 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     return status;
 }
 
-/* Grains that nothing bonds have gaps to the ends as they have to each other: those count as
- * strain, which is worth a line from a thousandth on. */
+/* Unbonded particles have gaps to the ends as they have to each other: these count as strain, which
+ * is reported above a thousandth. */
 static void print_loose_gap(const gn_world *world) {
     double lower, upper;
     bool away[2];
     gn_ends_gaps(world, &lower, &upper, away);
     const double gap = (away[0] ? 0.0 : lower) + (away[1] ? 0.0 : upper);
     if (world->effects & GN_FX_BONDS || !(gap > 1e-3 * world->test_length)) return;
-    printf("  ends             begin %.4g m in all away from the outermost grains, which nothing "
-           "bonds: strain counts from the start, up to %.2g before both ends touch\n",
+    printf("  ends             begin %.4g m in total away from the outermost unbonded particles: "
+           "strain counts from the start, up to %.2g before contact at both ends\n",
            gap, gap / world->test_length);
 }
 
-/* What moduli and strains of the test are read by. */
+/* Prints the definitions by which moduli and strains of the test are read. */
 static void print_section(const gn_world *world) {
     const gn_bar_section *x = &world->section;
     if (x->mean > 0.0 && x->guessed != 0.0)
-        printf(
-            "  section          varies along %c, %.3g of the mean at the narrowest place, and no "
-            "shape measures it: moduli are read as of a prism, over %.4g m2\n",
-            "xyz"[world->scene.test.axis], x -> narrowest / x -> mean, world -> test_area);
+        printf("  section          varies along %c, %.3g of the mean at the narrowest section, and "
+               "no shape gives it: moduli are read as for a prism, over %.4g m2\n",
+               "xyz"[world->scene.test.axis], x -> narrowest / x -> mean, world -> test_area);
     else if (x->mean > 0.0)
-        printf("  section          %.4g m2 in the mean, %.4g m2 at the narrowest place: moduli are "
-               "read by the mean of 1/area, stresses over %.4g m2\n",
+        printf("  section          %.4g m2 on average, %.4g m2 at the narrowest section: moduli "
+               "are read by the mean of 1/area, stresses over %.4g m2\n",
                x->mean, x->narrowest, world->test_area);
     if (x->mean > 0.0 && x->guessed == 0.0 && x->spread > 0.02)
-        printf("  section          changes fast beside its width: moduli are read some %.2g %% too "
-               "low, as stresses spread gradually\n",
+        printf("  section          changes fast relative to its width: moduli are read about %.2g "
+               "%% too low, as stresses spread gradually\n",
                100.0 * x->spread);
     const gn_test *test = &world->scene.test;
     const double mean = world->volume / gn_world_side(world, test->axis < 0 ? 0 : (int)test->axis);
@@ -517,8 +516,8 @@ static void print_section(const gn_world *world) {
         printf("  area             %.4g m2 is given, where volume over length is %.4g m2\n",
                world->test_area, mean);
     if (world->approach.gap > 0.0)
-        printf("  ends             begin %.4g m in all away from the specimen: strain counts from "
-               "contact\n",
+        printf("  ends             begin %.4g m in total away from the specimen: strain counts "
+               "from contact\n",
                world->approach.gap);
     print_loose_gap(world);
 }
@@ -586,8 +585,8 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
             100.0 * at5.overlap_max, at5.overlap_i, at5.overlap_j, 100.0 * at5.overlap_mean);
     const double stored = gn_contacts_stored(world);
     if (at5.overlap_max > 0.02 && gn_stored_matters(world, stored)) {
-        printf("  warning: overlaps are not stress-free in this scene: contacts hold %.3g J, and "
-               "the specimen will spring apart\n",
+        printf("  warning: overlaps are not stress-free in this scene: contacts store %.3g J, and "
+               "the specimen will expand abruptly\n",
                stored);
         (*warnings)++;
     }
@@ -597,7 +596,8 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
     return GNEISS_OK;
 }
 
-/* Sources that feed too fast for the length of the run, sinks too thin for the particles. */
+/* Warns of sources that feed too fast for the length of the run, and of sinks too thin for the
+ * particles. */
 static void print_flow(const gn_world *world, int *warnings) {
     char text[GNEISS_MESSAGE_SIZE];
     for (size_t k = 0; k < world->scene.sink_count; k++) {
@@ -608,11 +608,10 @@ static void print_flow(const gn_world *world, int *warnings) {
     for (size_t k = 0; k < world->scene.source_count; k++) {
         const double late = gn_flow_late(world, k);
         if (!(late > 0.0)) continue;
-        printf(
-            "  warning: source '%s' lets particles in every 50 steps at most (%.4g s), and still "
-            "feeds at time.end: up to %.0f will lack there, of %.0f; a longer run, a shorter "
-            "step or an end of the source avoids it\n",
-            world->scene.sources[k].name, 50.0 * world->dt, late, gn_flow_expected(world, k));
+        printf("  warning: source '%s' creates particles at most every 50 steps (%.4g s), and is "
+               "still active at time.end: up to %.0f of %.0f will be missing then; a longer run, a "
+               "shorter step or an end of the source avoids it\n",
+               world->scene.sources[k].name, 50.0 * world->dt, late, gn_flow_expected(world, k));
         (*warnings)++;
     }
 }
@@ -628,7 +627,7 @@ static void print_origin(const gn_world *world) {
 static void print_end(const gn_world *world) {
     char stops[160];
     gn_stops_text(&world->scene, stops, sizeof stops);
-    if (world->scene.stage_count) return; /* each says when it is over */
+    if (world->scene.stage_count) return; /* each stage has its own end */
     printf("end                t = %g s%s%s\n", world->scene.end, *stops ? " or " : "", stops);
 }
 
@@ -636,7 +635,7 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
     print_origin(world);
-    gn_conversion_turn_over(world); /* particles that sleep are described as they will be */
+    gn_conversion_turn_over(world); /* dormant particles are described in their released state */
     gneiss_status status =
         world->scene.has_specimen ? check_particles(world, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(world);

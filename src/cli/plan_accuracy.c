@@ -42,7 +42,7 @@ static void print_estimate(const gn_plan *plan, const gn_world *world) {
         printf("  peak             %.4g MPa at %.3g %% between the ends\n",
                estimate->strength / 1e6, 100.0 * estimate->strain);
     else
-        printf("  peak             none: nothing can break\n");
+        printf("  peak             none: there are no breakable bonds\n");
     printf("  closing          %.4g m/s, over wave speed and strain: %.2g\n", estimate->closing,
            estimate->speed);
     printf("  across           %.3g of %zu particles\n", estimate->across,
@@ -51,7 +51,7 @@ static void print_estimate(const gn_plan *plan, const gn_world *world) {
 
 static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
     double closing = plan->estimate.closing * proposal->pace;
-    printf("  loading          %.4g m/s, both ends together", closing);
+    printf("  loading          %.4g m/s, sum of both ends", closing);
     if (proposal->pace != 1.0) printf(" (%.3g of the scene's)", proposal->pace);
     printf("\n");
     if (plan->groups.mesh)
@@ -62,7 +62,7 @@ static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
                    ? ""
                    : ", with contacts calibrated for them");
     if (proposal->packings > 1)
-        printf("  packings         %d, and the mean of them (gneiss run --seeds %d)\n",
+        printf("  packings         %d, of which the mean is taken (gneiss run --seeds %d)\n",
                proposal->packings, proposal->packings);
     printf("  safety           %.3g\n", proposal->safety);
     printf("  precision        %s\n", proposal->mixed ? "mixed" : "double");
@@ -75,7 +75,7 @@ static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
     }
 }
 
-/* A law that is followed to where nothing is left of the reading has no number to give. */
+/* A scaling law extrapolated to a reading of zero gives no number. */
 static const char *percent(double error, char *text, size_t size) {
     if (error > 1.0)
         snprintf(text, size, "above 100");
@@ -110,22 +110,21 @@ static void print_proposal(const char *title, const gn_plan *plan, const gn_prop
     print_seconds(proposal);
 }
 
-/* What keeps the error up when nothing else is in the way. */
+/* Prints the cause that dominates the remaining error. */
 static void print_floor(const gn_plan *plan, const gn_world *world) {
     const gn_error_cause *most = plan->best.causes.cause;
     for (size_t k = 0; k < plan->best.causes.count; k++)
         if (plan->best.causes.cause[k].error > most->error) most = &plan->best.causes.cause[k];
     char text[32];
-    printf("%.3g %% cannot be reached: the least is about %s %%, most of it by %s\n",
+    printf("%.3g %% cannot be reached: the least is about %s %%, mostly from %s\n",
            100.0 * plan->wanted.error, percent(plan->best.error / 1.1, text, sizeof text),
            most->name);
     bool shape = world->given.specimen.pack.shape != GN_SHAPE_NONE;
     if (strcmp(most->name, "packing") != 0 || shape) return;
     double packings = ceil(pow(most->error / plan->wanted.error, 2.0) * 1.2);
-    printf(
-        "  one packing is one specimen: about %.0f of them (a shape instead of specimen.file, and "
-        "run --seeds) would have their mean within it\n",
-        packings);
+    printf("  one packing is one specimen: the mean of about %.0f of them (a shape instead of "
+           "specimen.file, and run --seeds) would be within it\n",
+           packings);
 }
 
 static void print_plan(const gn_plan *plan, const gn_world *world) {
@@ -133,7 +132,7 @@ static void print_plan(const gn_plan *plan, const gn_world *world) {
     print_proposal("as the scene is", plan, &plan->as_is);
     if (!plan->reached) print_floor(plan, world);
     char title[96];
-    snprintf(title, sizeof title, "proposed for the %s within %.3g %%, 95 times of 100",
+    snprintf(title, sizeof title, "proposed for the %s within %.3g %%, at 95 %% confidence",
              plan->wanted.reading, 100.0 * (plan->reached ? plan->wanted.error : plan->best.error));
     if (plan->best.error <= 1.0) print_proposal(title, plan, &plan->best);
     if (plan->no_statics && !plan->groups.mesh)
@@ -214,7 +213,7 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
 
 /* --- the scene --- */
 
-/* What the command line overrides is in the new scene as well, before what is proposed. */
+/* Overrides of the command line go into the new scene too, before the proposed settings. */
 static gneiss_status all_settings(const gn_options *options, const gn_plan *plan,
                                   const gn_world *world, gn_settings *settings,
                                   gneiss_error *error) {
@@ -224,7 +223,7 @@ static gneiss_status all_settings(const gn_options *options, const gn_plan *plan
     return gn_settings_make(world, plan, &plan->best, settings, error);
 }
 
-/* How many cells there are, and which step they take, is seen by making them. */
+/* The number of cells and the step they allow are found by making them. */
 static gneiss_status correct(const gn_options *options, const gn_settings *settings, gn_plan *plan,
                              gneiss_error *error) {
     if (!plan->groups.mesh) return GNEISS_OK;
@@ -253,7 +252,7 @@ static gneiss_status write_scene(const gn_options *options, const gn_settings *s
                             options->force, &plain, error));
     if (!options->json)
         printf("written: %s%s\n", options->write,
-               plain ? " (resolved, without comments: the way the scene is written cannot be kept)"
+               plain ? " (resolved, without comments: the form of the scene file could not be kept)"
                      : "");
     return GNEISS_OK;
 }

@@ -7,62 +7,65 @@
 #include <math.h>
 #include <stdio.h>
 
-static void print_sleepers(const gn_world *world, const gn_foreseen *foreseen) {
-    printf("particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step "
-           "of the elements alone\n",
+static void print_dormant(const gn_world *world, const gn_foreseen *foreseen) {
+    printf("dormant particles\n  dormant          %zu, with %zu stored bonds; the step above is "
+           "that of the elements alone\n",
            gn_conversion_asleep(world), world->dem.prepared.soa.count);
     if (foreseen->all.sharp < INFINITY)
-        printf("  sharp limit      %.6g s of all of them by themselves, rigorous bound %.6g s\n",
+        printf("  sharp limit      %.6g s of all of them without elements, rigorous bound %.6g s\n",
                foreseen->all.sharp, foreseen->all.bound);
     char watched[GNEISS_MESSAGE_SIZE];
     if (*gn_conversion_watches(world, watched, sizeof watched)) printf("  warning: %s\n", watched);
 }
 
-/* Where a stage has an end that may come at another time, what comes after it does as well. */
+/* Prints the stages. An end that may come at another time shifts all later stages. */
 static void print_stages(const gn_world *world, const gn_foreseen *foreseen) {
     const gn_course *c = &foreseen->course;
     for (size_t k = 0; world->scene.stage_count && k < c->count; k++) {
         const gn_course_part *part = &c->part[k];
         const bool last = k + 1 == world->scene.stage_count;
-        printf("  stage %-10s from %.4g s to %.4g s%s\n", world->scene.stages[k].name, part->begin,
-               part->end,
-               part->guessed         ? ", a guess: it waits for rest, here for twenty times what "
-                                       "waves take along the body"
-               : part->open && !last ? " at the latest: it may end before, by what is not foretold"
-               : part->open          ? " at the latest"
-                                     : "");
+        printf(
+            "  stage %-10s from %.4g s to %.4g s%s\n", world->scene.stages[k].name, part->begin,
+            part->end,
+            part->guessed
+                ? ", a guess: it waits for equilibrium, assumed after twenty transit times of waves"
+            : part->open && !last
+                ? " at the latest: it may end earlier, by a condition that is not predicted"
+            : part->open ? " at the latest"
+                         : "");
     }
     if (c->count < world->scene.stage_count)
         printf("  stage %-10s not reached before time.end\n", world->scene.stages[c->count].name);
 }
 
-/* Looks come every so many steps: a limit may be reached so much before it is seen. */
-static double look_of(const gn_world *world, const gn_foreseen *foreseen) {
+/* Returns the interval between evaluations of the limits, s: the delay after which a reached limit
+ * is seen. */
+static double detection_delay(const gn_world *world, const gn_foreseen *foreseen) {
     return (double)world->scene.couple.convert.every * foreseen->course.part[foreseen->stage].dt;
 }
 
-/* s: how far a limit may be off by waves. A body lags behind a load that grows evenly, and swings
- * about it, by 1/omega of its slowest motion; one that is pulled at once has stress in steps, as
- * waves come by, of what the first of them brings. */
-static double lag_of(const gn_foreseen *foreseen) {
+/* Returns the uncertainty of the time of a limit by waves, s. A body lags behind a steadily growing
+ * load, and oscillates about it, by 1/omega of its slowest mode; under a sudden load the stress
+ * rises in steps, as waves pass, of the size of the first. */
+static double wave_uncertainty(const gn_foreseen *foreseen) {
     const double pi = 3.14159265358979323846, most = 0.5 * foreseen->period;
     if (foreseen->rise < foreseen->period) return most;
     return fmax(foreseen->period / (2.0 * pi), fmin(foreseen->burst * foreseen->rise, most));
 }
 
 static void print_waves(const gn_foreseen *foreseen) {
-    const double fast = 0.2, lag = lag_of(foreseen);
+    const double fast = 0.2, lag = wave_uncertainty(foreseen);
     const double share = foreseen->rise > 0.0 ? lag / foreseen->rise : (double)INFINITY;
-    printf("  waves            shift that by some %.2g s (slowest period %.3g s; the load comes "
+    printf("  waves            shift that by about %.2g s (slowest period %.3g s; the load rises "
            "within %.3g s)\n",
            lag, foreseen->period, foreseen->rise);
     if (foreseen->time < INFINITY && share > fast)
-        printf("  warning: the load is fast beside waves: they may bring a limit first, at another "
-               "time and place than at rest\n");
+        printf("  warning: the load is fast relative to waves: they may reach a limit earlier, at "
+               "another time and place than in equilibrium\n");
     if (foreseen->time == INFINITY &&
         (foreseen->most * (1.0 + fmin(1.0, share)) >= 1.0 || foreseen->burst >= 1.0))
-        printf("  warning: the load is fast beside waves, which may bring a limit that it does not "
-               "come to at rest\n");
+        printf("  warning: the load is fast relative to waves, which may reach a limit that is not "
+               "reached in equilibrium\n");
 }
 
 static void print_when(const gn_world *world, const gn_foreseen *foreseen) {
@@ -72,29 +75,30 @@ static void print_when(const gn_world *world, const gn_foreseen *foreseen) {
         printf("  first            none before the end: %.3g of a limit at most", foreseen->most);
     if (world->scene.stage_count)
         printf(", in stage '%s'", world->scene.stages[foreseen->stage].name);
-    if (foreseen->time < INFINITY && look_of(world, foreseen) > 0.02 * foreseen->time)
-        printf(", seen up to %.2g s later (couple.convert.every)", look_of(world, foreseen));
-    printf("%s\n", foreseen->time < INFINITY ? "" : "; below is what one would make of the step");
+    if (foreseen->time < INFINITY && detection_delay(world, foreseen) > 0.02 * foreseen->time)
+        printf(", detected up to %.2g s later (couple.convert.every)",
+               detection_delay(world, foreseen));
+    printf("%s\n", foreseen->time < INFINITY ? "" : "; the step after one is below");
 }
 
-/* Less than so much apart they are one number. */
-static const double one_number = 0.95;
+/* Two values with a larger ratio are printed as one. */
+static const double equal_ratio = 0.95;
 
 static void print_dt(const gn_foreseen *foreseen) {
     printf("  dt               %.6g s then, set by the %s\n", foreseen->first.dt,
            foreseen->first.side);
     printf("                   %.6g", foreseen->least.dt);
-    if (foreseen->least.dt < one_number * foreseen->grown.dt)
+    if (foreseen->least.dt < equal_ratio * foreseen->grown.dt)
         printf(" to %.6g", foreseen->grown.dt);
-    printf(" s when more has gone, set by the %s\n", foreseen->least.side);
+    printf(" s after further conversions, set by the %s\n", foreseen->least.side);
 }
 
-/* What comes when the body follows its motions and loads slowly. */
+/* Prints the prediction for a body that follows its motions and loads quasi-statically. */
 static void print_first(const gn_world *world, const gn_foreseen *foreseen) {
-    printf("conversion, as the body would be at rest under its motions and loads\n");
+    printf("conversion, with the body in equilibrium under its motions and loads\n");
     print_stages(world, foreseen);
     if (!foreseen->place) {
-        printf("  first            none: nothing loads it\n");
+        printf("  first            none: there is no load\n");
         return;
     }
     print_when(world, foreseen);
@@ -105,43 +109,43 @@ static void print_first(const gn_world *world, const gn_foreseen *foreseen) {
     }
     print_dt(foreseen);
     if (world->scene.couple.spins == GN_COUPLE_SLAVED)
-        printf(
-            "                   roughly: what slaved spins take goes by single elements of fronts; "
-            "runs had 0.4 to 2 times that\n");
+        printf("                   roughly: the effect of slaved spins depends on single elements "
+               "of fronts; runs had 0.4 to 2 times that\n");
     if (*foreseen->stop && foreseen->time < INFINITY && foreseen->part * foreseen->reach >= 1.0)
-        printf(
-            "  warning: at some %.3g times that load conversion would end the run (roughly: where "
-            "elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
-            1.0 / foreseen->part, foreseen->stop);
+        printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
+               "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
+               1.0 / foreseen->part, foreseen->stop);
 }
 
-/* s: the run ends with a first conversion that comes to the end of the box. */
-static double end_of(const gn_foreseen *foreseen) {
+/* Returns the end of the prediction, s: a first conversion that reaches the end of the box ends the
+ * run. */
+static double prediction_end(const gn_foreseen *foreseen) {
     const double end = gn_course_end(&foreseen->course);
     return *foreseen->halt ? fmin(foreseen->time, end) : end;
 }
 
-/* Steps of elements alone and, from the time on that was foreseen, with what has converted: with
- * the longest step that is foretold, and with the shortest. */
+/* Steps of elements alone and, from the predicted time on, of elements and converted particles:
+ * with the longest predicted step, and with the shortest. */
 typedef struct foreseen_steps {
     double alone, least, most;
 } foreseen_steps;
 
-/* Of a part of the course that lies between two times. */
+/* Counts the steps in a part of the course between two times. */
 static double steps_between(const gn_course_part *part, double from, double to, double dt) {
     const double length = fmin(part->end, to) - fmax(part->begin, from);
     return length > 0.0 ? ceil(length / dt) : 0.0;
 }
 
 static void find_steps(const gn_foreseen *foreseen, foreseen_steps *steps) {
-    const double end = end_of(foreseen), until = foreseen->place ? fmin(foreseen->time, end) : end;
+    const double end = prediction_end(foreseen),
+                 until = foreseen->place ? fmin(foreseen->time, end) : end;
     const gn_course *c = &foreseen->course;
     *steps = (foreseen_steps){0};
     for (size_t k = 0; k < c->count; k++) {
         const gn_course_part *part = &c->part[k];
         steps->alone += steps_between(part, 0.0, until, part->dt);
         if (!(until < end)) continue;
-        /* A stage may have a step of its own. */
+        /* A stage may have its own step. */
         const double dt = part->later > 0.0 ? part->later : part->dt;
         steps->least += steps_between(part, until, end, dt);
         steps->most +=
@@ -152,9 +156,9 @@ static void find_steps(const gn_foreseen *foreseen, foreseen_steps *steps) {
 static void print_steps(const gn_world *world, const gn_foreseen *foreseen,
                         const foreseen_steps *steps) {
     printf("cost\n  steps            %.0f", steps->alone + steps->least);
-    if (steps->least < one_number * steps->most) printf(" to %.0f", steps->alone + steps->most);
-    printf(" to t = %g s", end_of(foreseen));
-    if (steps->most > 0.0) printf(", %.0f of them of elements alone", steps->alone);
+    if (steps->least < equal_ratio * steps->most) printf(" to %.0f", steps->alone + steps->most);
+    printf(" to t = %g s", prediction_end(foreseen));
+    if (steps->most > 0.0) printf(", %.0f of them with elements alone", steps->alone);
     bool open = world->scene.stop_peak_drop > 0.0 || world->scene.stop_strain > 0.0;
     for (size_t k = 0; k < foreseen->course.count; k++)
         open = open || foreseen->course.part[k].open;
@@ -171,26 +175,27 @@ static void print_foreseen(const gn_world *world, const gn_foreseen *foreseen,
     printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, world->threads,
            world->threads > 1 ? "s" : "");
     if (per_step[1] > 0.0)
-        printf(" of elements alone, %.1f us once %zu of them are left", per_step[1] * 1e6,
+        printf(" with elements alone, %.1f us once %zu of them are left", per_step[1] * 1e6,
                foreseen->some);
     const double alone = s.alone * per_step[0];
     printf("\n  time             %s",
            gn_format_seconds(alone + s.least * per_step[1], text, sizeof text));
-    if (s.least < one_number * s.most)
+    if (s.least < equal_ratio * s.most)
         printf(" to %s", gn_format_seconds(alone + s.most * per_step[1], most, sizeof most));
-    printf("%s\n", s.most > 0.0 ? ", and what more converts costs" : "");
+    printf("%s\n", s.most > 0.0 ? ", plus the cost of further conversions" : "");
 }
 
-/* Elements alone as far as they go, and what converts first; [2]: s, of a step of either. */
+/* Tries steps of elements alone as far as they last, and steps after the first conversion;
+ * seconds[2]: s, of a step of each. */
 static gneiss_status try_converting(gn_world *world, bool print, gn_foreseen *foreseen,
                                     double per_step[2], gneiss_error *error) {
     GN_TRY(gn_conversion_foresee(world, foreseen, error));
-    if (print) print_sleepers(world, foreseen);
+    if (print) print_dormant(world, foreseen);
     GN_TRY(gn_time_steps(world, fmin(world->scene.end, 0.5 * foreseen->time), &per_step[0], error));
     if (!foreseen->place) return GNEISS_OK;
     GN_TRY(gn_conversion_try(world, foreseen, error));
     if (*foreseen->halt) return GNEISS_OK;
-    GN_TRY(gn_time_some(world, &per_step[1], error));
+    GN_TRY(gn_time_fixed_steps(world, &per_step[1], error));
     return gn_conversion_try_more(world, foreseen, error);
 }
 
@@ -214,10 +219,9 @@ static void warn_of_looks(const gn_world *world, int *warnings) {
     const double steps = world->scene.end / world->dt,
                  every = (double)world->scene.couple.convert.every;
     if (every < steps) return;
-    printf(
-        "  warning: couple.convert.every (%.0f steps) is no less than the %.0f steps of the run: "
-        "nothing will be converted\n",
-        every, steps);
+    printf("  warning: couple.convert.every (%.0f steps) is at least the %.0f steps of the run: "
+           "nothing will be converted\n",
+           every, steps);
     (*warnings)++;
 }
 
@@ -225,16 +229,17 @@ static void print_places(gn_world *world, int *warnings) {
     gn_conversion_places_seen seen;
     if (gn_conversion_begun(world) || gn_conversion_see_places(world, &seen, NULL) != GNEISS_OK)
         return;
-    printf("  places           %zu looked at", seen.looked);
+    printf("  places           %zu checked", seen.looked);
     if (seen.along)
-        printf(": at %zu elements around go along, as particles in one are too few", seen.along);
+        printf(
+            ": at %zu neighbouring elements convert as well, as there are too few particles in one",
+            seen.along);
     printf("\n");
     if (!seen.too_few) return;
-    printf(
-        "  warning: at %zu of %zu places that were looked at particles are too few to weigh what "
-        "elements do that would go: conversion there ends the run (a wider zone, or larger "
-        "elements)\n",
-        seen.too_few, seen.looked);
+    printf("  warning: at %zu of %zu checked places there are too few particles to take over the "
+           "mass of converting elements: conversion there ends the run (use a wider zone, or "
+           "larger elements)\n",
+           seen.too_few, seen.looked);
     (*warnings)++;
 }
 
@@ -247,7 +252,7 @@ void gn_print_conversion(gn_world *world, int *warnings) {
            width, width / f.element, width / f.smallest, width / f.diameter);
     printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
            gn_conversion_elements(world), f.particles, world->dem.particles.soa.count);
-    printf("  held             %zu elements there, of motions and loads\n", f.held);
+    printf("  excluded         %zu elements there, with motions and loads\n", f.held);
     char watched[GNEISS_MESSAGE_SIZE];
     if (*gn_conversion_watches(world, watched, sizeof watched)) {
         printf("  warning: %s\n", watched);
@@ -262,19 +267,18 @@ void gn_print_conversion(gn_world *world, int *warnings) {
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
     print_places(world, warnings);
     warn_of_looks(world, warnings);
-    const double advised = gn_zone_advised(f.element, f.diameter);
+    const double advised = gn_zone_advised_width(f.element, f.diameter);
     const bool thin = gn_zone_is_thin(width, advised);
     if (thin)
         printf(
             "  warning: the zone is thin%s: three elements and six particles across are advised\n",
-            width >= gn_zone_advised(f.smallest, f.diameter)
-                ? " for elements of the mean size in the box, not for the smallest; what counts "
-                  "is where it converts"
+            width >= gn_zone_advised_width(f.smallest, f.diameter)
+                ? " for elements of the mean size in the box, not for the smallest; the size at "
+                  "the place of conversion counts"
                 : "");
     if (width > f.side)
-        printf(
-            "  warning: the zone is wider than the shortest side of the body, %.4g m: it spans all "
-            "of the section, where no element is left by itself; %.2g m are advised\n",
-            f.side, advised);
+        printf("  warning: the zone is wider than the shortest side of the body, %.4g m: it spans "
+               "the whole section and leaves no pure elements; %.2g m are advised\n",
+               f.side, advised);
     *warnings += thin + (width > f.side);
 }

@@ -12,7 +12,7 @@ static void warn(int *warnings, const char *text) {
     (*warnings)++;
 }
 
-double gn_zone_advised(double element, double diameter) {
+double gn_zone_advised_width(double element, double diameter) {
     return fmax(3.0 * element, 6.0 * diameter);
 }
 
@@ -33,14 +33,14 @@ void gn_print_zone_material(const gn_zone_material *material, bool several, int 
     if (several)
         printf("  material         %d of the elements, with %zu particles\n",
                (int)material->material, material->particles);
-    if (!(material->modulus[0] > 0.0)) return; /* no bonds: no modulus at the start */
+    if (!(material->modulus[0] > 0.0)) return; /* no bonds: no initial modulus */
     printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
            "(confined)\n",
            material->modulus[0], material->modulus[1]);
     print_tension(material);
     printf("  density          %.4g kg/m3, %.4g kg/m3 of the elements\n", material->density[0],
            material->density[1]);
-    printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",
+    printf("  returned         %.2g %% of the energy of a wave, by this difference alone\n",
            100.0 * material->returned);
     if (gn_zone_differs(material))
         warn(warnings, "particles and elements differ: calibrate the particles to the elements' E "
@@ -83,13 +83,15 @@ static void print_zone(const gn_world *world, size_t k, int *warnings) {
             "  overlaps         zone %zu: %zu particles are in both, where the smaller weight of "
             "the elements holds\n",
             f.other, f.shared);
-    printf("  masses           %.4g times what the elements leave of theirs\n", f.mass);
+    printf("  masses           %.4g times the share that the elements leave\n", f.mass);
     if (gn_zone_is_off(&f))
-        warn(warnings, "particles do not weigh what the elements leave them: they have to fill the "
-                       "zone from side to side, with the elements' density (density_basis bulk)");
+        warn(
+            warnings,
+            "the mass of the particles is not the share that the elements leave to them: they have "
+            "to fill the zone from side to side, with the elements' density (density_basis bulk)");
     for (size_t m = 0; m < f.materials; m++)
         gn_print_zone_material(&f.material[m], f.materials > 1, warnings);
-    if (gn_zone_is_thin(f.width, gn_zone_advised(f.element, f.diameter)))
+    if (gn_zone_is_thin(f.width, gn_zone_advised_width(f.element, f.diameter)))
         warn(warnings, "the zone is thin: three elements and six particles across are advised");
     warn_of_edges(&f, warnings);
 }
@@ -98,12 +100,12 @@ void gn_print_whole_limit(const gn_world *world) {
     const gn_whole_limit *whole = gn_coupled_whole(world);
     char text[96];
     if (!whole) return;
-    printf("  both as one\n  sharp limit      %.6g s  (Lanczos, %d vectors)\n", whole->sharp,
+    printf("  both together\n  sharp limit      %.6g s  (Lanczos, %d vectors)\n", whole->sharp,
            whole->iterations);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit\n", gn_world_bound(world),
            gn_world_bound(world) / whole->sharp);
-    printf("  set by           %s; its mode is to %.0f %% in particles, to %.0f %% in elements, to "
-           "%.0f %% in zones\n",
+    printf("  set by           %s; its mode lies to %.0f %% in particles, to %.0f %% in elements, "
+           "to %.0f %% in zones\n",
            gn_whole_culprit(whole, text, sizeof text), 100.0 * whole->share[GN_SIDE_PARTICLES],
            100.0 * whole->share[GN_SIDE_ELEMENTS], 100.0 * whole->share[GN_SIDE_ZONE]);
 }
@@ -117,14 +119,14 @@ static void print_step(const gn_world *world) {
                       : "particles");
 }
 
-/* Beside zones, whose waves they scatter: docs/evidence/coupling.md. */
+/* Notes diagonals of meshes with zones, whose waves they scatter: docs/evidence/coupling.md. */
 static void note_diagonals(const gn_world *world) {
     const gn_element_def *elements = &world->scene.elements;
     const gn_diagonals diagonals =
         elements->has_beam ? elements->beam.diagonals : elements->diagonals;
     if (elements->mesh[0] || diagonals == GN_DIAGONALS_PARALLEL) return;
-    printf("  note             diagonals alternate: nodes side by side have masses of %s, which "
-           "scatter waves of some elements (elements.%s.diagonals: parallel)\n",
+    printf("  note             diagonals alternate: neighbouring nodes have masses of %s, which "
+           "scatter waves only some elements long (elements.%s.diagonals: parallel)\n",
            world->scene.dimension == 3 ? "5 : 1" : "2 : 1",
            elements->has_beam  ? "beam"
            : elements->has_box ? "box"
@@ -138,10 +140,9 @@ void gn_print_zones(const gn_world *world, int *warnings) {
     if (world->scene.has_couple) print_step(world);
 }
 
-/* What is said of all of them in one sentence is said once. */
-static const char no_contact[] =
-    "elements and walls have no contact with each other and pass through; what is to hold or press "
-    "elements has to be a motion or a load of theirs";
+/* A sentence that holds for all of them is printed once. */
+static const char no_contact[] = "elements have no contact with walls and pass through them; hold "
+                                 "or load elements by motions or loads of elements";
 
 static void print_passed(const char *wall, const gn_wall_passed *passed, int *warnings) {
     char text[512];
@@ -164,9 +165,8 @@ static void print_passed(const char *wall, const gn_wall_passed *passed, int *wa
 gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error *error) {
     if (!world->scene.has_couple || !world->scene.wall_count) return GNEISS_OK;
     gn_wall_passed *passed = gn_alloc_array(world->scene.wall_count, sizeof *passed);
-    gneiss_status status = passed
-                               ? gn_wall_foresee_passed(world, passed, error)
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
+    gneiss_status status = passed ? gn_wall_foresee_passed(world, passed, error)
+                                  : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check walls");
     for (size_t k = 0; status == GNEISS_OK && k < world->scene.wall_count; k++)
         print_passed(world->scene.walls[k].name, &passed[k], warnings);
     gn_free(passed);

@@ -30,8 +30,8 @@ static void print_limits(const gn_world *world, const gn_element_model *model) {
     const gn_fem_limit *limit = &model->limit;
     printf("  elements%s\n", gn_elements_lead(world) == model ? ", which set the step" : "");
     if (limit->iterations == 0)
-        printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
-               "below\n");
+        printf(
+            "  sharp limit      not computed: the rigorous bound suffices and replaces it below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors)\n", limit->sharp,
                limit->iterations);
@@ -78,7 +78,7 @@ static void print_notes(const gn_world *world, const gn_element_model *model, co
                solid->unused_nodes, solid->unused_nodes == 1 ? "" : "s",
                solid->unused_nodes == 1 ? "s" : "");
     if (solid->turned_elements)
-        printf("%snote: turned %zu element%s that had nodes in the other order (inside out)\n",
+        printf("%snote: reoriented %zu element%s with nodes in the opposite order (inside out)\n",
                indent, solid->turned_elements, solid->turned_elements == 1 ? "" : "s");
 }
 
@@ -98,13 +98,14 @@ static void print_slivers(const gn_world *world, const gn_element_model *model, 
     size_t count = solid->elements.soa.count;
     char text[160];
     double *scale = calloc(count + 1, sizeof *scale);
-    if (!scale) return; /* only a hint */
+    if (!scale) return; /* a hint only */
     gn_fem_step_scales(solid, scale);
     qsort(scale, count, sizeof *scale, by_size);
     double ratio = scale[0] / scale[count / 2];
     free(scale);
     if (ratio > 0.3) return;
-    printf("  warning: the step is that of a sliver, %.2g of what half of the elements allow: %s\n",
+    printf("  warning: the step is limited by a sliver, %.2g of the step that half of the elements "
+           "allow: %s\n",
            ratio, gn_elements_culprit(world, model, text, sizeof text));
     (*warnings)++;
 }
@@ -130,7 +131,7 @@ static void print_check(const gn_world *world, const gn_element_model *model, in
     print_groups(&solid->mesh);
     for (size_t k = 0; k < elements->motion_count; k++)
         printf("  motion %-13s %zu nodes%s\n", elements->motions[k].name,
-               model->motion_set[k].count, model->motion[k] < 0 ? ", watched only" : "");
+               model->motion_set[k].count, model->motion[k] < 0 ? ", only observed" : "");
     for (size_t k = 0; k < elements->load_count; k++)
         printf("  load %-15s %zu nodes\n",
                elements->loads[k].name[0] ? elements->loads[k].name : "-", model->load[k].count);

@@ -7,20 +7,20 @@
 
 #include <math.h>
 
-/* s of computing; steps between two looks at the clock. */
+/* s of computing; steps between two readings of the clock. */
 static const double budget = 2.0;
-enum { LOOK = 20 };
+enum { STEPS_BETWEEN_CLOCK_READS = 20 };
 
 /* --- the trial --- */
 
-/* Of a part of the trial. */
+/* Totals of a part of the trial. */
 typedef struct time_span {
-    double seconds, steps, particles; /* the last: summed over steps */
+    double seconds, steps, particles; /* the last one is a sum over steps */
 } time_span;
 
-static gneiss_status take(gn_world *world, time_span *span, bool *over, gneiss_error *error) {
+static gneiss_status take_steps(gn_world *world, time_span *span, bool *over, gneiss_error *error) {
     double start = gn_now();
-    for (int k = 0; k < LOOK && !*over; k++) {
+    for (int k = 0; k < STEPS_BETWEEN_CLOCK_READS && !*over; k++) {
         span->particles += (double)gn_world_present(world);
         gneiss_status status = gn_world_step(world, false, error);
         *over = status == GNEISS_ERROR_UNSTABLE || world->time >= world->scene.end;
@@ -31,7 +31,7 @@ static gneiss_status take(gn_world *world, time_span *span, bool *over, gneiss_e
     return GNEISS_OK;
 }
 
-static bool touching(const gn_world *world) {
+static bool has_wall_contact(const gn_world *world) {
     for (size_t c = 0; world->effects & GN_FX_WALLS && c < world->boundary.contacts.soa.count; c++)
         if (world->boundary.contacts.row[8 * c] != 0.0 ||
             world->boundary.contacts.row[8 * c + 1] != 0.0 ||
@@ -40,9 +40,9 @@ static bool touching(const gn_world *world) {
     return false;
 }
 
-/* --- what is to come --- */
+/* --- extrapolation --- */
 
-/* Of a source by a time, by its rate and from what it has let in. */
+/* Returns the number of particles of a source by a time, from its rate and the number so far. */
 static double number_by(const gn_world *world, size_t k, double time) {
     const gn_source_def *source = &world->scene.sources[k];
     const gn_source_state *s = &world->dem.flow.sources[k];
@@ -61,9 +61,9 @@ static double present_by(const gn_world *world, double time) {
     return sum;
 }
 
-/* Seconds of a step: a + b N through both halves of the trial; where hardly more came in the
- * second, or it shows no growth, in proportion. */
-static void fit(const time_span half[2], double *a, double *b) {
+/* Fits the seconds of a step by a + b N through both halves of the trial; if the second has hardly
+ * more particles, or shows no growth, in proportion to N. */
+static void fit_cost(const time_span half[2], double *a, double *b) {
     double n[2], t[2];
     for (int k = 0; k < 2; k++) {
         n[k] = half[k].steps > 0.0 ? half[k].particles / half[k].steps : 0.0;
@@ -85,10 +85,10 @@ gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *flow, gneiss_error
     *flow = (gn_plan_flow){0};
     double start = gn_now();
     for (double gone = 0.0; gone < budget && !over; gone = gn_now() - start) {
-        GN_TRY(take(world, &half[gone > 0.5 * budget], &over, error));
-        flow->touched = flow->touched || touching(world);
+        GN_TRY(take_steps(world, &half[gone > 0.5 * budget], &over, error));
+        flow->touched = flow->touched || has_wall_contact(world);
     }
-    fit(half, &a, &b);
+    fit_cost(half, &a, &b);
     flow->tried = world->time;
     flow->step = world->dt;
     flow->present = gn_world_present(world);
@@ -104,19 +104,18 @@ gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *flow, gneiss_error
 
 void gn_print_plan_flow(const gn_world *world, const gn_plan_flow *flow) {
     char text[32];
-    printf("cost, with the particles that sources bring\n");
-    printf("  tried            to t = %.4g s: %lld steps, the last of %.4g s, %zu particles%s\n",
+    printf("cost, with the particles from sources\n");
+    printf("  trial            to t = %.4g s: %lld steps, the last of %.4g s, %zu particles%s\n",
            flow->tried, (long long)world->step, flow->step, flow->present,
            flow->touched ? "" : ", of which none has touched a wall or body yet");
-    printf("  steps            %.0f to t = %g s, if they stay as long%s%s\n", flow->steps,
+    printf("  steps            %.0f to t = %g s, at the present step%s%s\n", flow->steps,
            world->scene.end,
-           flow->touched ? "; faster or deeper contacts make them shorter"
-                         : ", which they will not once particles touch",
+           flow->touched ? "; faster or deeper contacts shorten it"
+                         : ", which contacts of particles will shorten",
            world->scene.stage_count ? " (a stop condition may come first)" : "");
-    printf(
-        "  time             %s with %d thread%s, for %.4g particles at the end if none left; once "
-        "they lie closely each costs more\n",
-        gn_format_seconds(flow->seconds, text, sizeof text), world->threads,
-        world->threads > 1 ? "s" : "", flow->most);
+    printf("  time             %s with %d thread%s, for %.4g particles at the end if none leave; "
+           "densely packed ones cost more each\n",
+           gn_format_seconds(flow->seconds, text, sizeof text), world->threads,
+           world->threads > 1 ? "s" : "", flow->most);
     gn_print_stages(world, flow->steps > 0.0 ? flow->seconds / flow->steps : 0.0);
 }

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Least, mean and largest value of a column over the bonds. */
+/* Prints the least, mean and largest value of a column over the bonds. */
 static void print_range(const char *name, const double *column, const gn_contacts *bonds,
                         const char *unit) {
     double least = INFINITY, most = 0.0, sum = 0.0;
@@ -33,14 +33,14 @@ static void print_area(const gn_world *world, const gn_area_check *check) {
            world->scene.gamma > 0.0                       ? " (given)"
            : world->scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
                                                           : " fills it with Dempack's sections",
-           polyhedron ? ", for pairs that meet later" : "");
+           polyhedron ? ", for pairs that come into contact later" : "");
     if (world->scene.gamma > 0.0 || world->scene.gamma_rule == GN_GAMMA_VOLUME)
         printf("; 40 e/n_c would be %.4g", check->dempack_gamma);
     printf("\n");
 }
 
-/* Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing whose
- * sections fill it: see docs/physics.md. */
+/* Prints Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing
+ * whose sections fill it: see docs/physics.md. */
 static void print_body(const gn_world *world, const gn_area_check *check) {
     const gn_material *material = &world->scene.materials[0];
     double rho = material->beta / material->alpha / (2.0 * (1.0 + material->poisson)), e, nu;
@@ -58,7 +58,7 @@ static void print_body(const gn_world *world, const gn_area_check *check) {
            space ? "" : "'", nu);
 }
 
-/* A cubic lattice has 1.3, at its skin some half more. */
+/* A cubic lattice has 1.3, at its surface about half more. */
 static const double gamma_most = 3.0;
 
 gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
@@ -76,23 +76,21 @@ gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *e
     print_range("R_n", b->rn, b, "N");
     print_range("R_t", b->rt, b, "N");
     if (world->scene.softening == GN_SOFTENING_ENERGY)
-        printf(
-            "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",
-            gn_law_cut(world),
-            world->scene.fracture_energy_of == GN_FRACTURE_BODY
-                ? "the body, and contacts have so much less"
-                : "contacts, and the body has so much more");
+        printf("  plane cuts       %.4f of its section in bonds: fracture energies refer to %s\n",
+               gn_law_cut(world),
+               world->scene.fracture_energy_of == GN_FRACTURE_BODY
+                   ? "the body, and those of contacts are lower by this factor"
+                   : "contacts, and that of the body is higher by this factor");
     if (!gn_scene_by_area(&world->scene)) return GNEISS_OK;
     if (world->scene.gamma == 0.0 && world->dem.derived.gamma > gamma_most) {
-        printf(
-            "  warning: gamma is %.3g: the volume holds more than the bonds join (law.gamma says "
-            "what it is)\n",
-            world->dem.derived.gamma);
+        printf("  warning: gamma is %.3g: the volume contains more than the bonded particles (set "
+               "law.gamma)\n",
+               world->dem.derived.gamma);
         (*warnings)++;
     }
     if (fabs(check.filled + check.free - 1.0) <= 0.1) return GNEISS_OK;
-    printf("  warning: sections fill %.3g of the body, 1 is wanted: stiffness and strength are off "
-           "by about that factor\n",
+    printf("  warning: sections fill %.3g of the body instead of 1: stiffness and strength deviate "
+           "by about this factor\n",
            check.filled + check.free);
     (*warnings)++;
     return GNEISS_OK;

@@ -13,7 +13,7 @@ static void add(char *text, size_t size, const char *format, double value) {
     if (used < size) snprintf(text + used, size - used, format, value);
 }
 
-/* "5e-05 s or unbalanced < 0.01" */
+/* Writes "5e-05 s or unbalanced < 0.01". */
 static void conditions(const gn_stage *stage, char *text, size_t size) {
     *text = '\0';
     if (stage->time >= 0.0) add(text, size, "%g s", stage->time);
@@ -26,7 +26,7 @@ static void conditions(const gn_stage *stage, char *text, size_t size) {
     if (!*text) snprintf(text, size, "time.end");
 }
 
-/* Steps at the present length, the most that a stage may take. */
+/* Returns the largest number of steps of a stage at the present step. */
 static double steps_of(const gn_world *world, const gn_stage *stage) {
     double time = stage->time >= 0.0 ? fmin(stage->time, world->scene.end) : world->scene.end;
     double steps = ceil(time / world->dt);
@@ -40,8 +40,8 @@ double gn_plan_steps(const gn_world *world) {
     return world->scene.stage_count ? fmin(all, sum) : all;
 }
 
-/* A given step is looked at with the scene; one that is found may become shorter, so this is said
- * and not refused. */
+/* A given step is checked with the scene; an automatic one may become shorter, so that this is a
+ * warning and no error. */
 bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size) {
     for (size_t k = world->stage; k < world->scene.stage_count; k++) {
         const gn_stage *stage = &world->scene.stages[k];
@@ -52,7 +52,7 @@ bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size) {
             continue;
         snprintf(text, size,
                  "%s: stage '%s' ends by its steps alone, which with the present step of %.3g s "
-                 "take %.4g s: time.end, %.4g s, comes before",
+                 "take %.4g s: time.end, %.4g s, comes first",
                  gn_scene_at(&world->scene, stage->where, "stages").text, stage->name, world->dt,
                  (double)stage->steps * world->dt, world->scene.end);
         return true;
@@ -63,8 +63,8 @@ bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size) {
 void gn_print_stages(const gn_world *world, double per_step) {
     char text[192], time[32];
     if (!world->scene.stage_count) return;
-    printf("stages (the most that each may take, with the step of the first%s)\n",
-           world->scene.source_count ? ", as far as it was tried" : "");
+    printf("stages (upper bound of steps at the step of the first%s)\n",
+           world->scene.source_count ? ", as far as the trial went" : "");
     for (size_t k = 0; k < world->scene.stage_count; k++) {
         const gn_stage *stage = &world->scene.stages[k];
         double steps = steps_of(world, stage);

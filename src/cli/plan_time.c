@@ -15,7 +15,7 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
             steps = 0;
         }
         if (steps > 0 && world->time >= until) break;
-        /* How long it goes well is for the run to see. */
+        /* Failure in a later step is left to the run. */
         gneiss_status status = gn_world_step(world, false, error);
         if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
         GN_TRY(status);
@@ -25,13 +25,13 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
     return GNEISS_OK;
 }
 
-gneiss_status gn_time_some(gn_world *world, double *seconds, gneiss_error *error) {
+gneiss_status gn_time_fixed_steps(gn_world *world, double *seconds, gneiss_error *error) {
     const double work = 2e7; /* of elements and particles */
     const double size =
         (double)(world->dem.particles.soa.count + gn_elements_totals(world).elements);
     const int most = (int)fmin(fmax(work / fmax(size, 1.0), 20.0), 400.0);
     double start = gn_now();
-    int steps = -most / 4; /* to warm up */
+    int steps = -most / 4; /* warm-up */
     for (; steps < most; steps++) {
         if (steps == 0) start = gn_now();
         gneiss_status status = gn_world_step(world, false, error);

@@ -71,7 +71,7 @@ static void progress_json(const gn_progress *progress) {
     fflush(stdout);
 }
 
-gneiss_status gn_expect_end(const gn_options *options, gn_run *run, gneiss_error *error) {
+gneiss_status gn_predict_end(const gn_options *options, gn_run *run, gneiss_error *error) {
     const gn_world *world = &run->world;
     gn_estimate estimate;
     if (options->quiet || world->step > 0 || world->scene.stage_count ||
@@ -113,22 +113,22 @@ void gn_print_progress(const gn_options *options, const gn_run *run) {
     gn_line_show(&line, p.finished);
 }
 
-void gn_leave_progress(const gn_options *options) {
+void gn_end_progress_line(const gn_options *options) {
     if (!options->quiet && !options->json && isatty(STDERR_FILENO)) fputc('\n', stderr);
 }
 
-/* Where nothing touches there are no springs, and no limits of them to show. */
+/* Without contacts there are no springs, and no limits of springs to print. */
 static void print_limits(const gn_world *world) {
     printf("step %.4g s", world->dt);
     if (world->stable == INFINITY) {
         printf(": nothing can %s that would limit it%s\n",
                isfinite(gn_bodies_step(world)) ? "touch" : "move",
-               isfinite(gn_bodies_step(world)) ? ", but for how far bodies go in it" : "");
+               isfinite(gn_bodies_step(world)) ? ", except for the motion of bodies per step" : "");
         return;
     }
     printf(" = %.2f of the stability limit %.4g s (", world->dt / world->stable, world->stable);
     if (gn_world_sharp_limit(world) == INFINITY)
-        printf("of contacts to come: nothing touches yet");
+        printf("of contacts to come: there are no contacts yet");
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s", gn_world_sharp_limit(world),
                gn_world_bound(world));
@@ -137,18 +137,19 @@ static void print_limits(const gn_world *world) {
     printf(")\n");
 }
 
-/* What begins on the wrong side of a wall or inside a body is thrown out within a few steps. */
+/* Particles that begin on the wrong side of a wall or inside a body are expelled within a few
+ * steps. */
 static void warn_of_inside(const char *where, const char *name, size_t count) {
     if (count)
         fprintf(stderr,
                 "gneiss: warning: %zu particle%s centre %s '%s' at the start: gneiss check shows "
-                "what touches what\n",
+                "contacts and overlaps\n",
                 count, count == 1 ? " has its" : "s have their", where, name);
 }
 
 static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
     if (world->step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < world->scene.wall_count; k++) /* a passive one pushes nothing out */
+    for (size_t k = 0; k < world->scene.wall_count; k++) /* a passive wall expels nothing */
         if (!world->scene.walls[k].passive)
             warn_of_inside("behind wall", world->scene.walls[k].name,
                            gn_wall_overlap(world, k).inside);
@@ -170,8 +171,8 @@ gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneis
     const gn_world *world = &run->world;
     if (world->scene.threads > world->threads)
         fprintf(stderr,
-                "gneiss: warning: run.threads: %lld are asked for, the OpenMP library gives %d "
-                "(OMP_THREAD_LIMIT): the results are the same, later\n",
+                "gneiss: warning: run.threads: %lld requested, the OpenMP library gives %d "
+                "(OMP_THREAD_LIMIT): same results, longer time\n",
                 (long long)world->scene.threads, world->threads);
     GN_TRY(warn_of_start(world, error));
     if (options->quiet || options->json) return GNEISS_OK;
@@ -192,7 +193,7 @@ gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneis
     return GNEISS_OK;
 }
 
-/* --- what comes before the first step --- */
+/* --- output before the first step --- */
 
 static gneiss_status show_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const gn_run *run = context;
@@ -209,35 +210,32 @@ static gneiss_status show_state(void *context, const gn_first_break *so_far, gne
 void gn_print_first_break(const gn_world *world, const gn_first_break *first_break) {
     char at[GN_POINT_SIZE];
     const double none[3] = {0, 0, 0};
-    printf(
-        "start: the first break is to come at t = %.6g s, between particles %d and %d near %s m;\n"
-        "  steps begin in the equilibrium at t = %.6g s = %.3f of that, which takes the place of "
-        "%lld steps\n"
-        "  (%lld states on the way, %lld linear systems, %lld iterations; loads that are left %.1g "
-        "of "
-        "the contact forces)\n",
-        first_break->time, (int)first_break->i, (int)first_break->j,
-        gn_point_text(none, first_break->place, at), world->time, world->time / first_break->time,
-        (long long)first_break->steps, (long long)first_break->increments,
-        (long long)first_break->solutions, (long long)first_break->iterations,
-        first_break->unbalanced);
+    printf("start: the first break is predicted at t = %.6g s, between particles %d and %d near %s "
+           "m;\n  steps begin in the equilibrium at t = %.6g s = %.3f of that, which replaces %lld "
+           "steps\n  (%lld states computed, %lld linear systems, %lld iterations; residual loads "
+           "%.1g of the contact forces)\n",
+           first_break->time, (int)first_break->i, (int)first_break->j,
+           gn_point_text(none, first_break->place, at), world->time,
+           world->time / first_break->time, (long long)first_break->steps,
+           (long long)first_break->increments, (long long)first_break->solutions,
+           (long long)first_break->iterations, first_break->unbalanced);
 }
 
-gneiss_status gn_print_beginning(const gn_options *options, gn_run *run, gneiss_error *error) {
+gneiss_status gn_print_initial_state(const gn_options *options, gn_run *run, gneiss_error *error) {
     const gn_world *world = &run->world;
     const bool speaks = !options->quiet && !options->json;
     if (world->scene.start != GN_START_FIRST_BREAK || world->step > 0) return GNEISS_OK;
-    if (speaks) printf("time.start: first_break: looking for the first break without steps\n");
+    if (speaks) printf("time.start: first_break: computing the first break by statics\n");
     fflush(stdout);
     gneiss_status status =
         gn_run_begin(run, speaks ? &(gn_first_break_watch){show_state, run} : NULL, error);
-    if (speaks) gn_leave_progress(options);
+    if (speaks) gn_end_progress_line(options);
     if (status == GNEISS_OK && speaks) gn_print_first_break(world, &run->first_break);
     fflush(stdout);
     return status;
 }
 
-/* A name as words. */
+/* Writes a name as words. */
 static const char *words_of(const char *name, char *text, size_t size) {
     snprintf(text, size, "%s", name);
     for (char *c = text; *c; c++)
@@ -245,7 +243,7 @@ static const char *words_of(const char *name, char *text, size_t size) {
     return text;
 }
 
-/* A line with the number, or with why there is none. */
+/* Prints a line with the number, or with the reason why there is none. */
 static void print_reading(const char *label, double value, const char *unit, const char *note,
                           const char *reason) {
     if (*reason)
@@ -261,7 +259,7 @@ static void print_scaled(const gn_readings *readings, const char *label, const c
     print_reading(label, value / shown.factor, shown.unit, note, reason);
 }
 
-/* Readings that only some kinds of tests have, and zones. */
+/* Prints readings that only some kinds of tests have, and readings of zones. */
 static void print_own_readings(const gn_run *run, const gn_readings *readings) {
     const bool own[GN_READING_COUNT] = {
 #define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
@@ -296,7 +294,7 @@ static void print_test_readings(const gn_run *run, const gn_readings *readings) 
         SCALED("largest stress so far", largest_stress, "");
         PRINT("strain there", largest_strain, 100, "%", "");
     }
-    PRINT("ends out of balance by", end_imbalance, 100, "%", "");
+    PRINT("imbalance of the ends", end_imbalance, 100, "%", "");
 #undef PRINT
 #undef SCALED
 }
@@ -344,22 +342,22 @@ void gn_print_notes(const gn_scene_notes *notes) {
     for (size_t k = 0; k < notes->count; k++) fprintf(stderr, "gneiss: note: %s\n", notes->text[k]);
 }
 
-/* What came in and went out. */
+/* Prints particles that entered and left. */
 static void print_flow(const gn_run *run) {
     const gn_world *world = &run->world;
     for (size_t k = 0; k < world->scene.source_count; k++)
-        printf("  source %-16.60s%9.0f particles, %.4g kg came in\n", world->scene.sources[k].name,
+        printf("  source %-16.60s%9.0f particles, %.4g kg entered\n", world->scene.sources[k].name,
                world->dem.flow.sources[k].number, world->dem.flow.sources[k].mass);
     for (size_t k = 0; k < world->scene.sink_count; k++) {
         double rate = gn_sink_steady_rate(&run->history, world->scene.sinks[k].name);
-        printf("  sink %-18.60s%9.0f particles, %.4g kg went out", world->scene.sinks[k].name,
+        printf("  sink %-18.60s%9.0f particles, %.4g kg left", world->scene.sinks[k].name,
                world->dem.flow.sinks[k].number, world->dem.flow.sinks[k].mass);
-        if (isfinite(rate)) printf(", %.4g kg/s when steady", rate);
+        if (isfinite(rate)) printf(", %.4g kg/s in steady flow", rate);
         printf("\n");
     }
 }
 
-/* What the run came to. */
+/* Prints the results of the run. */
 static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
     const gn_world *world = &run->world;
     gn_print_stages_done(run);
@@ -374,7 +372,7 @@ static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
         printf("  left the domain        %10lld particles\n", (long long)world->dem.lost);
     if (world->effects & GN_FX_MASS_SCALING)
         printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
-               "without\n",
+               "without it\n",
                100.0 * world->dem.scaling.added / world->dem.mass,
                world->dt / world->dem.scaling.unscaled);
     if (world->effects & GN_FX_ENERGY)

@@ -6,7 +6,7 @@
 
 static gn_shown pressure(double value, bool modulus) {
     static const gn_shown units[] = {{1e9, "GPa"}, {1e6, "MPa"}, {1e3, "kPa"}};
-    /* Of rock 0.5 GPa and 0.5 MPa are usual, and 200 MPa of a strength. */
+    /* For rock, moduli and stresses of 0.5 GPa and 0.5 MPa are usual, and strengths of 200 MPa. */
     for (size_t k = modulus ? 0 : 1; k < sizeof units / sizeof *units; k++)
         if (fabs(value) >= 0.1 * units[k].factor) return units[k];
     return (gn_shown){1.0, "Pa"};

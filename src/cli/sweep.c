@@ -22,7 +22,8 @@ static const char nothing_begun[] = "gneiss: interrupted: no run had begun\n";
 
 /* ---- options ---- */
 
-/* --threads and --set run.threads= are of the whole sweep; what is left goes to the scene. */
+/* --threads and --set run.threads= hold for the whole sweep; the other overrides go to the scene.
+ */
 static gneiss_status take_threads(const gn_options *options, gn_override *kept, size_t *count,
                                   int *threads, gneiss_error *error) {
     *count = 0;
@@ -52,7 +53,7 @@ static bool read_number(const char *text, long least, long *value) {
     return text && *text && !*rest && !errno && *value >= least;
 }
 
-/* From what Slurm says of a job array, or of one that is numbered in steps. */
+/* Reads the shard from Slurm's variables of a job array, which may be numbered in steps. */
 static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
     long id, first = 0, step = 1, count;
     const char *lowest = getenv("SLURM_ARRAY_TASK_MIN"), *every = getenv("SLURM_ARRAY_TASK_STEP");
@@ -71,7 +72,7 @@ static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* "2/8": the second of eight. */
+/* Reads "2/8": the second of eight. */
 static gneiss_status read_shard(const gn_options *options, gn_sweep_way *way, gneiss_error *error) {
     if (!options->array) return GNEISS_OK;
     if (!*options->array) return shard_of_slurm(way, error);
@@ -117,8 +118,8 @@ static gneiss_status choose_folder(const gn_options *options, const gn_sweep *sw
 
 /* ---- --dry-run ---- */
 
-/* Wall time of a run on one thread by a few of its steps; NaN where the specimen would have to be
- * packed first. */
+/* Returns the wall time of a run on one thread from a few of its steps; NaN if the specimen would
+ * have to be packed first. */
 static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh, double *seconds,
                               gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene);
@@ -145,7 +146,7 @@ static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh
     return status;
 }
 
-/* A step through so many items that meets all of them, and neighbours late. */
+/* Returns a stride that visits all of so many items, and neighbours late. */
 static size_t stride_through(size_t count) {
     size_t stride = (size_t)(0.618 * (double)count) + 1;
     for (;; stride++) {
@@ -159,8 +160,8 @@ static size_t stride_through(size_t count) {
     }
 }
 
-/* Of as many runs as a second allows, from here and there; others take the mean. A scene that
- * cannot be made will say so when it is run. */
+/* Estimates as many runs as a second allows, spread over all; others take the mean. A scene that
+ * cannot be made fails when it is run. */
 static void estimate_some(const gn_sweep *sweep, const gn_summary *summary, const gn_sweep_way *way,
                           double *seconds) {
     const double budget = 1.0; /* s */
@@ -202,15 +203,15 @@ static gneiss_status summarise(const gn_options *options, const gn_sweep *sweep,
     if (status == GNEISS_OK) {
         gn_sweep_print_summary(options, &m);
         if (m.done == 0 && m.failed > 0)
-            status = gn_fail(error, GNEISS_ERROR_UNSTABLE, "none of %zu runs came to its end",
+            status = gn_fail(error, GNEISS_ERROR_UNSTABLE, "none of %zu runs was completed",
                              sweep->run_count);
     }
     gn_summary_free(&m);
     return status;
 }
 
-/* The folder is locked by now. Of an interrupted sweep there is a summary all the same; a shard
- * leaves that to the call that collects. */
+/* The folder is locked. An interrupted sweep gets a summary as well; a shard leaves it to the call
+ * that collects. */
 static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep, gn_sweep_way *way,
                                gneiss_error *error) {
     gn_sweep_display display;
@@ -230,7 +231,7 @@ static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep,
     return status;
 }
 
-/* A geometry without permission is refused once, not by every run. */
+/* A geometry without permission is refused once, not in every run. */
 static gneiss_status check_geometry(const gn_options *options, const gn_sweep *sweep,
                                     gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene);
@@ -254,19 +255,19 @@ static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep
     if (!options->collect && sweep->run_count) GN_TRY(check_geometry(options, sweep, error));
     if (options->dry_run) return dry_run(sweep, &way, error);
     if (sweep->seed_count > 1 && !sweep->draws)
-        fprintf(stderr, "gneiss: warning: seeds: no random number is drawn in this scene, so that "
-                        "all seeds give the same\n");
+        fprintf(stderr, "gneiss: warning: seeds: this scene draws no random numbers, so that all "
+                        "seeds give the same\n");
     bool there = access(folder, F_OK) == 0;
     if (!options->collect) GN_TRY(gn_make_directory(folder, error));
     GN_TRY(way.shards ? gn_folder_share(folder, &lock, error)
                       : gn_folder_lock(folder, &lock, error));
     gneiss_status status = carry_out(options, sweep, &way, error);
-    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if nothing came into it */
+    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if it is empty */
     if (lock > 0) close(lock);
     return status;
 }
 
-/* `alone`: of one scene; *wanted: whether that is to be run several times. */
+/* `alone`: the file is a single scene; *wanted: it is to be run several times. */
 static gneiss_status command(const gn_options *options, bool alone, bool *wanted,
                              gneiss_error *error) {
     gn_override overrides[GN_MAX_OVERRIDES];
@@ -283,7 +284,7 @@ static gneiss_status command(const gn_options *options, bool alone, bool *wanted
             alone ? gn_sweep_of_scene(options->target, overrides, count, options->seeds, sweep,
                                       wanted, error)
                   : gn_sweep_load(options->target, overrides, count, options->seeds, sweep, error);
-    /* What is wrong with a scene that is run once is told when it is. */
+    /* Problems of a scene that is run once are reported by that run. */
     bool told = status == GNEISS_ERROR_MEMORY || !alone || options->seeds || *wanted;
     if (status != GNEISS_OK && !told) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {

@@ -78,8 +78,8 @@ static void watch(void *context, const gn_sweep_progress *progress) {
         display->shown = false;
     }
     if (options->quiet) return;
-    /* Each event is a line where lines stay; a terminal, and whoever waits, is told how time goes.
-     */
+    /* Each event gets a line where lines stay; on a terminal, and while waiting, the time is
+     * updated. */
     bool due = gn_now() >= display->next;
     if (options->json ? !progress->what && !due : terminal ? !due && !ended : !ended) return;
     display->next = gn_now() + (options->json ? 5.0 : 0.5);
@@ -126,7 +126,7 @@ void gn_sweep_display_end(gn_sweep_display *display) {
 
 /* ---- the summary ---- */
 
-/* A prefix that keeps numbers near 1; strains stay what they are. */
+/* Returns a prefix that keeps numbers near 1; strains are unchanged. */
 static const char *scaled(const char *unit, double size, double *factor, char *text, size_t bytes) {
     static const struct {
         double factor;
@@ -144,7 +144,7 @@ static const char *scaled(const char *unit, double size, double *factor, char *t
     return text;
 }
 
-/* Two, and whole numbers as they are. */
+/* Two digits, and all of a whole number. */
 static int digits(double value) {
     return fabs(value) >= 1000.0 ? 4 : fabs(value) >= 100.0 ? 3 : 2;
 }
@@ -166,15 +166,15 @@ static void print_reading(const gn_summary_reading *reading, const gn_statistics
                statistics->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
-    /* Scatter over packings and by rounding is measured by the seeds; what all of them share is
-     * not. */
+    /* The seeds measure scatter over packings and by rounding; they do not measure the errors that
+     * all of them share. */
     if (statistics->count > 1 && !isnan(rest))
-        printf("; packing and round-off measured by it, the rest of the error estimated %.*g",
+        printf("; it includes packing and round-off, the rest of the error is estimated as %.*g",
                digits(rest / factor), rest / factor);
     printf("\n");
 }
 
-/* "friction = 0.3", without the seed. */
+/* Prints "friction = 0.3", without the seed. */
 static void print_combination(const gn_summary *summary, size_t c) {
     const gn_sweep *sweep = summary->sweep;
     char label[LABEL];
@@ -213,11 +213,11 @@ static void print_fit(const gn_envelope *envelope) {
 
 enum { SHOWN_ENVELOPES = 12 };
 
-/* The line over confinements, of each combination of the other parameters. */
+/* Prints the fit over confinements for each combination of the other parameters. */
 static void print_envelopes(const gn_summary *summary, const gn_envelopes *envelopes) {
     char label[LABEL];
     if (envelopes->confined && !envelopes->count)
-        printf("strength over confinement: no envelope, since no runs differ in their confinement "
+        printf("strength over confinement: no envelope, as no runs differ in their confinement "
                "alone\n");
     for (size_t k = 0; k < envelopes->count && k < SHOWN_ENVELOPES; k++) {
         gn_envelope_label(summary, envelopes, k, label, sizeof label);
@@ -281,7 +281,7 @@ static void print_failed(const gn_summary *summary) {
     }
 }
 
-/* Which walls and sets there are is known when a run has been made. */
+/* Walls and sets are known once a run has been made. */
 static void warn_of_absent(const gn_summary *summary) {
     for (size_t r = 0;
          summary->done > 0 && summary->sweep->reading_count && r < summary->reading_count; r++) {
@@ -289,7 +289,7 @@ static void warn_of_absent(const gn_summary *summary) {
         for (size_t c = 0; c < summary->sweep->combination_count; c++)
             found += summary->statistics[c * summary->reading_count + r].count;
         if (!found)
-            fprintf(stderr, "gneiss: warning: readings: no run that is done has a number for %s\n",
+            fprintf(stderr, "gneiss: warning: readings: no completed run has a number for %s\n",
                     summary->readings[r].name);
     }
 }
@@ -312,7 +312,7 @@ static void print_summary(const gn_options *options, const gn_summary *summary,
 
 void gn_sweep_print_summary(const gn_options *options, const gn_summary *summary) {
     if (summary->several_builds)
-        fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
+        fprintf(stderr, "gneiss: warning: some runs were made by a differently compiled program: "
                         "--force computes them again\n");
     warn_of_absent(summary);
     gn_envelopes envelopes;

@@ -17,7 +17,7 @@ static bool has_any(const gn_node *root, const char *const *keys) {
     return false;
 }
 
-/* By the keys at its top: those that no other kind has. */
+/* The kind follows from top-level keys that no other kind has. */
 static kind kind_of_root(const gn_node *root) {
     static const char *const sweep[] = {"parameters", "seeds", "sampling", "combine", NULL},
                              *const scene[] = {"materials", "law",  "time",   "elements", "walls",
@@ -53,7 +53,7 @@ static const char *const takes_scene[] = {"run", "check", "plan", NULL},
                          *const takes_folder[] = {"resume", "report", NULL},
                          *const takes_file[] = {"run", "check", "plan", "pack", "sweep", NULL};
 
-/* NULL: the command may take such a file, and something else is wrong. */
+/* NULL: the command accepts such a file, and the problem is another. */
 static const char *found_text(const gn_options *options, kind found) {
     const bool sweep = strcmp(options->command, "sweep") == 0;
     if (found == SWEEP && !sweep)
@@ -77,7 +77,7 @@ void gn_name_wrong_file(const gn_options *options, gneiss_error *error) {
     if (!options->command || !options->target || stat(options->target, &status) != 0) return;
     if (S_ISDIR(status.st_mode) && is_one_of(options->command, takes_file)) {
         gn_fail(error, GNEISS_ERROR_INPUT,
-                "%.1000s: expected a %s file, found a folder: gneiss resume goes on with a run, "
+                "%.1000s: expected a %s file, found a folder: gneiss resume continues a run, "
                 "gneiss report shows it",
                 options->target, strcmp(options->command, "sweep") == 0 ? "sweep" : "scene");
         return;
