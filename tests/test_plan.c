@@ -172,7 +172,7 @@ static void what_is_beyond_the_study_is_told(void **state) {
     gn_error_causes c;
     q.speed = 0.5;
     assert_true(gn_causes_predict(&q, "strength", &c));
-    assert_true(noted(&c, "beyond what the study measured"));
+    assert_true(noted(&c, "beyond the range of the study"));
     assert_false(gn_causes_predict(&q, "taste", &c));
 }
 
@@ -236,7 +236,7 @@ static void a_scene_without_a_test_is_not_covered_and_says_why(void **state) {
         "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
         "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0}]\n"
         "law: {stiffness: uniform}\ntime: {end: 1 ms}\n");
-    assert_string_equal(gn_study_covers(w, &g), "the scene has no test");
+    assert_string_equal(gn_study_find_case(w, &g), "the scene has no test");
     gn_world_free(w);
     free(w);
 }

@@ -185,7 +185,7 @@ def seeds_may_be_a_list_and_the_command_line_goes_first(folder):
 def seeds_of_a_scene_without_random_numbers_are_told_to_change_nothing(folder):
     out = os.path.join(folder, "out")
     done = gneiss("run", LATTICE, "--seeds", 2, "--out", out, "--quiet", *QUICK, "--set", "specimen.lattice.jitter=0")
-    expect(done, 0, "warning: seeds: no random number")
+    expect(done, 0, "warning: seeds: this scene draws no random numbers")
 
 
 @fact
@@ -749,7 +749,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {from: 0.1, two: 0.2, count: 3}}", r":2:39: parameters.time.safety.two: unknown key 'two'; did you mean 'to'"),
     ("parameters: {time.safety: {from: 0.1, count: 3}}", r":2:27: parameters.time.safety: expected a range \{from, to, count\}"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:55: parameters.time.safety.count: expected a whole number in \[2, 100000\], found '1'"),
-    ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected another number at the end"),
+    ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected different numbers at start and end"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 2.5}}", r":2:55: parameters.time.safety.count: expected a whole number"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 3, spacing: lg}}", r":2:67: .*did you mean 'log'"),
     ("parameters: {walls.top.motion.vz: {from: -1, to: 1, count: 3, spacing: log}}", r":2:35: .*one sign, not 0, for logarithmic"),
@@ -759,7 +759,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {mean: 0.5, deviation: 0}}\nsampling: {method: latin, count: 3}", r":2:27: .*a deviation above 0"),
     ("parameters: {time.safety: {mean: 0.5, deviation: 0.1, count: 3}}\nsampling: {method: latin, count: 3}", r":2:27: .*no count and no spacing"),
     ("parameters: {time.safety: {from: 0.5, to: 0.1}}\nsampling: {method: latin, count: 3}", r":2:27: .*from the smaller to the larger"),
-    ("parameters: {time.safety: {of: 0.5}}\nsampling: {method: latin, count: 3}", r":2:32: .*a list of values behind `of`"),
+    ("parameters: {time.safety: {of: 0.5}}\nsampling: {method: latin, count: 3}", r":2:32: .*a list of values for `of`"),
     ("parameters: {time.safety: {of: [0.5], from: 1}}\nsampling: {method: latin, count: 3}", r":2:27: .*nothing beside `of`"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: latin, count: 3}", r":3:1: sampling: expected a distribution among the parameters"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: halton, count: 3}", r":3:20: sampling.method: expected one of latin, sobol"),

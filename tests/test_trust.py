@@ -379,7 +379,7 @@ def results_of_another_run_are_not_those_of_a_run_of_a_sweep(folder):
 def other_results_of_the_same_scene_are_not_those_that_a_run_of_a_sweep_ended_with(folder):
     def spoil(first, second):
         expect(gneiss("run", os.path.join(second, "scene.yaml"), "--out", second, "--force", "--quiet", "--set", "materials.block.friction=0.9"), 0)
-    compute_again(folder, spoil, "not those that the run ended with")
+    compute_again(folder, spoil, "they differ from the results at the end of the run")
 
 
 @fact

@@ -53,24 +53,24 @@ double gn_causes_without_scatter(const gn_error_causes *causes) {
 
 /* --- laws --- */
 
-/* Two standard errors beside the bias. */
+/* Two standard errors in addition to the bias. */
 static double width(const gn_slope *law, double group) {
     return hypot(gn_slope_at(law, group), 2.0 * gn_slope_error_at(law, group));
 }
 
-/* What a law says; beyond the groups that were measured it says so. */
+/* Adds the value of a law, with a note if the group is beyond the measured range. */
 static bool add_bias(gn_error_causes *causes, const gn_test_groups *groups, const char *reading,
                      const char *effect, const char *name, double group) {
     const gn_slope *law = gn_slope_find(groups->study, reading, effect, false);
     if (!law || isnan(group)) return false;
     add(causes, (gn_error_cause){name, width(law, group), false, gn_slope_at(law, group)});
     if (group > 1.001 * law->high)
-        gn_causes_note(causes, "%s: %s of %.2g is beyond what the study measured (up to %.2g)",
-                       name, law->group, group, law->high);
+        gn_causes_note(causes, "%s: %s of %.2g is beyond the range of the study (up to %.2g)", name,
+                       law->group, group, law->high);
     return true;
 }
 
-/* Two standard deviations of the mean over so many packings, `more` times what the law says. */
+/* Adds two standard deviations of the mean over the packings, `more` times the law. */
 static void add_scatter(gn_error_causes *causes, const gn_test_groups *groups, const char *reading,
                         const char *effect, const char *name, double group, double more) {
     const gn_slope *law = gn_slope_find(groups->floors, reading, effect, true);
@@ -80,8 +80,8 @@ static void add_scatter(gn_error_causes *causes, const gn_test_groups *groups, c
     gn_causes_add(causes, name, 2.0 * deviation / sqrt(fmax(1.0, groups->packings)), false);
 }
 
-/* Many packings of one number over what the law over five of each number says of it, with these
- * bonds if they were looked at. */
+/* Returns the scatter of many packings of one size over that of the law, which has five packings of
+ * each size; with these bonds if they were studied. */
 static double of_many(const gn_test_groups *groups, const char *reading) {
     char quantity[96];
     double ratio = NAN;
@@ -94,7 +94,7 @@ static double of_many(const gn_test_groups *groups, const char *reading) {
     return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 
-/* The planar cases have their scatter over 1/particles. */
+/* In planar cases scatter is a law of 1/particles. */
 static double packing_group(const gn_test_groups *groups, const char *reading,
                             const char **effect) {
     *effect = "particles";
@@ -103,10 +103,10 @@ static double packing_group(const gn_test_groups *groups, const char *reading,
     return groups->particles;
 }
 
-/* --- what is a choice and no error --- */
+/* --- model choices, which are no errors --- */
 
-/* A reading that goes on changing with the number of particles has no error of it, only a drift; so
- * has one that comes to rest, as contacts are calibrated with a number of particles. */
+/* A reading that does not converge with the number of particles has no error, only a drift; neither
+ * has a converging one, as contacts are calibrated for a number of particles. */
 static void note_size(gn_error_causes *causes, const gn_test_groups *groups, const char *reading) {
     const double converged = 0.05;
     const gn_slope *law = gn_slope_find(groups->study, reading, "size", false);
@@ -128,11 +128,11 @@ static void note_size(gn_error_causes *causes, const gn_test_groups *groups, con
 
 static void note_damping(gn_error_causes *causes, const gn_test_groups *groups,
                          const char *reading) {
-    const double from = 0.4; /* from which on strength hardly notices it */
+    const double from = 0.4; /* above it strength hardly depends on it */
     const gn_slope *little = gn_slope_find(groups->study, reading, "little damping", false);
     if (groups->damping < 0.0)
         gn_causes_note(causes,
-                       "damping: a choice of model; the study has the non-viscous ones alone");
+                       "damping: a choice of model; the study covers only non-viscous ones");
     else if (groups->damping < from && little)
         gn_causes_note(causes, "damping: a choice of model: %+.1f %% with %g against 0.7",
                        100.0 * gn_slope_at(little, groups->damping), groups->damping);
@@ -145,7 +145,7 @@ static void predict_particles(const gn_test_groups *groups, const char *reading,
     const char *effect;
     double group = packing_group(groups, reading, &effect);
     if (!add_bias(causes, groups, reading, "velocity", "velocity", groups->speed))
-        gn_causes_note(causes, "velocity: not known for this test");
+        gn_causes_note(causes, "velocity: unknown for this test");
     add_bias(causes, groups, reading, "safety", "step", groups->safety);
     add_scatter(causes, groups, reading, effect, "packing", group, of_many(groups, reading));
     add_scatter(causes, groups, reading, "round-off", "round-off", 0.0, 1.0);
@@ -159,15 +159,14 @@ static void predict_particles(const gn_test_groups *groups, const char *reading,
     note_damping(causes, groups, reading);
 }
 
-/* Loads and supports are nodes, under which a continuum gives way without limit (Flamant): measured
- * on two beams of other sizes than the study's (docs/evidence/planner.md). */
+/* Loads and supports are nodes, under which the deflection of a continuum diverges (Flamant):
+ * measured on two beams of other sizes than the study's (docs/evidence/planner.md). */
 static void note_points(gn_error_causes *causes, const gn_test_groups *groups,
                         const char *reading) {
     if (strcmp(groups->study, "notched-elements") != 0 || strcmp(reading, "stiffness") != 0) return;
-    gn_causes_note(causes,
-                   "load and supports are points: not in the sum, as the stiffness between them "
-                   "does not converge: 2 to 5 %% less whenever cells are halved; compare equal "
-                   "cells, or read the opening of the notch");
+    gn_causes_note(causes, "load and supports are points: not in the sum, as the stiffness between "
+                           "them does not converge: 2 to 5 %% less for each halving of cells; "
+                           "compare equal cells, or read the opening of the notch");
 }
 
 static void predict_elements(const gn_test_groups *groups, const char *reading,

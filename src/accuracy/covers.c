@@ -29,7 +29,7 @@ double gn_test_closing(const gn_scene *scene, double time) {
     return apart(scene, time, false);
 }
 
-/* Tables are straight from one point to the next, so that the fastest is at one of them. */
+/* Tables are linear between points, so that the largest value is at one of them. */
 static double fastest_at_points(const gn_scene *scene, const gn_test_end *end, double fastest) {
     for (size_t k = 0; k < end->count; k++) {
         const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
@@ -51,13 +51,13 @@ double gn_test_path(const gn_scene *scene, double time) {
     return apart(scene, time, true);
 }
 
-double gn_test_bulk(const gn_world *world) {
+double gn_test_bulk_density(const gn_world *world) {
     return gn_world_mass(world) / world->volume;
 }
 
 /* --- particles --- */
 
-/* Over the shortest side across the axis of the test. */
+/* Counts particles over the shortest side across the axis of the test. */
 static double particles_across(const gn_world *world) {
     const gn_particles *q = &world->dem.particles;
     double shortest = INFINITY, radii = 0.0;
@@ -81,8 +81,8 @@ static double damping_of(const gn_scene *scene) {
     return -1.0;
 }
 
-/* What the study has packings of (validate/accuracy/scatter.py): means over the pairs are as
- * uniform as that over the particles, and areas as areas. */
+/* Returns the law of bonds whose packings the study has (validate/accuracy/scatter.py): all uniform
+ * laws count as mean_radius, and both laws by area as dempack. */
 static const char *bonds_of(const gn_scene *scene) {
     switch (scene->stiffness) {
     case GN_STIFFNESS_HARMONIC:
@@ -107,20 +107,20 @@ static const char *cover_particles(const gn_world *world, gn_test_groups *groups
     const gn_scene *scene = &world->scene;
     bool plane = scene->dimension == 2;
     if (scene->bonds != GN_SWITCH_ON || !world->dem.bonds_at_start)
-        return "the study has no test of grains without bonds";
+        return "the study has no test of unbonded particles";
     if (world->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
         return "the study has no bonds that soften, yield or carry moments";
     if (scene->test.kind != GN_TEST_COMPRESSION && scene->test.kind != GN_TEST_TENSION)
-        return "of tests of particles the study has compression and tension";
+        return "for particles the study covers compression and tension";
     if (scene->has_membrane) return "the study has no test under a membrane";
-    if (scene->has_elements) return "the study has no test of particles and elements together";
+    if (scene->has_elements) return "the study has no test of coupled particles and elements";
     if (scene->body_count) return "the study has no test with bodies";
     if (scene->has_periodic) return "the study has no periodic test";
     if (plane && scene->specimen.pack.shape == GN_SHAPE_DISC &&
         scene->test.kind == GN_TEST_COMPRESSION)
-        return "the study foretells no peak of a disc that is pressed across";
+        return "the study predicts no peak of a Brazilian disc";
     groups->study = scene->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
-    /* Discs scatter more than spheres, above all where they are crushed. */
+    /* Discs scatter more than spheres, above all in compression. */
     bool crushed = scene->test.kind == GN_TEST_COMPRESSION;
     groups->floors = !plane ? groups->study : crushed ? "compression-plane" : "brazilian";
     groups->bonds = bonds_of(scene);
@@ -148,14 +148,14 @@ static const char *cover_elements(const gn_scene *scene, gn_test_groups *groups)
                                    .mesh = mixed_form ? "elements, mixed form" : "elements"};
         groups->cell = 1.0 / (double)elements->cells[scene->test.axis];
     } else {
-        return "the study has notched beams and rectangles that are bent, of elements";
+        return "for elements the study covers notched beams and rectangles in bending";
     }
     groups->floors = groups->study;
     groups->packings = 1.0;
     return NULL;
 }
 
-const char *gn_study_covers(const gn_world *world, gn_test_groups *groups) {
+const char *gn_study_find_case(const gn_world *world, gn_test_groups *groups) {
     const gn_scene *scene = &world->scene;
     *groups = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
     if (scene->test.kind == GN_TEST_NONE) return "the scene has no test";
@@ -163,7 +163,7 @@ const char *gn_study_covers(const gn_world *world, gn_test_groups *groups) {
     const char *reason =
         scene->has_specimen ? cover_particles(world, groups) : cover_elements(scene, groups);
     groups->speed = NAN;
-    /* What an automatic step was lowered to later on says nothing of its safety. */
+    /* A later reduction of an automatic step does not affect its safety. */
     groups->safety =
         world->step > 0 && scene->step == 0.0 ? scene->safety : world->dt / world->stable;
     groups->mixed = world->effects & GN_FX_MIXED;

@@ -34,8 +34,8 @@ static double or_none(double value) {
     return isnan(value) ? 0.0 : value;
 }
 
-/* Coefficient and exponent of a power were fitted about the reference, where they are independent.
- */
+/* Coefficient and exponent of a power law were fitted about the reference, where their errors are
+ * independent. */
 double gn_slope_error_at(const gn_slope *slope, double group) {
     double coefficient = or_none(slope->coefficient_error),
            exponent = or_none(slope->exponent_error);

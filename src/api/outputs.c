@@ -1,4 +1,4 @@
-/* The public API: what files show of every particle, bond, node and element. */
+/* Public API: the fields of every particle, bond, node and element that files contain. */
 #include "api/handles.h"
 
 #include "run/output_fields.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* What there is of a record: its fields, how many items. No table: none. */
+/* Available outputs of a record: its fields and number of items. No table: none. */
 typedef struct outputs {
     const gn_output_table *table;
     gn_effects effects;

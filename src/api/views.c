@@ -1,4 +1,4 @@
-/* The public API: looking at fields, history, readings and energies of a world. */
+/* Public API: fields, history, readings and energies of a world. */
 #include "api/handles.h"
 
 #include <math.h>
@@ -63,7 +63,7 @@ static gneiss_status require_record(const gneiss_world *world, gneiss_record rec
                    (int)record);
 }
 
-/* A record that the scene has no use for is all NULL, whatever its effects say. */
+/* All fields of an unused record are NULL, whatever its effects are. */
 static const gn_field *active_field(record_place place, size_t index, size_t *count) {
     *count = 0;
     for (size_t f = 0; f < place.record->field_count; f++) {

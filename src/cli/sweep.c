@@ -171,7 +171,8 @@ static void estimate_some(const gn_sweep *sweep, const gn_summary *summary, cons
         gneiss_error unused = {0};
         size_t k = n * stride % sweep->run_count;
         seconds[k] = summary->runs[k].seconds;
-        bool wanted = gn_sweep_mine(sweep, way, k) && !gn_outcome_stands(&summary->runs[k].outcome);
+        bool wanted =
+            gn_sweep_run_in_shard(sweep, way, k) && !gn_outcome_is_final(&summary->runs[k].outcome);
         if (!wanted || gn_now() - start > budget) continue;
         if (estimate(sweep, k, way->allow_gmsh, &seconds[k], &unused) != GNEISS_OK)
             seconds[k] = NAN;

@@ -91,7 +91,7 @@ static void watch(void *context, const gn_sweep_progress *progress) {
 
 static size_t count_mine(const gn_sweep *sweep, const gn_sweep_way *way) {
     size_t count = 0;
-    for (size_t k = 0; k < sweep->run_count; k++) count += gn_sweep_mine(sweep, way, k);
+    for (size_t k = 0; k < sweep->run_count; k++) count += gn_sweep_run_in_shard(sweep, way, k);
     return count;
 }
 
@@ -337,11 +337,11 @@ void gn_sweep_print_plan(const gn_sweep *sweep, const gn_summary *summary, const
     printf("%6s  %-16s  %-11s  %-12s  %s\n", "run", "folder", "state", "one thread", "parameters");
     for (size_t k = 0; k < sweep->run_count; k++) {
         const gn_outcome *outcome = &summary->runs[k].outcome;
-        if (!gn_sweep_mine(sweep, way, k)) continue;
+        if (!gn_sweep_run_in_shard(sweep, way, k)) continue;
         printf("%6zu  %016" PRIx64 "  %-11s  %-12s  %s\n", k + 1, sweep->runs[k].hash,
                gn_run_state_name(outcome->state), gn_format_seconds(seconds[k], text, sizeof text),
                gn_sweep_label(sweep, k, true, label, sizeof label));
-        bool wanted = way->force || !gn_outcome_stands(outcome);
+        bool wanted = way->force || !gn_outcome_is_final(outcome);
         left += wanted;
         if (!isfinite(seconds[k])) continue;
         known += seconds[k];

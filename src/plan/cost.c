@@ -9,18 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Particles of a lattice: as many as the scene has, as what does not fit into a cache is slower,
- * but not so many that setting it up takes long. */
+/* Numbers of particles of the timed lattice: that of the scene, since data beyond the cache is
+ * slower, within limits that keep the set-up short. */
 static const double lattice_least = 200.0, lattice_most = 20000.0;
 
 typedef struct timed {
-    double step, row; /* s of a processor */
+    double step, row; /* s of processor time */
     double particles, contacts, elements;
 } timed;
 
-/* --- what is timed --- */
+/* --- timed scenes --- */
 
-/* Plain ends, so that the history has what it has of a test. */
+/* Adds plain ends, so that the history has the columns of a test. */
 static void put_ends(gn_scene *scene, gn_wall_def wall[2], char names[2][GN_NAME_SIZE],
                      const double upper[3]) {
     int axis = (int)scene->dimension - 1;
@@ -41,7 +41,7 @@ static void put_ends(gn_scene *scene, gn_wall_def wall[2], char names[2][GN_NAME
                             .normal = -1};
 }
 
-/* Nothing but what a step costs is left of the scene; `s` borrows from it. */
+/* Keeps only those parts of the scene that a step costs; the result borrows from it. */
 static void strip(gn_scene *scene, bool mixed) {
     scene->has_origin = scene->has_periodic = scene->has_domain = scene->has_mass_scaling = false;
     scene->has_membrane = scene->has_couple = scene->has_pulse = false;
@@ -53,12 +53,12 @@ static void strip(gn_scene *scene, bool mixed) {
     scene->start_fraction = 0.9;
     scene->step = scene->scaled_step = scene->scaled_factor = 0.0;
     scene->estimate = GN_STEP_BOUND;
-    scene->threads = 1; /* waiting for each other is no work */
+    scene->threads = 1; /* waiting of threads is not counted */
     scene->stop_peak_drop = scene->stop_strain = scene->stop_unbalanced = 0.0;
     scene->precision = mixed ? GN_PRECISION_MIXED : GN_PRECISION_DOUBLE;
 }
 
-/* `close`: as many neighbours as there can be, else half of that. */
+/* `close`: the largest number of neighbours, else half of it. */
 static void put_lattice(const gn_world *world, bool close, gn_scene *scene, double upper[3]) {
     const gn_particles *q = &world->dem.particles;
     double count = fmin(fmax((double)q->soa.count, lattice_least), lattice_most), radius = 0.0;
@@ -85,7 +85,7 @@ static void put_lattice(const gn_world *world, bool close, gn_scene *scene, doub
         upper[a] = (double)cells * edge * (a == 1 && close && !space ? sqrt(3.0) : 1.0);
 }
 
-/* A rectangle or a box of as many elements. */
+/* Makes a rectangle or box of as many elements. */
 static void put_grid(const gn_world *world, gn_scene *scene) {
     gn_element_def *elements = &scene->elements;
     bool space = scene->dimension == 3;
@@ -100,7 +100,7 @@ static void put_grid(const gn_world *world, gn_scene *scene) {
     elements->motion_count = elements->load_count = 0;
     elements->has_contact = false;
     elements->material_count =
-        1; /* the first is for all elements, or for some that the grid has not */
+        1; /* the first holds for all elements, or for a group that the grid lacks */
     for (int a = 0; a < 3; a++) {
         elements->size[a] = a < scene->dimension ? 1.0 : 0.0;
         elements->origin[a] = 0.0;
@@ -110,7 +110,7 @@ static void put_grid(const gn_world *world, gn_scene *scene) {
 
 /* --- timing --- */
 
-/* The median of a few short spells: what others do to the machine comes in bursts. */
+/* Takes the median of a few short intervals, because disturbances on the machine come in bursts. */
 static int by_size(const void *left, const void *right) {
     const double *x = left, *y = right;
     return (*x > *y) - (*x < *y);
@@ -129,7 +129,7 @@ static gneiss_status take_steps(gn_world *world, gn_history *history, int count,
     return GNEISS_OK;
 }
 
-/* Each spell takes `spell` seconds. */
+/* Each interval takes `spell` seconds. */
 static gneiss_status time_spells(gn_world *world, gn_history *history, double spell,
                                  double *seconds, gneiss_error *error) {
     double each[SPELLS], start = gn_process_time();
@@ -160,8 +160,7 @@ static gneiss_status time_world(gn_world *world, timed *found, gneiss_error *err
     return status;
 }
 
-/* The stripped scene goes through its text, so that it shares nothing with the one that it is of.
- */
+/* The stripped scene is written and read as text, so that it shares nothing with the original. */
 static gneiss_status time_scene(const gn_scene *scene, timed *found, gneiss_error *error) {
     char *text = gn_scene_write(scene);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
@@ -218,8 +217,8 @@ static gneiss_status time_grid(const gn_world *world, bool mixed, timed *found,
     return status;
 }
 
-/* Two lattices with different numbers of neighbours tell particles and contacts apart; where noise
- * makes one of them cost nothing, the other costs all. */
+/* Two lattices with different numbers of neighbours separate the cost of particles from that of
+ * contacts; if noise makes one of them zero or less, the other takes all. */
 static void divide(const timed *few, const timed *many, gn_cost *cost) {
     double p = few->particles, c = few->contacts, q = many->particles, d = many->contacts;
     double determinant = p * d - q * c;

@@ -9,8 +9,8 @@
 
 /* --- bonds in uniform strain --- */
 
-/* The direction of a bond against the axis. */
-static double along(const gn_world *world, size_t c, double *length) {
+/* Returns the direction cosine of a bond with the axis. */
+static double direction_cosine(const gn_world *world, size_t c, double *length) {
     const gn_contacts *b = &world->dem.bonds;
     const double *x = world->dem.particles.pos + 4 * (size_t)b->i[c],
                  *y = world->dem.particles.pos + 4 * (size_t)b->j[c];
@@ -23,14 +23,15 @@ static double along(const gn_world *world, size_t c, double *length) {
     return d[world->scene.test.axis] / *length;
 }
 
-/* Elastic energy of uniform strain, stretched by e along the axis and by f across it, over the
- * volume: 1/2 (A e^2 + 2 B e f + D f^2), from k_n of the part of the strain along each bond and k_t
- * of that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
+/* Elastic energy density of uniform strain, e direction_cosine the axis and f across it: 1/2 (A e^2
+ * + 2 B e f
+ * + D f^2), from k_n with the strain component direction_cosine each bond and k_t with that across
+ * it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
 static void uniform_strain(const gn_world *world, gn_estimate *estimate) {
     const gn_contacts *b = &world->dem.bonds;
     double A = 0.0, B = 0.0, D = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
-        double length, n = along(world, c, &length), square = n * n, rest = 1.0 - square;
+        double length, n = direction_cosine(world, c, &length), square = n * n, rest = 1.0 - square;
         double kn = b->kn[c] * length * length, kt = b->kt ? b->kt[c] * length * length : 0.0;
         A += kn * square * square + kt * square * rest;
         B += (kn - kt) * square * rest;
@@ -40,19 +41,20 @@ static void uniform_strain(const gn_world *world, gn_estimate *estimate) {
     estimate->uniform = (A - B * estimate->poisson) / world->volume;
 }
 
-/* The strains at which bond c has its strength in tension and in shear, INFINITY: at none. Normal
- * strain sign (n^2 - nu (1 - n^2)), and what is across it of the displacement of its end. */
+/* Computes the strains at which bond c reaches its strength in tension and in shear, INFINITY:
+ * never. Its normal strain is sign (n^2 - nu (1 - n^2)); the shear follows from the transverse
+ * displacement of its end. */
 static void breaking_strains(const gn_world *world, size_t c, double poisson, double *tension,
                              double *slip) {
     const gn_contacts *b = &world->dem.bonds;
     double sign = world->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
-    double length, n = along(world, c, &length), square = n * n, rest = 1.0 - square;
+    double length, n = direction_cosine(world, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
     double shear = sqrt(fmax(0.0, square + poisson * poisson * rest - normal * normal));
     *tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY;
     *slip = INFINITY;
     if (!b->kt || !b->rt || !(b->kt[c] > 0.0)) return;
-    /* Strength in shear that grows with the pressure: mu_1 of the intact bond. */
+    /* Shear strength increases with pressure by mu_1 of the intact bond. */
     double gain = b->mu1 ? b->mu1[c] * b->kn[c] * length * normal : 0.0;
     double need = b->kt[c] * length * shear + gain;
     if (need > 0.0) *slip = b->rt[c] / need;
@@ -63,16 +65,16 @@ static int by_size(const void *left, const void *right) {
     return (*x > *y) - (*x < *y);
 }
 
-/* A test in tension fails by bonds that are pulled; one in compression by those that are pulled
- * across it and those that are sheared, and neither alone: at the geometric mean of both, where one
- * can be at most so many times the other. */
-static double breaking_of(const gn_scene *scene, double tension, double slip) {
+/* A test in tension fails by stretched bonds; a compression test fails by bonds stretched laterally
+ * together with sheared bonds, at the geometric mean of both, whose ratio is bounded. */
+static double combined_breaking_strain(const gn_scene *scene, double tension, double slip) {
     const double most = 4.0;
     if (scene->test.kind == GN_TEST_TENSION) return fmin(tension, slip);
     return sqrt(fmin(tension, most * slip) * fmin(slip, most * tension));
 }
 
-/* The strain at which a twentieth of the bonds has its strength, by either. */
+/* Finds the strain at which a twentieth of the bonds has reached its strength in tension or shear.
+ */
 static gneiss_status find_breaking(const gn_world *world, gn_estimate *estimate,
                                    gneiss_error *error) {
     const double share = 0.05;
@@ -92,7 +94,7 @@ static gneiss_status find_breaking(const gn_world *world, gn_estimate *estimate,
         const size_t place = (size_t)(share * (double)holding);
         qsort(tension, holding, sizeof *tension, by_size);
         qsort(slip, holding, sizeof *slip, by_size);
-        estimate->breaking = breaking_of(&world->scene, tension[place], slip[place]);
+        estimate->breaking = combined_breaking_strain(&world->scene, tension[place], slip[place]);
     }
     gn_free(tension);
     gn_free(slip);
@@ -101,7 +103,7 @@ static gneiss_status find_breaking(const gn_world *world, gn_estimate *estimate,
 
 /* --- ends --- */
 
-/* Particles that press on a wall soon: within a twentieth of their radius. */
+/* Counts particles that soon press on a wall: within a twentieth of their radius. */
 static double near_wall(const gn_world *world, const gn_wall_def *wall) {
     const double soon = 0.05;
     const gn_particles *q = &world->dem.particles;
@@ -115,8 +117,8 @@ static double near_wall(const gn_world *world, const gn_wall_def *wall) {
     return count;
 }
 
-/* Strain between the ends that walls take for themselves under a stress of 1 Pa: their particles
- * press on springs. */
+/* Returns the strain between the ends that walls add under a stress of 1 Pa: particles press on
+ * springs. */
 static double wall_compliance(const gn_world *world) {
     const gn_scene *scene = &world->scene;
     const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
@@ -135,8 +137,8 @@ static double wall_compliance(const gn_world *world) {
 
 /* --- the test --- */
 
-/* Where the run ends: at its time, at the strain that it is to stop at, or behind the peak. */
-static double end_of(const gn_world *world, const gn_estimate *estimate) {
+/* Returns the end of the run: at its time, at the strain that stops it, or after the peak. */
+static double predicted_end(const gn_world *world, const gn_estimate *estimate) {
     const gn_scene *scene = &world->scene;
     const gn_stops stops = gn_scene_stops(scene);
     double end = estimate->path;
@@ -146,8 +148,8 @@ static double end_of(const gn_world *world, const gn_estimate *estimate) {
     return end;
 }
 
-/* With more particles a test fails at less of it. */
-static void foretell_peak(const gn_world *world, gn_estimate *estimate) {
+/* A test with more particles fails at a lower fraction of the estimate. */
+static void predict_peak(const gn_world *world, gn_estimate *estimate) {
     double finer =
         (double)world->dem.particles.soa.count / gn_slope_base_of(estimate->study, "particles");
     double secant = gn_slope_base_of(estimate->study, "strength over modulus and strain");
@@ -161,8 +163,8 @@ static void foretell_peak(const gn_world *world, gn_estimate *estimate) {
         estimate->strain * gn_slope_base_of(estimate->study, "first break over peak");
 }
 
-/* What bends is loaded over a strain that is none of its material's. */
-static void foretell_elements(const gn_world *world, gn_estimate *estimate) {
+/* Loading of a bending test is not related to a strain of its material. */
+static void predict_elements(const gn_world *world, gn_estimate *estimate) {
     estimate->elements = true;
     estimate->body_strain = estimate->strain = estimate->strength = INFINITY;
     estimate->end = estimate->path;
@@ -174,23 +176,22 @@ gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gne
     const gn_scene *scene = &world->scene;
     gn_test_groups groups;
     *estimate = (gn_estimate){.speed = NAN, .across = NAN};
-    estimate->absent = gn_study_covers(world, &groups);
+    estimate->absent = gn_study_find_case(world, &groups);
     if (estimate->absent) return GNEISS_OK;
     estimate->study = groups.study;
     estimate->closing = gn_test_fastest(scene);
     estimate->path = gn_test_path(scene, scene->end) / world->test_length;
     if (!(estimate->closing > 0.0) || !(estimate->path > 0.0))
         estimate->absent =
-            "the ends of the test are not moved in its sense (servos and loads are not "
-            "planned)";
+            "the ends of the test do not move in its sense (servos and loads cannot be planned)";
     if (estimate->absent) return GNEISS_OK;
     if (groups.mesh) {
-        foretell_elements(world, estimate);
+        predict_elements(world, estimate);
         return GNEISS_OK;
     }
     estimate->across = groups.across;
     estimate->radius = gn_world_mean_radius(world);
-    estimate->bulk = gn_test_bulk(world);
+    estimate->bulk = gn_test_bulk_density(world);
     estimate->compliance = wall_compliance(world);
     if (estimate->compliance > 0.0)
         estimate->ends = estimate->compliance *
@@ -200,13 +201,13 @@ gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gne
         estimate->uniform * gn_slope_base_of(estimate->study, "modulus over uniform strain");
     estimate->wave = sqrt(estimate->modulus / estimate->bulk);
     GN_TRY(find_breaking(world, estimate, error));
-    foretell_peak(world, estimate);
-    estimate->end = end_of(world, estimate);
+    predict_peak(world, estimate);
+    estimate->end = predicted_end(world, estimate);
     estimate->speed = estimate->closing / (estimate->wave * fmin(estimate->strain, estimate->end));
     return GNEISS_OK;
 }
 
-/* By bisection: the way of the ends grows with time. */
+/* Bisection: the path of the ends increases with time. */
 double gn_estimate_end(const gn_world *world, const gn_estimate *estimate) {
     double low = 0.0, high = world->scene.end;
     if (estimate->absent || !isfinite(estimate->end) || !(estimate->end > 0.0)) return 0.0;

@@ -5,17 +5,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Program start, results and summary: s, whatever the scene. */
+/* s, for program start, results and summary of any scene. */
 static const double fixed_seconds = 0.03;
 
-/* --- what a proposal costs --- */
+/* --- cost of a proposal --- */
 
 static bool packs(const gn_world *world) {
     return world->given.specimen.pack.shape != GN_SHAPE_NONE;
 }
 
-/* The length of a step against that of the scene: the stable step goes as the size of particles.
- * Added mass gives less than it did at the start once bonds have broken. */
+/* Returns the step over that of the scene: the stable step is proportional to the particle size.
+ * Added mass gives less than initially once bonds have broken. */
 static double step_ratio(const gn_world *world, const gn_plan *plan, const gn_proposal *proposal,
                          bool breaks) {
     double finer = proposal->particles / plan->groups.particles;
@@ -25,8 +25,8 @@ static double step_ratio(const gn_world *world, const gn_plan *plan, const gn_pr
            pow(finer, -1.0 / (double)world->scene.dimension);
 }
 
-/* s from the start to where the run is foretold to end: what comes before the ends have their speed
- * is as much longer. */
+/* Returns the s from the start to the predicted end: the time before the ends reach their speed is
+ * longer in proportion. */
 static double duration(const gn_world *world, const gn_plan *plan, double pace) {
     const gn_estimate *estimate = &plan->estimate;
     double length = world->test_length,
@@ -34,8 +34,8 @@ static double duration(const gn_world *world, const gn_plan *plan, double pace) 
     return (estimate->end * length / estimate->closing + before) / pace;
 }
 
-/* Statics take the place of the steps up to 0.9 of the first break, and cost as much as so many
- * steps of the study's specimen; their iterations go as the particles across. */
+/* Statics replace the steps up to 0.9 of the first break, and cost as many steps as in the study's
+ * specimen; their iterations are proportional to the particles across. */
 static double steps_of_start(const gn_world *world, const gn_plan *plan,
                              const gn_proposal *proposal, double dt) {
     const double fraction = 0.9;
@@ -53,7 +53,7 @@ static double rows_of(const gn_world *world, const gn_plan *plan, const gn_propo
     return fmin(gn_plan_history_rows(plan, &world->scene, proposal->pace) * share, proposal->steps);
 }
 
-/* s of one particle in a step, its contacts included. */
+/* Returns the s of one particle in a step, its contacts included. */
 static double particle_step(const gn_world *world, const gn_cost *cost) {
     double contacts = (double)(world->dem.bonds.soa.count + world->dem.pairs.soa.count);
     return cost->particle + cost->contact * contacts / (double)world->dem.particles.soa.count;
@@ -103,11 +103,11 @@ void gn_plan_correct(const gn_world *world, const gn_plan *plan, gn_proposal *pr
                        world->dt);
 }
 
-/* --- what it may be off by --- */
+/* --- error of a proposal --- */
 
 static void judge(const gn_plan *plan, const gn_world *world, gn_proposal *proposal) {
     gn_test_groups g = plan->groups;
-    /* A wave is late by the root of the mass at most (docs/evidence/mass-scaling.md). */
+    /* Waves are delayed by at most the root of the mass (docs/evidence/mass-scaling.md). */
     g.speed = plan->estimate.speed * proposal->pace * sqrt(1.0 + proposal->added);
     g.safety = proposal->safety;
     g.mixed = proposal->mixed;
@@ -121,19 +121,19 @@ static void judge(const gn_plan *plan, const gn_world *world, gn_proposal *propo
     proposal->error = gn_causes_total(&proposal->causes);
 }
 
-/* --- what is tried --- */
+/* --- trials --- */
 
 static const double safeties[] = {0.9, 0.7, 0.5, 0.3};
 static const double factors[GN_PLAN_FACTORS] = {1.0, 1.3, 1.5, 1.75, 2.0};
-/* Runs warn of more than particles' own mass. Debris take another 0.3 to 0.4 of it, and other
- * packings a little more than this one. */
+/* Runs warn above 1 times the particles' own mass. Debris needs another 0.3 to 0.4 of it, and other
+ * packings slightly more than this one. */
 static const double added_most = 0.5;
 static const double numbers[] = {250, 500, 1000, 2000, 4000, 8000, 16000};
 static const int packings[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40};
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-enum { PACES = 25 }; /* from 1/64 to 64, by roots of 2 */
+enum { PACES = 25 }; /* from 1/64 to 64, by factors of the root of 2 */
 
-/* The cheapest that is right; the nearest to it while none is. */
+/* The cheapest proposal within the error; until there is one, the proposal with the least error. */
 typedef struct setting_search {
     const gn_world *world;
     gn_plan *plan;
@@ -158,7 +158,7 @@ static void consider(setting_search *search, gn_proposal proposal) {
     search->reached |= right;
 }
 
-/* Precision, masses and start are taken where they are known to be of use and allowed. */
+/* Tries precision, mass scaling and start where they are known to help and allowed. */
 static void try_ways(setting_search *search, gn_proposal proposal) {
     const gn_plan *plan = search->plan;
     bool masses = gn_slope_find(plan->groups.study, plan->reading, "mass scaling", false) &&
@@ -190,11 +190,12 @@ static void try_numbers(setting_search *search, gn_proposal proposal) {
         }
 }
 
-/* About the scene's own pace; about the fastest that is known where that one is beyond it. */
+/* Centre of the tried speeds: that of the scene, or the fastest known one if the scene's is beyond
+ * it. */
 static double middle_pace(const gn_plan *plan, const gn_world *world) {
     const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
     double speed = plan->estimate.speed;
-    bool beyond = law && speed > law->high && !gn_plan_no_pace(&world->scene);
+    bool beyond = law && speed > law->high && !gn_plan_pace_refusal(&world->scene);
     return beyond ? law->high / speed * (1.0 - 1e-9) : 1.0;
 }
 
@@ -205,13 +206,13 @@ static void try_all(setting_search *search, gn_proposal proposal) {
         for (int k = 0; k < PACES; k++) {
             proposal.safety = safeties[s];
             proposal.pace = middle * pow(2.0, 0.5 * (double)(k - MIDDLE));
-            bool free = proposal.pace == 1.0 || !gn_plan_no_pace(&search->world->scene);
+            bool free = proposal.pace == 1.0 || !gn_plan_pace_refusal(&search->world->scene);
             if (free && slower_than_known(search->plan, proposal.pace))
                 try_numbers(search, proposal);
         }
 }
 
-/* Finer and finer cells; the loading of elements stays as it is, as the study has no law of it. */
+/* Tries finer cells; the loading of elements is kept, because the study has no law of it. */
 static void try_cells(setting_search *search, gn_proposal proposal) {
     double layers = search->plan->groups.cell > 0.0 ? 1.0 / search->plan->groups.cell : 0.0;
     bool whole = search->world->scene.elements.has_rectangle;
@@ -227,8 +228,8 @@ static void try_cells(setting_search *search, gn_proposal proposal) {
 
 /* --- the plan --- */
 
-/* With what the scene says, one packing. */
-static gn_proposal as_it_is(const gn_world *world, const gn_plan *plan) {
+/* The settings of the scene, with one packing. */
+static gn_proposal current_settings(const gn_world *world, const gn_plan *plan) {
     gn_proposal p = {.pace = 1.0, .particles = plan->groups.particles, .packings = 1, .cell = 1.0};
     p.safety = plan->groups.safety;
     p.masses = p.of_bound = plan->groups.masses;
@@ -240,7 +241,8 @@ static gn_proposal as_it_is(const gn_world *world, const gn_plan *plan) {
     return p;
 }
 
-static void look(const gn_world *world, gn_plan *plan, double target, setting_search *search) {
+static void search_settings(const gn_world *world, gn_plan *plan, double target,
+                            setting_search *search) {
     *search = (setting_search){.world = world, .plan = plan, .target = target};
     if (plan->groups.mesh)
         try_cells(search, plan->as_is);
@@ -248,7 +250,7 @@ static void look(const gn_world *world, gn_plan *plan, double target, setting_se
         try_all(search, plan->as_is);
 }
 
-/* What the study calls the reading that is wanted of such a test. */
+/* Returns the study's name of the requested reading of this test. */
 static const char *name_of_reading(const gn_plan *plan) {
     bool stiffness = strcmp(plan->wanted.reading, "stiffness") == 0;
     if (!plan->groups.mesh) return stiffness ? "E" : "strength";
@@ -262,34 +264,35 @@ static const char *cannot(const gn_plan *plan) {
     if (strength && plan->groups.mesh)
         return "finite elements have no strength: --reading stiffness";
     if (strength && !isfinite(estimate->strain))
-        return "nothing in this scene can break: --reading stiffness";
+        return "there are no breakable bonds in this scene: --reading stiffness";
     if (strength && estimate->strain > estimate->path)
-        return "no peak is foretold before time.end: --reading stiffness, or a later end";
+        return "no peak is predicted before time.end: --reading stiffness, or a later end";
     return NULL;
 }
 
 static gneiss_status measure_costs(const gn_world *world, gn_plan *plan, gneiss_error *error) {
     gneiss_error refused = {0};
     GN_TRY(gn_cost_measure(world, false, &plan->cost[0], error));
-    if (world->effects & GN_FX_PRESSURE) return GNEISS_OK; /* is in double whatever is said */
+    if (world->effects & GN_FX_PRESSURE) return GNEISS_OK; /* always double */
     gneiss_status status = gn_cost_measure(world, true, &plan->cost[1], &refused);
     plan->mixed_known = status == GNEISS_OK;
     if (status == GNEISS_OK || status == GNEISS_ERROR_INPUT) return GNEISS_OK;
     return gn_fail(error, status, "%s", refused.message);
 }
 
-/* Spheres that roll about two others (discs about one) have no equilibrium to be found. */
+/* Spheres that roll about two others (discs about one) have no static equilibrium. */
 static const char *cannot_start(const gn_world *world) {
     const gn_particles *q = &world->dem.particles;
-    const char *reason = gn_scene_no_statics(&world->scene);
+    const char *reason = gn_scene_statics_refusal(&world->scene);
     for (size_t p = 0; !reason && q->bonds0 && p < q->soa.count; p++)
         if (q->bonds0[p] < world->scene.dimension)
-            reason = "particles that bonds hold in place, found some with fewer than it takes";
+            reason = "enough bonds to hold each particle, found particles with fewer";
     return reason;
 }
 
-/* By the bound, whatever the scene says: masses chosen by it hold the step particle by particle, so
- * that those of debris can follow, and no look at the run takes iterations. */
+/* Measures with the bound, whatever the scene's estimate: masses chosen by it hold the step for
+ * each particle, so that debris can be scaled as well, and checks during the run need no
+ * iterations. */
 static gneiss_status measure_masses(const gn_world *world, gn_plan *plan, gneiss_error *error) {
     plan->unscaled = plan->groups.masses > 1.0 ? world->dem.scaling.unscaled : world->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
@@ -302,18 +305,18 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
                            gn_plan *plan, gneiss_error *error) {
     setting_search q;
     *plan = (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = cannot_start(world)};
-    gn_study_covers(world, &plan->groups);
+    gn_study_find_case(world, &plan->groups);
     GN_TRY(gn_estimate_make(world, &plan->estimate, error));
     plan->absent = cannot(plan);
     if (plan->absent) return GNEISS_OK;
     plan->reading = name_of_reading(plan);
     GN_TRY(measure_costs(world, plan, error));
     GN_TRY(measure_masses(world, plan, error));
-    plan->as_is = as_it_is(world, plan);
-    look(world, plan, wanted->error, &q);
+    plan->as_is = current_settings(world, plan);
+    search_settings(world, plan, wanted->error, &q);
     plan->reached = q.reached;
-    /* What cannot be reached is come as near to as makes a difference. */
-    if (!q.reached) look(world, plan, 1.1 * q.least.error, &q);
-    plan->best = q.reached ? q.best : plan->as_is; /* nothing to choose from */
+    /* If the error cannot be reached, the search comes within a tenth of the least one. */
+    if (!q.reached) search_settings(world, plan, 1.1 * q.least.error, &q);
+    plan->best = q.reached ? q.best : plan->as_is; /* no alternatives */
     return GNEISS_OK;
 }

@@ -12,8 +12,8 @@
 
 static const size_t size_limit = (size_t)16 << 20;
 
-/* A text that is changed at one place after the other; it is read anew before each change, so that
- * places are always those of the present text. */
+/* A text that is changed at one place after another; it is parsed anew before each change, so that
+ * places always refer to the present text. */
 typedef struct scene_draft {
     char *text;
     const char *name;
@@ -39,19 +39,19 @@ static char *line_start(const scene_draft *draft, char *at) {
     return at;
 }
 
-/* Behind a quoted text that begins here. */
-static char *behind_quotes(char *at) {
+/* Skips a quoted text that begins here. */
+static char *skip_quotes(char *at) {
     char quote = *at++;
     while (*at && *at != quote) at += *at == '\\' && quote == '"' && at[1] ? 2 : 1;
     return *at ? at + 1 : at;
 }
 
-/* Behind the bracket that closes the one here. */
-static char *behind_brackets(char *at) {
+/* Skips to the end of the bracket that opens here. */
+static char *skip_brackets(char *at) {
     int depth = 0;
     while (*at) {
         if (*at == '"' || *at == '\'') {
-            at = behind_quotes(at);
+            at = skip_quotes(at);
             continue;
         }
         if (*at == '#' && (at[-1] == ' ' || at[-1] == '\n')) {
@@ -65,17 +65,17 @@ static char *behind_brackets(char *at) {
     return at;
 }
 
-/* Where the value of a node ends; NULL: it is written over several lines without brackets. */
+/* Returns the end of a node's value; NULL: it spans several lines without brackets. */
 static char *value_end(const gn_node *node, char *at) {
-    if (*at == '"' || *at == '\'') return behind_quotes(at);
-    if (*at == '[' || *at == '{') return behind_brackets(at);
+    if (*at == '"' || *at == '\'') return skip_quotes(at);
+    if (*at == '[' || *at == '{') return skip_brackets(at);
     size_t length = node->kind == GN_NODE_SCALAR ? strlen(node->text) : 0;
     return length && strncmp(at, node->text, length) == 0 ? at + length : NULL;
 }
 
 /* --- changes --- */
 
-/* Puts `fresh` in the place of [from, to). */
+/* Replaces [from, to) by `fresh`. */
 static gneiss_status splice(scene_draft *draft, const char *from, const char *to, const char *fresh,
                             gneiss_error *error) {
     size_t before = (size_t)(from - draft->text), length = strlen(fresh), rest = strlen(to);
@@ -96,7 +96,7 @@ static gneiss_status replace(scene_draft *draft, const gn_node *node, const char
     return end ? splice(draft, at, end, value, error) : GNEISS_OK;
 }
 
-/* "a.b.c" and a value as "a: {b: {c: value}}". */
+/* Writes "a.b.c" and a value as "a: {b: {c: value}}". */
 static void nested(const char *rest, const char *value, char *text, size_t size) {
     size_t used = 0;
     int depth = 0;
@@ -111,7 +111,7 @@ static void nested(const char *rest, const char *value, char *text, size_t size)
     while (depth-- > 0 && used < size) used += (size_t)snprintf(text + used, size - used, "}");
 }
 
-/* A key that the map has not: behind its brace, or as a line before its first key. */
+/* Adds a key that the map lacks: after its brace, or as a line before its first key. */
 static gneiss_status insert(scene_draft *draft, const gn_node *map, const char *rest,
                             const char *value, bool *done, gneiss_error *error) {
     char fresh[4096], line[4200];
@@ -127,13 +127,14 @@ static gneiss_status insert(scene_draft *draft, const gn_node *map, const char *
     if (!first) return GNEISS_OK;
     char *start = line_start(draft, first);
     for (const char *c = start; c < first; c++)
-        if (*c != ' ') return GNEISS_OK; /* behind the dash of a list */
+        if (*c != ' ') return GNEISS_OK; /* after the dash of a list */
     snprintf(line, sizeof line, "%*s%s\n", (int)(first - start), "", fresh);
     *done = true;
     return splice(draft, start, start, line, error);
 }
 
-/* The node at a place as gn_tree_place spells it, or the last map on the way and what is left. */
+/* Returns the node at a place as gn_tree_place spells it, or the last map on the way and the
+ * remaining path. */
 static const gn_node *walk(const gn_node *root, const char *place, const char **rest) {
     const gn_node *at = root;
     *rest = place;
@@ -170,7 +171,7 @@ static gneiss_status change(scene_draft *draft, const gn_override *override, boo
 
 /* --- files that the scene names --- */
 
-/* What its author wrote relative to the old folder. */
+/* Adapts paths that are relative to the old folder. */
 static gneiss_status resolve_files(scene_draft *draft, const gn_section *section, const char *base,
                                    const char *path, gneiss_error *error);
 
@@ -213,7 +214,7 @@ static gneiss_status resolve_files(scene_draft *draft, const gn_section *section
     return GNEISS_OK;
 }
 
-/* --- the whole --- */
+/* --- the whole text --- */
 
 static void folder_of(const char *path, char folder[GN_PATH_SIZE]) {
     const char *slash = strrchr(path, '/');
@@ -228,8 +229,8 @@ static bool same_folder(const char *a, const char *b) {
     return realpath(first, one) && realpath(second, two) && strcmp(one, two) == 0;
 }
 
-/* Whether a text says in its own folder what the scene says with its overrides. */
-static bool says_the_same(const scene_draft *draft, const char *target, const char *wanted) {
+/* True if the text, in its own folder, gives the same scene as the original with its overrides. */
+static bool is_equivalent(const scene_draft *draft, const char *target, const char *wanted) {
     char folder[GN_PATH_SIZE], *found = NULL;
     gn_scene *scene = gn_alloc(sizeof *scene);
     folder_of(target, folder);
@@ -244,9 +245,9 @@ static bool says_the_same(const scene_draft *draft, const char *target, const ch
     return same;
 }
 
-static gneiss_status draw_up(scene_draft *draft, const gn_scene *scene,
-                             const gn_override *overrides, size_t count, const char *target,
-                             bool *done, gneiss_error *error) {
+static gneiss_status edit_draft(scene_draft *draft, const gn_scene *scene,
+                                const gn_override *overrides, size_t count, const char *target,
+                                bool *done, gneiss_error *error) {
     *done = true;
     for (size_t k = 0; k < count && *done; k++) {
         bool root = !strchr(overrides[k].key, '.');
@@ -264,8 +265,8 @@ static gneiss_status rewrite(const char *path, const gn_scene *scene, const char
     scene_draft d = {.name = path};
     bool done;
     GN_TRY(gn_read_text_file(path, size_limit, &d.text, error));
-    gneiss_status status = draw_up(&d, scene, overrides, count, target, &done, error);
-    *plain = status == GNEISS_OK && !(done && says_the_same(&d, target, wanted));
+    gneiss_status status = edit_draft(&d, scene, overrides, count, target, &done, error);
+    *plain = status == GNEISS_OK && !(done && is_equivalent(&d, target, wanted));
     if (status == GNEISS_OK)
         status = gn_write_text_file(target, *plain ? wanted : d.text, GN_DURABLE, error);
     free(d.text);

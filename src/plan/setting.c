@@ -5,17 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *gn_plan_no_pace(const gn_scene *scene) {
+const char *gn_plan_pace_refusal(const gn_scene *scene) {
     for (size_t k = 0; k < scene->wall_count; k++)
-        if (scene->walls[k].servo.active)
-            return "a wall with a servo has a course of its own in time";
+        if (scene->walls[k].servo.active) return "a wall with a servo varies independently in time";
     for (size_t k = 0; scene->has_elements && k < scene->elements.load_count; k++)
         for (int a = 0; a < 3; a++)
             if (scene->elements.loads[k].traction[a].count > 1 ||
                 scene->elements.loads[k].force[a].count > 1)
-                return "a load of elements has a course of its own in time";
+                return "a load of elements varies independently in time";
     for (int a = 0; a < 3; a++)
-        if (scene->gravity[a] != 0.0) return "gravity has a course of its own in time";
+        if (scene->gravity[a] != 0.0) return "gravity acts independently of the loading speed";
     return NULL;
 }
 
@@ -54,7 +53,7 @@ put(gn_settings *q, gneiss_error *error, const char *key, const char *format, ..
     return gn_settings_add(q, key, value, error);
 }
 
-/* Values are as many times larger as times are shorter, so that the path stays what it is. */
+/* Values are scaled inversely to times, so that the path is unchanged. */
 static gneiss_status put_table(gn_settings *settings, const char *key, const gn_table *table,
                                double pace, const char *unit, gneiss_error *error) {
     char *text = NULL;
@@ -133,7 +132,7 @@ static gneiss_status put_cells(gn_settings *settings, const gn_scene *scene, dou
                fmax(1.0, round((double)elements->cells[1] / cell)));
 }
 
-/* As a step in seconds, so that other packings take the same one. */
+/* The target step is given in seconds, so that other packings take the same. */
 static gneiss_status put_masses(gn_settings *settings, const gn_plan *plan, const gn_scene *scene,
                                 const gn_proposal *proposal, gneiss_error *error) {
     if (plan->groups.mesh || fabs(proposal->masses / plan->groups.masses - 1.0) <= 1e-3)

@@ -75,7 +75,7 @@ static bool has_added_mass(const gn_world *w, size_t k) {
 }
 static bool is_counted(const gn_world *w, size_t k) {
     (void)k;
-    return gn_scene_flows(&w->scene) || gn_converts(w);
+    return gn_scene_has_flow(&w->scene) || gn_converts(w);
 }
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
@@ -93,7 +93,8 @@ static bool motion_drives(const gn_world *w, size_t k) {
 
 /* What comes and goes has no places at the start. In a box all round the sides tell. */
 static bool has_average_strain(const gn_world *w, size_t k) {
-    return !gn_scene_flows(&w->scene) || (is_periodic(w, k) && !gn_scene_half_periodic(&w->scene));
+    return !gn_scene_has_flow(&w->scene) ||
+           (is_periodic(w, k) && !gn_scene_half_periodic(&w->scene));
 }
 
 static bool has_zones(const gn_world *w, size_t k) {

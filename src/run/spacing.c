@@ -40,7 +40,7 @@ int64_t gn_row_halvings(int64_t interval) {
  */
 static bool adapts(const gn_run *run) {
     const gn_world *w = &run->world;
-    return w->scene.history_rows > 0 && !gn_converts(w) && !gn_scene_flows(&w->scene) &&
+    return w->scene.history_rows > 0 && !gn_converts(w) && !gn_scene_has_flow(&w->scene) &&
            gn_run_may_end_early(run);
 }
 
@@ -76,7 +76,8 @@ bool gn_run_row_is_due(const gn_run *run) {
 
 bool gn_run_has_end_row(const gn_run *run) {
     const gn_scene *s = &run->world.scene;
-    return !run->finished && s->history_rows > 0 && gn_scene_flows(s) && !gn_converts(&run->world);
+    return !run->finished && s->history_rows > 0 && gn_scene_has_flow(s) &&
+           !gn_converts(&run->world);
 }
 
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {

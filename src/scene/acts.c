@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-bool gn_table_acts(const gn_table *table) {
+bool gn_table_is_nonzero(const gn_table *table) {
     for (size_t k = 0; k < table->count; k++)
         if (table->value[k] != 0.0) return true;
     return false;
@@ -11,16 +11,17 @@ bool gn_table_acts(const gn_table *table) {
 static bool moves(const gn_motion *motion) {
     bool acts = false;
     for (int a = 0; a < 3; a++)
-        acts = acts || gn_table_acts(&motion->velocity[a]) || gn_table_acts(&motion->spin[a]);
+        acts = acts || gn_table_is_nonzero(&motion->velocity[a]) ||
+               gn_table_is_nonzero(&motion->spin[a]);
     return acts;
 }
 
-static bool pushed(const gn_set_def *set) {
+static bool has_force(const gn_set_def *set) {
     return set->has_force && (set->force[0] != 0 || set->force[1] != 0 || set->force[2] != 0);
 }
 
 /* `ends`: motions of the ends of the test count as well. */
-static bool presses(const gn_scene *scene, bool ends) {
+static bool has_load(const gn_scene *scene, bool ends) {
     bool acts = scene->elements.load_count > 0 || gn_scene_box_moves(scene);
     for (size_t k = 0; k < scene->wall_count; k++) {
         const gn_wall_def *wall = &scene->walls[k];
@@ -29,7 +30,7 @@ static bool presses(const gn_scene *scene, bool ends) {
     }
     for (size_t k = 0; k < scene->set_count; k++) {
         const gn_set_def *set = &scene->sets[k];
-        acts = acts || pushed(set) ||
+        acts = acts || has_force(set) ||
                ((ends || !gn_scene_is_end(scene, set->name)) && moves(&set->motion));
     }
     for (size_t k = 0; k < scene->body_count; k++) {
@@ -44,12 +45,13 @@ static bool presses(const gn_scene *scene, bool ends) {
     return acts;
 }
 
-bool gn_scene_presses(const gn_scene *scene) {
-    return gn_table_acts(&scene->membrane.pressure) || presses(scene, true);
+bool gn_scene_has_load(const gn_scene *scene) {
+    return gn_table_is_nonzero(&scene->membrane.pressure) || has_load(scene, true);
 }
 
-bool gn_scene_presses_beside(const gn_scene *scene, bool membrane) {
-    return (!membrane && gn_table_acts(&scene->membrane.pressure)) || presses(scene, membrane);
+bool gn_scene_has_other_load(const gn_scene *scene, bool membrane) {
+    return (!membrane && gn_table_is_nonzero(&scene->membrane.pressure)) ||
+           has_load(scene, membrane);
 }
 
 const gn_motion *gn_scene_end_motion(const gn_scene *scene, const char *name) {
@@ -67,7 +69,7 @@ bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end) {
     bool any = false;
     for (size_t k = 0; k < end->count; k++) {
         const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
-        any = any || (motion && gn_table_acts(&motion->velocity[scene->test.axis]));
+        any = any || (motion && gn_table_is_nonzero(&motion->velocity[scene->test.axis]));
     }
     return any;
 }
@@ -84,19 +86,20 @@ static bool approaches(const gn_wall_def *wall) {
 }
 
 static bool side_closes(const gn_box_side *side) {
-    bool closes = gn_table_acts(&side->stress);
+    bool closes = gn_table_is_nonzero(&side->stress);
     for (size_t k = 0; k < side->rate.count; k++) closes = closes || side->rate.value[k] < 0.0;
     return closes;
 }
 
-bool gn_scene_squeezes(const gn_scene *scene) {
-    bool squeezes = gn_table_acts(&scene->membrane.pressure) || scene->elements.load_count > 0;
+bool gn_scene_may_compress(const gn_scene *scene) {
+    bool squeezes =
+        gn_table_is_nonzero(&scene->membrane.pressure) || scene->elements.load_count > 0;
     for (int a = 0; a < 3; a++)
         squeezes = squeezes || (scene->has_periodic && side_closes(&scene->box[a]));
     for (size_t k = 0; k < scene->wall_count; k++)
         squeezes = squeezes || scene->walls[k].servo.active || approaches(&scene->walls[k]);
     for (size_t k = 0; k < scene->set_count; k++)
-        squeezes = squeezes || pushed(&scene->sets[k]) || moves(&scene->sets[k].motion);
+        squeezes = squeezes || has_force(&scene->sets[k]) || moves(&scene->sets[k].motion);
     for (size_t k = 0; k < scene->body_count; k++)
         squeezes = squeezes || scene->bodies[k].free || moves(&scene->bodies[k].motion);
     for (size_t k = 0; k < scene->elements.motion_count; k++)
@@ -106,7 +109,7 @@ bool gn_scene_squeezes(const gn_scene *scene) {
 
 /* --- fixed sides --- */
 
-bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name) {
+bool gn_test_end_has(const gn_test_end *end, size_t parts, const char *name) {
     for (size_t k = 0; k < parts; k++)
         if (strcmp(end->name[k], name) == 0) return true;
     return false;
@@ -114,74 +117,76 @@ bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name) {
 
 bool gn_scene_is_end(const gn_scene *scene, const char *name) {
     const gn_test *test = &scene->test;
-    return gn_scene_in_end(&test->lower, test->lower.count, name) ||
-           gn_scene_in_end(&test->upper, test->upper.count, name);
+    return gn_test_end_has(&test->lower, test->lower.count, name) ||
+           gn_test_end_has(&test->upper, test->upper.count, name);
 }
 
-bool gn_scene_wall_stands(const gn_scene *scene, size_t wall, int axis) {
+bool gn_scene_wall_is_fixed(const gn_scene *scene, size_t wall, int axis) {
     const gn_wall_def *w = &scene->walls[wall];
     return !gn_scene_is_end(scene, w->name) &&
-           (scene->stage_count || (!w->servo.active && !gn_table_acts(&w->motion.velocity[axis])));
+           (scene->stage_count ||
+            (!w->servo.active && !gn_table_is_nonzero(&w->motion.velocity[axis])));
 }
 
 /* A wall counts if its normal has any component in this direction: of the walls of a tube only few
  * face it. */
-static bool wall_stands(const gn_scene *scene, int axis, double sense) {
+static bool any_wall_is_fixed(const gn_scene *scene, int axis, double sense) {
     for (size_t k = 0; k < scene->wall_count; k++) {
         const gn_wall_def *wall = &scene->walls[k];
-        if (sense * wall->normal[axis] > 0.1 && gn_scene_wall_stands(scene, k, axis)) return true;
+        if (sense * wall->normal[axis] > 0.1 && gn_scene_wall_is_fixed(scene, k, axis)) return true;
     }
     return false;
 }
 
 /* True if the specimen may stand inside the body, which is then both an end and a lateral support.
  */
-static bool may_be_cup(const gn_body_def *body) {
+static bool may_contain_specimen(const gn_body_def *body) {
     return !body->has_box;
 }
 
 /* True for a component that is prescribed and zero. */
-static bool held(const gn_table *velocity) {
-    return velocity->count && !gn_table_acts(velocity);
+static bool is_held(const gn_table *velocity) {
+    return velocity->count && !gn_table_is_nonzero(velocity);
 }
 
-bool gn_scene_body_stands(const gn_scene *scene, size_t body, int axis) {
+bool gn_scene_body_is_fixed(const gn_scene *scene, size_t body, int axis) {
     const gn_body_def *b = &scene->bodies[body];
     const gn_table *velocity = &b->motion.velocity[axis];
-    const bool still = b->free ? held(velocity) : !gn_table_acts(velocity);
-    return (!gn_scene_is_end(scene, b->name) || may_be_cup(b)) && (still || scene->stage_count);
+    const bool still = b->free ? is_held(velocity) : !gn_table_is_nonzero(velocity);
+    return (!gn_scene_is_end(scene, b->name) || may_contain_specimen(b)) &&
+           (still || scene->stage_count);
 }
 
-bool gn_scene_set_stands(const gn_scene *scene, size_t set, int axis) {
+bool gn_scene_set_is_fixed(const gn_scene *scene, size_t set, int axis) {
     return !gn_scene_is_end(scene, scene->sets[set].name) &&
-           held(&scene->sets[set].motion.velocity[axis]);
+           is_held(&scene->sets[set].motion.velocity[axis]);
 }
 
-bool gn_scene_motion_stands(const gn_scene *scene, size_t motion, int axis) {
+bool gn_scene_motion_is_fixed(const gn_scene *scene, size_t motion, int axis) {
     const gn_element_motion *m = &scene->elements.motions[motion];
-    return !gn_scene_is_end(scene, m->name) && held(&m->motion.velocity[axis]);
+    return !gn_scene_is_end(scene, m->name) && is_held(&m->motion.velocity[axis]);
 }
 
-bool gn_scene_stands(const gn_scene *scene, int axis) {
+bool gn_scene_is_held_along(const gn_scene *scene, int axis) {
     if (gn_scene_periodic_along(scene, axis) ||
-        (wall_stands(scene, axis, 1.0) && wall_stands(scene, axis, -1.0)))
+        (any_wall_is_fixed(scene, axis, 1.0) && any_wall_is_fixed(scene, axis, -1.0)))
         return true;
     for (size_t k = 0; k < scene->body_count; k++)
-        if (gn_scene_body_stands(scene, k, axis)) return true;
+        if (gn_scene_body_is_fixed(scene, k, axis)) return true;
     for (size_t k = 0; k < scene->set_count; k++)
         if (scene->stage_count ? !gn_scene_is_end(scene, scene->sets[k].name)
-                               : gn_scene_set_stands(scene, k, axis))
+                               : gn_scene_set_is_fixed(scene, k, axis))
             return true;
     for (size_t k = 0; k < scene->elements.motion_count; k++)
         if (scene->stage_count ? !gn_scene_is_end(scene, scene->elements.motions[k].name)
-                               : gn_scene_motion_stands(scene, k, axis))
+                               : gn_scene_motion_is_fixed(scene, k, axis))
             return true;
     return scene->has_specimen && scene->has_elements; /* a container, or the content of one */
 }
 
 /* --- ends of a shear test --- */
 
-static bool bears(const gn_scene *scene, const char *name, int normal) {
+static bool has_normal_load(const gn_scene *scene, const char *name, int normal) {
     int set = gn_scene_find_set(scene, name), motion = gn_scene_find_element_motion(scene, name);
     if (set >= 0)
         return scene->sets[set].motion.velocity[normal].count ||
@@ -192,15 +197,15 @@ static bool bears(const gn_scene *scene, const char *name, int normal) {
     return true; /* a wall or a body; a free body has a weight */
 }
 
-bool gn_scene_end_bears(const gn_scene *scene, const gn_test_end *end) {
+bool gn_scene_end_has_normal_load(const gn_scene *scene, const gn_test_end *end) {
     for (size_t k = 0; k < end->count; k++)
-        if (bears(scene, end->name[k], (int)scene->test.normal)) return true;
+        if (has_normal_load(scene, end->name[k], (int)scene->test.normal)) return true;
     return false;
 }
 
-bool gn_scene_shears_loose(const gn_scene *scene) {
+bool gn_scene_shear_ends_may_separate(const gn_scene *scene) {
     if (!gn_test_in(scene->test.kind, GN_TESTS_SHEARED) || scene->has_membrane) return false;
     if (scene->gravity[scene->test.normal] != 0.0) return false;
-    return !gn_scene_end_bears(scene, &scene->test.lower) ||
-           !gn_scene_end_bears(scene, &scene->test.upper);
+    return !gn_scene_end_has_normal_load(scene, &scene->test.lower) ||
+           !gn_scene_end_has_normal_load(scene, &scene->test.upper);
 }

@@ -5,18 +5,18 @@
 #include "scene/scene.h"
 
 /* True if the table has a nonzero value. */
-bool gn_table_acts(const gn_table *table);
+bool gn_table_is_nonzero(const gn_table *table);
 
 /* True if a specimen at rest may be loaded by a membrane, a servo, or by sides, walls, sets, bodies
  * or elements that move or carry a load. Gravity is not considered. */
-bool gn_scene_presses(const gn_scene *scene);
+bool gn_scene_has_load(const gn_scene *scene);
 
 /* True if something may approach the specimen; walls and sides that only recede do not count. */
-bool gn_scene_squeezes(const gn_scene *scene);
+bool gn_scene_may_compress(const gn_scene *scene);
 
 /* True if the specimen may be loaded without the motions of the ends of the test, or (`membrane`)
  * without the membrane. */
-bool gn_scene_presses_beside(const gn_scene *scene, bool membrane);
+bool gn_scene_has_other_load(const gn_scene *scene, bool membrane);
 
 /* Returns the motion of the wall, body, set or nodes of this name; NULL: none. */
 const gn_motion *gn_scene_end_motion(const gn_scene *scene, const char *name);
@@ -25,7 +25,7 @@ const gn_motion *gn_scene_end_motion(const gn_scene *scene, const char *name);
 bool gn_scene_end_moves(const gn_scene *scene, const gn_test_end *end);
 
 /* True if `name` is among the first `parts` of an end of a test. */
-bool gn_scene_in_end(const gn_test_end *end, size_t parts, const char *name);
+bool gn_test_end_has(const gn_test_end *end, size_t parts, const char *name);
 /* True if `name` is a part of either end of the test. */
 bool gn_scene_is_end(const gn_scene *scene, const char *name);
 
@@ -33,21 +33,21 @@ bool gn_scene_is_end(const gn_scene *scene, const char *name);
  * the specimen on both sides along an axis: walls that face it, sides of a periodic box, or fixed
  * bodies, sets or elements. In a scene with stages a wall with a servo and a set without a motion
  * may become fixed later. */
-bool gn_scene_stands(const gn_scene *scene, int axis);
+bool gn_scene_is_held_along(const gn_scene *scene, int axis);
 
 /* True if the wall, body, set or motion is no end and at rest along the axis. Its position is not
  * considered (sim/ends_apart.c does that). In a scene with stages walls and bodies may come to rest
  * later. */
-bool gn_scene_wall_stands(const gn_scene *scene, size_t wall, int axis);
-bool gn_scene_body_stands(const gn_scene *scene, size_t body, int axis);
-bool gn_scene_set_stands(const gn_scene *scene, size_t set, int axis);
-bool gn_scene_motion_stands(const gn_scene *scene, size_t motion, int axis);
+bool gn_scene_wall_is_fixed(const gn_scene *scene, size_t wall, int axis);
+bool gn_scene_body_is_fixed(const gn_scene *scene, size_t body, int axis);
+bool gn_scene_set_is_fixed(const gn_scene *scene, size_t set, int axis);
+bool gn_scene_motion_is_fixed(const gn_scene *scene, size_t motion, int axis);
 
 /* True if the ends of a shear test are free to separate: across the sheared plane one of them is
  * neither held nor loaded. Walls beside them are not considered (sim/ends_apart.c does that). */
-bool gn_scene_shears_loose(const gn_scene *scene);
+bool gn_scene_shear_ends_may_separate(const gn_scene *scene);
 
 /* True if a part of an end of a shear test is held or loaded across the sheared plane. */
-bool gn_scene_end_bears(const gn_scene *scene, const gn_test_end *end);
+bool gn_scene_end_has_normal_load(const gn_scene *scene, const gn_test_end *end);
 
 #endif

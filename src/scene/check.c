@@ -40,29 +40,29 @@ bool gn_check_given(const check *section, const char *key) {
     return gn_node_find(section->map, key) != NULL;
 }
 
-gneiss_status gn_check_keep(const check *section, gneiss_status status) {
-    return gn_read_keep(section->reader, status);
+gneiss_status gn_check_keep_problem(const check *section, gneiss_status status) {
+    return gn_read_keep_problem(section->reader, status);
 }
 
-bool gn_check_sound(const check *section, const char *path) {
+bool gn_check_is_valid(const check *section, const char *path) {
     return !gn_problem_near(section->reader->problems, path);
 }
 
-bool gn_check_named(const check *section, const char *list) {
+bool gn_check_names_are_valid(const check *section, const char *list) {
     return !gn_problem_names(section->reader->problems, list);
 }
 
-bool gn_check_element_sound(const check *section) {
+bool gn_check_element_is_valid(const check *section) {
     char path[sizeof section->prefix];
     snprintf(path, sizeof path, "%.*s", (int)strlen(section->prefix) - 1, section->prefix);
-    return gn_check_sound(section, path);
+    return gn_check_is_valid(section, path);
 }
 
 gneiss_status gn_check_material_name(const check *section, const gn_scene *scene, const char *key,
                                      const char *name) {
     char advice[GN_ADVICE_SIZE];
     gn_names names = gn_names_for(name);
-    if (!gn_check_named(section, "materials") || gn_scene_find_material(scene, name) >= 0)
+    if (!gn_check_names_are_valid(section, "materials") || gn_scene_find_material(scene, name) >= 0)
         return GNEISS_OK;
     for (size_t k = 0; k < scene->material_count; k++)
         gn_names_add(&names, scene->materials[k].name);
@@ -274,12 +274,12 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
         return gn_check_fail(section, "specimen",
                              "required, but not given; expected a specimen, sources, "
                              "elements or several of them");
-    if (!scene->material_count && gn_check_sound(section, "materials"))
-        GN_TRY(gn_check_keep(section, not_given(section, "materials")));
-    if (!scene->has_law && gn_check_sound(section, "law"))
-        GN_TRY(gn_check_keep(section, not_given(section, "law")));
+    if (!scene->material_count && gn_check_is_valid(section, "materials"))
+        GN_TRY(gn_check_keep_problem(section, not_given(section, "materials")));
+    if (!scene->has_law && gn_check_is_valid(section, "law"))
+        GN_TRY(gn_check_keep_problem(section, not_given(section, "law")));
     if (!scene->specimen_given) return GNEISS_OK; /* sources supply all particles */
-    GN_TRY(gn_check_keep(section, check_particles(section, scene)));
+    GN_TRY(gn_check_keep_problem(section, check_particles(section, scene)));
     if (!*specimen->material && scene->material_count == 1)
         memcpy(specimen->material, scene->materials[0].name, sizeof specimen->material);
     return gn_check_material_name(section, scene, "specimen.material", specimen->material);
@@ -287,16 +287,17 @@ static gneiss_status check_specimen(const check *section, gn_scene *scene) {
 
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
-    if (!gn_check_sound(&c, "specimen")) return GNEISS_OK;
+    if (!gn_check_is_valid(&c, "specimen")) return GNEISS_OK;
     reader->scene->has_specimen = reader->scene->specimen_given;
-    return gn_check_keep(&c, reader->scene->has_specimen ? check_particles(&c, reader->scene)
-                                                         : not_given(&c, "specimen"));
+    return gn_check_keep_problem(&c, reader->scene->has_specimen
+                                         ? check_particles(&c, reader->scene)
+                                         : not_given(&c, "specimen"));
 }
 
 /* ---- materials and bonds ---- */
 
-gneiss_status gn_check_need(const check *section, double value, const char *key,
-                            const char *reason) {
+gneiss_status gn_check_required(const check *section, double value, const char *key,
+                                const char *reason) {
     if (value > 0) return GNEISS_OK;
     return gn_check_fail(section, key, "required %s, but not given", reason);
 }
@@ -324,29 +325,31 @@ static gneiss_status check_law_values(const check *section, const gn_scene *scen
                              "expected law.stiffness hertz beside it, found another (all others "
                              "have damping.contact.restitution)");
     if (!area)
-        GN_TRY(gn_check_need(section, material->kratio + 1.0, "kratio", "by this law.stiffness"));
+        GN_TRY(
+            gn_check_required(section, material->kratio + 1.0, "kratio", "by this law.stiffness"));
     GN_TRY(check_rolls(section, material, area));
     GN_TRY(gn_check_grip(section, scene, material));
     if (bonds) GN_TRY(gn_check_bonds_of(section, scene, material));
     if (scene->stiffness == GN_STIFFNESS_UNIFORM) {
-        GN_TRY(gn_check_need(section, material->normal_stiffness, "normal_stiffness",
-                             "by the uniform law"));
+        GN_TRY(gn_check_required(section, material->normal_stiffness, "normal_stiffness",
+                                 "by the uniform law"));
         if (!bonds) return GNEISS_OK;
-        GN_TRY(gn_check_need(section, material->bond_tension_limit, "bond_tension_limit",
-                             "by bonds of the uniform law"));
-        return gn_check_need(section, material->bond_shear_limit, "bond_shear_limit",
-                             "by bonds of the uniform law");
+        GN_TRY(gn_check_required(section, material->bond_tension_limit, "bond_tension_limit",
+                                 "by bonds of the uniform law"));
+        return gn_check_required(section, material->bond_shear_limit, "bond_shear_limit",
+                                 "by bonds of the uniform law");
     }
-    if (area) GN_TRY(gn_check_need(section, material->young, "young", "by laws by area"));
-    if (area) GN_TRY(gn_check_need(section, material->poisson + 1.0, "poisson", "by laws by area"));
+    if (area) GN_TRY(gn_check_required(section, material->young, "young", "by laws by area"));
+    if (area)
+        GN_TRY(gn_check_required(section, material->poisson + 1.0, "poisson", "by laws by area"));
     if (!area)
-        GN_TRY(gn_check_need(section, material->contact_modulus, "contact_modulus",
-                             "by this law.stiffness"));
+        GN_TRY(gn_check_required(section, material->contact_modulus, "contact_modulus",
+                                 "by this law.stiffness"));
     if (!bonds) return GNEISS_OK;
-    GN_TRY(gn_check_need(section, material->tensile_strength, "tensile_strength",
-                         "by bonds of this law.stiffness"));
-    return gn_check_need(section, material->shear_strength, "shear_strength",
-                         "by bonds of this law.stiffness");
+    GN_TRY(gn_check_required(section, material->tensile_strength, "tensile_strength",
+                             "by bonds of this law.stiffness"));
+    return gn_check_required(section, material->shear_strength, "shear_strength",
+                             "by bonds of this law.stiffness");
 }
 
 static gneiss_status check_material(const check *section, const gn_scene *scene, size_t index) {
@@ -477,7 +480,7 @@ static gneiss_status check_set(const check *section, const gn_scene *scene, size
     if (set->end_axis >= scene->dimension)
         return gn_check_fail(section, "select.end.axis", "expected x or y in a 2D scene, found z");
     if (*set->material) GN_TRY(gn_check_material_name(section, scene, "material", set->material));
-    if (gn_check_sound(section, "law.rotation")) GN_TRY(check_spin(section, scene, set));
+    if (gn_check_is_valid(section, "law.rotation")) GN_TRY(check_spin(section, scene, set));
     GN_TRY(
         check_start(section, set->motion.velocity, set->initial_velocity, "initial_velocity", "v"));
     GN_TRY(check_start(section, set->motion.spin, set->initial_spin, "initial_spin", "w"));
@@ -529,7 +532,7 @@ static gneiss_status check_servo(const check *section, const gn_scene *scene, si
                              servo->force.count ? "both" : "none");
     if (servo->area > 0 && servo->force.count)
         return gn_check_fail(section, "servo.area", "expected stress beside it, found force");
-    if (servo->force.count || servo->area > 0 || gn_wall_closes_box(scene, index) ||
+    if (servo->force.count || servo->area > 0 || gn_wall_covers_open_axis(scene, index) ||
         gn_facing_find(scene, index, &facing))
         return GNEISS_OK;
     return gn_check_fail(section, "servo.area",
@@ -567,18 +570,18 @@ static gneiss_status check_list(const check *section, const char *list, size_t c
                                 check_one *one) {
     for (size_t k = 0; k < count; k++) {
         check element = gn_check_element(section->reader, section->map, list, k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(section, one(&element, section->reader->scene, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(section, one(&element, section->reader->scene, k)));
     }
     return GNEISS_OK;
 }
 
 static gneiss_status check_matter(const check *section, gn_scene *scene) {
-    if (!gn_check_sound(section, "specimen") || !gn_check_sound(section, "elements"))
+    if (!gn_check_is_valid(section, "specimen") || !gn_check_is_valid(section, "elements"))
         return GNEISS_OK;
     if (scene->has_specimen || !scene->has_elements)
-        return gn_check_keep(section, check_specimen(section, scene));
-    return gn_check_keep(section, check_no_specimen(section, scene));
+        return gn_check_keep_problem(section, check_specimen(section, scene));
+    return gn_check_keep_problem(section, check_no_specimen(section, scene));
 }
 
 static gneiss_status check_from(const check *section, const gn_scene *scene) {
@@ -595,7 +598,7 @@ static gneiss_status check_from(const check *section, const gn_scene *scene) {
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *scene = reader->scene;
     check c = {.reader = reader, .map = root};
-    if (!gn_check_sound(&c, "dimension")) return GNEISS_OK;
+    if (!gn_check_is_valid(&c, "dimension")) return GNEISS_OK;
     scene->has_specimen = scene->specimen_given || scene->source_count > 0;
     if (scene->bonds == GN_SWITCH_AUTO)
         scene->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
@@ -605,36 +608,38 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         !gn_check_given(&c, "time.stop.peak_drop"))
         scene->stop_peak_drop = 0;
     GN_TRY(check_matter(&c, scene));
-    GN_TRY(gn_check_keep(&c, check_from(&c, scene)));
+    GN_TRY(gn_check_keep_problem(&c, check_from(&c, scene)));
     if (scene->has_elements) GN_TRY(gn_check_elements(reader, root));
     GN_TRY(gn_check_couple(reader, root));
-    if (scene->has_specimen && gn_check_sound(&c, "law.stiffness"))
+    if (scene->has_specimen && gn_check_is_valid(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", scene->material_count, check_material));
-    if (scene->has_specimen && gn_check_sound(&c, "law"))
-        GN_TRY(gn_check_keep(&c, gn_check_gamma(&c, scene)));
+    if (scene->has_specimen && gn_check_is_valid(&c, "law"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_gamma(&c, scene)));
     GN_TRY(check_list(&c, "contacts", scene->contact_count, gn_check_contact));
-    if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
-        GN_TRY(gn_check_keep(&c, gn_check_hertz(&c, scene)));
-    if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
-        GN_TRY(gn_check_keep(&c, gn_check_moments(&c, scene)));
-    if (gn_check_sound(&c, "law") && gn_check_sound(&c, "materials"))
-        GN_TRY(gn_check_keep(&c, gn_check_coupling(&c, scene)));
-    if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, scene)));
-    if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
-        GN_TRY(gn_check_keep(&c, check_surroundings(&c, scene)));
+    if (gn_check_is_valid(&c, "bonds") && gn_check_is_valid(&c, "law"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_hertz(&c, scene)));
+    if (gn_check_is_valid(&c, "bonds") && gn_check_is_valid(&c, "law"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_moments(&c, scene)));
+    if (gn_check_is_valid(&c, "law") && gn_check_is_valid(&c, "materials"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_coupling(&c, scene)));
+    if (gn_check_is_valid(&c, "damping"))
+        GN_TRY(gn_check_keep_problem(&c, check_damping(&c, scene)));
+    if (gn_check_is_valid(&c, "periodic") && gn_check_is_valid(&c, "domain"))
+        GN_TRY(gn_check_keep_problem(&c, check_surroundings(&c, scene)));
     GN_TRY(check_list(&c, "sets", scene->set_count, check_set));
     GN_TRY(check_list(&c, "walls", scene->wall_count, check_wall));
-    if (gn_check_sound(&c, "walls"))
+    if (gn_check_is_valid(&c, "walls"))
         GN_TRY(check_list(&c, "walls", scene->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(gn_check_flow(reader, root));
-    if (gn_check_sound(&c, "membrane") && gn_check_sound(&c, "test") &&
-        gn_check_sound(&c, "specimen"))
-        GN_TRY(gn_check_keep(&c, gn_check_membrane(&c, scene)));
-    if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
-        GN_TRY(gn_check_keep(&c, gn_check_test(&c, scene)));
-    if (gn_check_sound(&c, "output")) GN_TRY(gn_check_keep(&c, gn_check_output(&c, scene)));
-    if (gn_check_sound(&c, "time")) GN_TRY(gn_check_time(&c, scene));
+    if (gn_check_is_valid(&c, "membrane") && gn_check_is_valid(&c, "test") &&
+        gn_check_is_valid(&c, "specimen"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_membrane(&c, scene)));
+    if (gn_check_is_valid(&c, "test") && gn_check_is_valid(&c, "time.stop"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_test(&c, scene)));
+    if (gn_check_is_valid(&c, "output"))
+        GN_TRY(gn_check_keep_problem(&c, gn_check_output(&c, scene)));
+    if (gn_check_is_valid(&c, "time")) GN_TRY(gn_check_time(&c, scene));
     if (!reader->problems->count) gn_note_idle_keys(reader, root);
     return GNEISS_OK;
 }

@@ -23,19 +23,19 @@ gneiss_status gn_check_fail(const check *section, const char *key, const char *f
 bool gn_check_given(const check *section, const char *key);
 
 /* Fails if a value that `reason` ("by softening energy") requires is not above 0. */
-gneiss_status gn_check_need(const check *section, double value, const char *key,
-                            const char *reason);
+gneiss_status gn_check_required(const check *section, double value, const char *key,
+                                const char *reason);
 
 /* Keeps an input error so that checking continues; returns any other failure. */
-gneiss_status gn_check_keep(const check *section, gneiss_status status);
+gneiss_status gn_check_keep_problem(const check *section, gneiss_status status);
 
-/* gn_check_sound: true if no problem was found with a key of the scene, or with anything above or
- * below it. gn_check_named: true if all names of a list were read. Keys with problems are not
- * checked further. */
-bool gn_check_sound(const check *section, const char *path);
-bool gn_check_named(const check *section, const char *list);
+/* gn_check_is_valid: true if no problem was found with a key of the scene, or with anything above
+ * or below it. gn_check_names_are_valid: true if all names of a list were read. Keys with problems
+ * are not checked further. */
+bool gn_check_is_valid(const check *section, const char *path);
+bool gn_check_names_are_valid(const check *section, const char *list);
 /* True if no problem was found with the checked element of a list. */
-bool gn_check_element_sound(const check *section);
+bool gn_check_element_is_valid(const check *section);
 
 /* Checks that `name` is the name of a material. */
 gneiss_status gn_check_material_name(const check *section, const gn_scene *scene, const char *key,
@@ -84,17 +84,17 @@ gneiss_status gn_check_moments(const check *section, const gn_scene *scene);
 gneiss_status gn_check_test(const check *section, gn_scene *scene);
 /* Refuses a test of one stage whose ends only move against its sense while nothing else can cause a
  * stress (check_stages.c). */
-gneiss_status gn_check_parting(const check *section, const gn_scene *scene);
+gneiss_status gn_check_separating_ends(const check *section, const gn_scene *scene);
 
 /* Checks that a hydrostatic test is loaded in some stage. */
-gneiss_status gn_check_pressed(const check *section, bool presses);
+gneiss_status gn_check_hydrostatic_load(const check *section, bool presses);
 /* Checks the section `membrane`. */
 gneiss_status gn_check_membrane(const check *section, const gn_scene *scene);
 
 /* Checks `output.fields` (check_output.c). */
 gneiss_status gn_check_output(const check *section, gn_scene *scene);
 /* Checks that the scene, or one of its stages, has the records of the requested fields. */
-gneiss_status gn_check_asked(const check *section, const gn_scene *scene);
+gneiss_status gn_check_requested_fields(const check *section, const gn_scene *scene);
 /* Checks the steps of `time` (check_time.c). */
 gneiss_status gn_check_time(const check *section, const gn_scene *scene);
 /* Returns the first given key of time.stop; NULL: none. */

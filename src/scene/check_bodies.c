@@ -66,8 +66,8 @@ static gneiss_status check_spins(const check *section, const gn_scene *scene,
                                  const gn_body_def *body) {
     static const char *const keys[] = {"motion.wx", "motion.wy", "motion.wz"};
     const gn_table *spin = body->motion.spin;
-    if (gn_body_spins(scene, body) != GN_SPINS_SOME) {
-        if (body->has_initial_spin && gn_body_spins(scene, body) == GN_SPINS_LED)
+    if (gn_body_spin_kind(scene, body) != GN_SPINS_SOME) {
+        if (body->has_initial_spin && gn_body_spin_kind(scene, body) == GN_SPINS_PRESCRIBED)
             return gn_check_fail(section, "initial_spin",
                                  "expected no prescribed spin beside it, found one in motion");
         return GNEISS_OK;
@@ -119,8 +119,8 @@ gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root) {
     const gn_scene *scene = reader->scene;
     for (size_t k = 0; k < scene->body_count; k++) {
         check element = gn_check_element(reader, root, "bodies", k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(&element, check_body(&element, scene, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(&element, check_body(&element, scene, k)));
     }
     return GNEISS_OK;
 }

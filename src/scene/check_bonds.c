@@ -11,14 +11,14 @@ static gneiss_status check_softening(const check *section, const gn_scene *scene
     case GN_SOFTENING_NONE:
         return GNEISS_OK;
     case GN_SOFTENING_ENERGY:
-        return gn_check_need(section, material->fracture_energy, "fracture_energy",
-                             "by softening energy");
+        return gn_check_required(section, material->fracture_energy, "fracture_energy",
+                                 "by softening energy");
     case GN_SOFTENING_STRAIN:
-        return gn_check_need(section, material->fracture_strain, "fracture_strain",
-                             "by softening strain");
+        return gn_check_required(section, material->fracture_strain, "fracture_strain",
+                                 "by softening strain");
     case GN_SOFTENING_RATIO:
-        return gn_check_need(section, material->fracture_ratio, "fracture_ratio",
-                             "by softening ratio");
+        return gn_check_required(section, material->fracture_ratio, "fracture_ratio",
+                                 "by softening ratio");
     }
     return GNEISS_OK;
 }
@@ -30,8 +30,8 @@ static gneiss_status check_yield(const check *section, const gn_material *materi
         snprintf(ratio, sizeof ratio, "yield_ratio_%d", k + 1);
         double limit = material->yield_stress[k], before = k ? material->yield_stress[k - 1] : 0.0;
         if (limit > 0)
-            GN_TRY(
-                gn_check_need(section, material->yield_ratio[k], ratio, "beside its yield_stress"));
+            GN_TRY(gn_check_required(section, material->yield_ratio[k], ratio,
+                                     "beside its yield_stress"));
         if (!(limit > 0) && material->yield_ratio[k] > 0)
             return gn_check_fail(section, stress, "required beside its yield_ratio, but not given");
         if (limit > 0 && k && !(before > 0)) {

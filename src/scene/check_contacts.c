@@ -156,7 +156,7 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
     if (contact->between_count > 2)
         return gn_check_fail(section, "between", "expected one or two materials, found %zu",
                              contact->between_count);
-    if (!gn_check_named(section, "materials")) return GNEISS_OK;
+    if (!gn_check_names_are_valid(section, "materials")) return GNEISS_OK;
     for (size_t k = 0; k < contact->between_count; k++)
         GN_TRY(gn_check_material_name(section, scene, "between", contact->between[k]));
     const gn_material *first = material_of(scene, contact, 0), *b = material_of(scene, contact, 1);
@@ -169,9 +169,9 @@ gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size
                              "expected 0 (no tangential spring) or at least 1e-6, found %g",
                              contact->kratio);
     GN_TRY(gn_check_shear_of_pair(section, scene, contact));
-    if (gn_check_sound(section, "law.stiffness"))
+    if (gn_check_is_valid(section, "law.stiffness"))
         GN_TRY(check_grip_of_pair(section, scene, contact, first, b));
-    const char *key = gn_check_sound(section, "law.stiffness") ? unread(scene, contact) : NULL;
+    const char *key = gn_check_is_valid(section, "law.stiffness") ? unread(scene, contact) : NULL;
     if (!key) return GNEISS_OK;
     return gn_check_fail(section, key,
                          "expected a value that this law.stiffness and law.softening read, found "

@@ -79,7 +79,7 @@ static gneiss_status check_pulse(const check *section, const gn_scene *scene) {
 static gneiss_status check_constraint(const check *section, const gn_scene *scene) {
     if (scene->couple.constraint == GN_COUPLE_CONSISTENT &&
         scene->background != GN_BACKGROUND_NONE && scene->background != GN_BACKGROUND_VISCOUS &&
-        gn_check_sound(section, "damping"))
+        gn_check_is_valid(section, "damping"))
         return gn_check_fail(section, "couple.constraint",
                              "expected lumped or penalty beside background damping that is not "
                              "viscous, found consistent");
@@ -173,7 +173,8 @@ static gneiss_status check_convert_beside(const check *section, const gn_scene *
     GN_TRY(check_convert_walls(section, scene));
     for (size_t k = 0; k < scene->set_count; k++) {
         const check element = gn_check_element(section->reader, root, "sets", k);
-        if (gn_check_element_sound(&element)) GN_TRY(check_convert_set(&element, &scene->sets[k]));
+        if (gn_check_element_is_valid(&element))
+            GN_TRY(check_convert_set(&element, &scene->sets[k]));
     }
     return GNEISS_OK;
 }
@@ -209,20 +210,21 @@ static gneiss_status check_convert(const check *section, gn_scene *scene, const 
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     gn_scene *scene = reader->scene;
     check c = {.reader = reader, .map = root};
-    if (scene->has_pulse && gn_check_sound(&c, "initial.pulse"))
-        GN_TRY(gn_check_keep(&c, check_pulse(&c, scene)));
+    if (scene->has_pulse && gn_check_is_valid(&c, "initial.pulse"))
+        GN_TRY(gn_check_keep_problem(&c, check_pulse(&c, scene)));
     if (!scene->has_couple) return GNEISS_OK;
-    GN_TRY(gn_check_keep(&c, check_beside(&c, scene)));
-    if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, scene)));
-    if (scene->couple.has_convert && gn_check_sound(&c, "couple"))
-        GN_TRY(gn_check_keep(&c, check_convert(&c, scene, root)));
+    GN_TRY(gn_check_keep_problem(&c, check_beside(&c, scene)));
+    if (gn_check_is_valid(&c, "couple"))
+        GN_TRY(gn_check_keep_problem(&c, check_constraint(&c, scene)));
+    if (scene->couple.has_convert && gn_check_is_valid(&c, "couple"))
+        GN_TRY(gn_check_keep_problem(&c, check_convert(&c, scene, root)));
     if (!scene->couple.zone_count && !scene->couple.has_convert)
         return gn_check_fail(&c, "couple.zones", "expected at least one, found none");
     for (size_t k = 0; k < scene->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(&c, check_zone(&element, scene, k)));
-        GN_TRY(gn_check_keep(&c, check_other(&element, scene, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(&c, check_zone(&element, scene, k)));
+        GN_TRY(gn_check_keep_problem(&c, check_other(&element, scene, k)));
     }
     return GNEISS_OK;
 }

@@ -151,21 +151,22 @@ gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root) {
     const gn_scene *scene = reader->scene;
     const gn_element_def *elements = &scene->elements;
     check c = {.reader = reader, .map = root};
-    if (gn_check_sound(&c, "elements")) GN_TRY(gn_check_keep(&c, check_whole(&c, scene)));
+    if (gn_check_is_valid(&c, "elements"))
+        GN_TRY(gn_check_keep_problem(&c, check_whole(&c, scene)));
     for (size_t k = 0; k < elements->material_count; k++) {
         check element = gn_check_element(reader, root, "elements.materials", k);
-        if (gn_check_element_sound(&element))
-            GN_TRY(gn_check_keep(&c, check_poisson(&element, &elements->materials[k])));
+        if (gn_check_element_is_valid(&element))
+            GN_TRY(gn_check_keep_problem(&c, check_poisson(&element, &elements->materials[k])));
     }
     for (size_t k = 0; k < elements->motion_count; k++) {
         check element = gn_check_element(reader, root, "elements.motions", k);
-        if (gn_check_element_sound(&element))
-            GN_TRY(gn_check_keep(&c, check_motion(&element, scene, k)));
+        if (gn_check_element_is_valid(&element))
+            GN_TRY(gn_check_keep_problem(&c, check_motion(&element, scene, k)));
     }
     for (size_t k = 0; k < elements->load_count; k++) {
         check element = gn_check_element(reader, root, "elements.loads", k);
-        if (gn_check_element_sound(&element))
-            GN_TRY(gn_check_keep(&c, check_load(&element, scene, &elements->loads[k])));
+        if (gn_check_element_is_valid(&element))
+            GN_TRY(gn_check_keep_problem(&c, check_load(&element, scene, &elements->loads[k])));
     }
     return GNEISS_OK;
 }

@@ -134,8 +134,8 @@ static gneiss_status check_source(const check *section, const gn_scene *scene, s
     if (!*source->material && scene->material_count == 1)
         memcpy(source->material, scene->materials[0].name, sizeof source->material);
     GN_TRY(gn_check_material_name(section, scene, "material", source->material));
-    return gn_check_sound(section, "domain") ? check_place(section, scene, &source->region)
-                                             : GNEISS_OK;
+    return gn_check_is_valid(section, "domain") ? check_place(section, scene, &source->region)
+                                                : GNEISS_OK;
 }
 
 static gneiss_status check_sink(const check *section, const gn_scene *scene, size_t index) {
@@ -185,15 +185,16 @@ gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root) {
     const check scene = {.reader = reader, .map = root};
     for (size_t k = 0; k < s->source_count; k++) {
         check element = gn_check_element(reader, root, "sources", k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(&element, check_source(&element, s, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(&element, check_source(&element, s, k)));
     }
     for (size_t k = 0; k < s->sink_count; k++) {
         check element = gn_check_element(reader, root, "sinks", k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(&element, check_sink(&element, s, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(&element, check_sink(&element, s, k)));
     }
     if (!s->source_count && !s->sink_count) return GNEISS_OK;
-    if (!gn_check_sound(&scene, "sources") || !gn_check_sound(&scene, "specimen")) return GNEISS_OK;
-    return gn_check_keep(&scene, check_beside(&scene, s));
+    if (!gn_check_is_valid(&scene, "sources") || !gn_check_is_valid(&scene, "specimen"))
+        return GNEISS_OK;
+    return gn_check_keep_problem(&scene, check_beside(&scene, s));
 }

@@ -6,12 +6,12 @@
 #include <stdio.h>
 
 gneiss_status gn_check_hertz_material(const check *section, const gn_material *material) {
-    GN_TRY(gn_check_need(section, material->young, "young", "by law.stiffness hertz"));
-    return gn_check_need(section, material->poisson + 1.0, "poisson", "by law.stiffness hertz");
+    GN_TRY(gn_check_required(section, material->young, "young", "by law.stiffness hertz"));
+    return gn_check_required(section, material->poisson + 1.0, "poisson", "by law.stiffness hertz");
 }
 
 static gneiss_status check_rolling(const check *section, const gn_scene *scene) {
-    if (!gn_scene_rolls(scene)) return GNEISS_OK;
+    if (!gn_scene_has_rolling(scene)) return GNEISS_OK;
     if (scene->rotation == GN_SWITCH_OFF)
         return gn_check_fail(section, "law.rotation",
                              "expected spins beside rolling_friction or twisting_friction, found "
@@ -52,8 +52,9 @@ static gneiss_status check_body_springs(const check *section, const gn_scene *sc
     if (!(side.stiffness > 0))
         return not_read(section, "kratio", side.kratio,
                         "without a stiffness of contacts with walls and other bodies");
-    return friction > 0 ? gn_check_need(section, side.kratio, "kratio", "by stiffness and friction")
-                        : GNEISS_OK;
+    return friction > 0
+               ? gn_check_required(section, side.kratio, "kratio", "by stiffness and friction")
+               : GNEISS_OK;
 }
 
 /* With Hertz's law a surface has a material or is rigid; otherwise it has a stiffness. */
@@ -65,11 +66,12 @@ gneiss_status gn_check_side(const check *section, const gn_scene *scene, const c
     snprintf(kratio, sizeof kratio, "%skratio", prefix);
     snprintf(friction, sizeof friction, "%sfriction", prefix);
     snprintf(material, sizeof material, "%smaterial", prefix);
-    if (!gn_check_sound(section, "law.stiffness")) return GNEISS_OK;
+    if (!gn_check_is_valid(section, "law.stiffness")) return GNEISS_OK;
     if (!gn_scene_hertz(scene)) {
-        GN_TRY(gn_check_need(section, side.stiffness, stiffness, "by this law.stiffness"));
-        if (side.friction > 0) GN_TRY(gn_check_need(section, side.kratio, kratio, "by friction"));
-        if (rolls) GN_TRY(gn_check_need(section, side.kratio, kratio, "by rolling_friction"));
+        GN_TRY(gn_check_required(section, side.stiffness, stiffness, "by this law.stiffness"));
+        if (side.friction > 0)
+            GN_TRY(gn_check_required(section, side.kratio, kratio, "by friction"));
+        if (rolls) GN_TRY(gn_check_required(section, side.kratio, kratio, "by rolling_friction"));
         if (!*side.material) return GNEISS_OK;
         return gn_check_fail(section, material,
                              "expected law.stiffness hertz beside it, found another");

@@ -45,10 +45,10 @@ gneiss_status gn_check_output(const check *section, gn_scene *scene) {
                                  "expected every name once, found '%s' again", fields[f].name);
         scene->asked |= 1u << f;
     }
-    return scene->stage_count ? GNEISS_OK : gn_check_asked(section, scene);
+    return scene->stage_count ? GNEISS_OK : gn_check_requested_fields(section, scene);
 }
 
-gneiss_status gn_check_asked(const check *section, const gn_scene *scene) {
+gneiss_status gn_check_requested_fields(const check *section, const gn_scene *scene) {
     const gn_effects has = gn_scene_effects(scene);
     for (int f = 0; f < GN_ASKED_COUNT; f++)
         if (scene->asked >> f & 1 && (has & fields[f].needs) != fields[f].needs)

@@ -69,12 +69,12 @@ static gneiss_status check_base(const check *section, const gn_scene *scene) {
 gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root) {
     const gn_scene *scene = reader->scene;
     check c = {.reader = reader, .map = root};
-    GN_TRY(gn_check_keep(&c, check_base(&c, scene)));
+    GN_TRY(gn_check_keep_problem(&c, check_base(&c, scene)));
     for (size_t k = 0; k < scene->stage_count; k++) {
         check element = gn_check_element(reader, root, "stages", k);
-        if (!gn_check_element_sound(&element)) continue;
-        GN_TRY(gn_check_keep(&c, check_name(&element, scene, k)));
-        GN_TRY(gn_check_keep(&c, check_end(&element, scene, k)));
+        if (!gn_check_element_is_valid(&element)) continue;
+        GN_TRY(gn_check_keep_problem(&c, check_name(&element, scene, k)));
+        GN_TRY(gn_check_keep_problem(&c, check_end(&element, scene, k)));
     }
     return GNEISS_OK;
 }
@@ -106,7 +106,7 @@ static bool anything_else_acts(const gn_scene *scene) {
 }
 
 static bool anything_acts(const gn_scene *scene) {
-    return gn_scene_presses(scene) || anything_else_acts(scene);
+    return gn_scene_has_load(scene) || anything_else_acts(scene);
 }
 
 /* True if listed particles overlap each other, or a wall that does not take the overlap as free of
@@ -212,13 +212,13 @@ static bool only_against(const gn_scene *scene, const gn_test_end *end, double s
         const gn_motion *motion = gn_scene_end_motion(scene, end->name[k]);
         if (!velocity || most(velocity, sign, -INFINITY) > 0.0) return false;
         for (int a = 0; a < 3; a++)
-            if (gn_table_acts(&motion->spin[a])) return false;
-        *against += gn_table_acts(velocity);
+            if (gn_table_is_nonzero(&motion->spin[a])) return false;
+        *against += gn_table_is_nonzero(velocity);
     }
     return true;
 }
 
-gneiss_status gn_check_parting(const check *section, const gn_scene *scene) {
+gneiss_status gn_check_separating_ends(const check *section, const gn_scene *scene) {
     const gn_test *test = &scene->test;
     const double sign = gn_test_sign(test->kind);
     int against = 0;
@@ -226,7 +226,7 @@ gneiss_status gn_check_parting(const check *section, const gn_scene *scene) {
                                     GN_TESTS(OEDOMETER)))
         return GNEISS_OK;
     if (scene->has_elements || test->has_control || *scene->specimen.from ||
-        gn_scene_presses_beside(scene, false) || anything_else_acts(scene) || rows_overlap(scene))
+        gn_scene_has_other_load(scene, false) || anything_else_acts(scene) || rows_overlap(scene))
         return GNEISS_OK;
     if (!only_against(scene, &test->upper, sign, &against) ||
         !only_against(scene, &test->lower, -sign, &against))
@@ -245,7 +245,7 @@ static double largest_pressure(const gn_scene *scene) {
 /* A specimen loaded by a membrane alone has its pressure as mean stress, and at most twice the
  * pressure if it is applied at once. */
 static bool never_so_pressed(const gn_scene *before, const gn_scene *scene, double stress) {
-    if (scene->test.kind != GN_TEST_HYDROSTATIC || gn_scene_presses_beside(scene, true) ||
+    if (scene->test.kind != GN_TEST_HYDROSTATIC || gn_scene_has_other_load(scene, true) ||
         anything_else_acts(scene))
         return false;
     return stress > 2.0 * fmax(largest_pressure(before), largest_pressure(scene));
@@ -292,7 +292,7 @@ static gneiss_status check_steps(const check *section, const gn_scene *scene,
 static gneiss_status check_growth(const check *section, const gn_scene *before,
                                   const gn_scene *scene, size_t stage, bool first) {
     const gn_stage *e = &scene->stages[stage];
-    const bool parts = never_strains(scene, stage), idle = !gn_scene_presses_beside(scene, false) &&
+    const bool parts = never_strains(scene, stage), idle = !gn_scene_has_other_load(scene, false) &&
                                                            !anything_else_acts(scene) &&
                                                            !may_overlap(scene);
     const char *key = end_by_rows(e);
@@ -321,8 +321,8 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
     others.held = 0.0;
     /* A pressure of 0 that a stage gives belongs to a series; otherwise the membrane may begin
      * later. */
-    const bool pressed = scene->has_membrane &&
-                         (scene->membrane_stage > 0 || gn_table_acts(&scene->membrane.pressure));
+    const bool pressed = scene->has_membrane && (scene->membrane_stage > 0 ||
+                                                 gn_table_is_nonzero(&scene->membrane.pressure));
     if (e->held > 0 && !servo(scene) && !pressed && !gn_stage_has_end(&others))
         return gn_check_fail(
             section, "end.held",
@@ -336,7 +336,7 @@ static gneiss_status check_can_end(const check *section, const gn_scene *before,
     return e->unbalanced > 0 ? GNEISS_OK : check_growth(section, before, scene, stage, first);
 }
 
-const char *gn_stage_waits(const gn_scene *scene, size_t stage, char *why, size_t size) {
+const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, size_t size) {
     const gn_stage *e = &scene->stages[stage];
     const bool by_rows = gn_stage_has_end(e) && e->time < 0 && e->steps < 0 && !(e->held > 0);
     if (!by_rows || stage != 0 || *scene->specimen.from) return NULL;
@@ -345,7 +345,7 @@ const char *gn_stage_waits(const gn_scene *scene, size_t stage, char *why, size_
         return end_by_rows(e);
     }
     if (e->unbalanced > 0 || !never_strains(scene, stage) ||
-        gn_scene_presses_beside(scene, false) || anything_else_acts(scene))
+        gn_scene_has_other_load(scene, false) || anything_else_acts(scene))
         return NULL;
     snprintf(why, size, parting, strains_by(scene));
     return end_by_rows(e);
@@ -428,7 +428,7 @@ gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root
     if (!base->has_couple || !base->couple.has_convert) return GNEISS_OK;
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (gn_check_given(&c, keys[k]))
-            GN_TRY(gn_check_keep(
+            GN_TRY(gn_check_keep_problem(
                 &c, gn_check_fail(&c, keys[k],
                                   "expected the value before this stage beside couple.convert, as "
                                   "dormant particles have stored bonds (gravity, "
@@ -439,14 +439,14 @@ gneiss_status gn_check_stage_asleep(const gn_reader *reader, const gn_node *root
 gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const gn_scene *before,
                              const gn_scene *now, size_t stage) {
     check c = gn_check_element(reader, root, "stages", stage);
-    GN_TRY(
-        gn_check_keep(&c, check_can_end(&c, before, now, stage, !before && !*now->specimen.from)));
+    GN_TRY(gn_check_keep_problem(
+        &c, check_can_end(&c, before, now, stage, !before && !*now->specimen.from)));
     if (!before && now->specimen.from_bonds && now->bonds != GN_SWITCH_ON)
-        return gn_check_keep(
+        return gn_check_keep_problem(
             &c, gn_check_fail(&c, "name",
                               "expected bonds in the first stage beside specimen.from_bonds: keep, "
                               "found none"));
     if (!before) return GNEISS_OK;
-    GN_TRY(gn_check_keep(&c, check_damage(&c, before, now)));
-    return gn_check_keep(&c, check_kept(&c, before, now));
+    GN_TRY(gn_check_keep_problem(&c, check_damage(&c, before, now)));
+    return gn_check_keep_problem(&c, check_kept(&c, before, now));
 }

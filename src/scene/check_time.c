@@ -9,7 +9,7 @@ static gneiss_status check_step(const check *section, const gn_scene *scene) {
 
 static gneiss_status check_mass_scaling(const check *section, const gn_scene *scene) {
     bool falls = scene->gravity[0] != 0.0 || scene->gravity[1] != 0.0 || scene->gravity[2] != 0.0;
-    if (!scene->has_mass_scaling || !gn_check_sound(section, "gravity")) return GNEISS_OK;
+    if (!scene->has_mass_scaling || !gn_check_is_valid(section, "gravity")) return GNEISS_OK;
     if ((scene->scaled_step > 0.0) == (scene->scaled_factor > 0.0))
         return gn_check_fail(section, "time.mass_scaling",
                              "expected either step or factor, found %s",
@@ -52,7 +52,7 @@ static bool motion_changes(const gn_motion *motion) {
     return found;
 }
 
-const char *gn_scene_no_statics(const gn_scene *scene) {
+const char *gn_scene_statics_refusal(const gn_scene *scene) {
     if (!scene->has_specimen || scene->bonds != GN_SWITCH_ON) return "bonded particles, found none";
     if (scene->bond_radius_multiplier > 0)
         return "bonds without moments, found bonds.radius_multiplier";
@@ -92,7 +92,8 @@ const char *gn_scene_no_statics(const gn_scene *scene) {
 }
 
 static gneiss_status check_start_of_steps(const check *section, const gn_scene *scene) {
-    const char *reason = scene->start == GN_START_FIRST_BREAK ? gn_scene_no_statics(scene) : NULL;
+    const char *reason =
+        scene->start == GN_START_FIRST_BREAK ? gn_scene_statics_refusal(scene) : NULL;
     if (reason) return gn_check_fail(section, "time.start", "first_break: expected %s", reason);
     /* A scene that was written out has the default of every key. */
     if (scene->start == GN_START_REST && scene->start_fraction != 0.9)
@@ -118,8 +119,8 @@ static gneiss_status check_stops(const check *section, const gn_scene *scene) {
 }
 
 gneiss_status gn_check_time(const check *section, const gn_scene *scene) {
-    GN_TRY(gn_check_keep(section, check_stops(section, scene)));
-    GN_TRY(gn_check_keep(section, check_start_of_steps(section, scene)));
-    GN_TRY(gn_check_keep(section, check_step(section, scene)));
-    return gn_check_keep(section, check_mass_scaling(section, scene));
+    GN_TRY(gn_check_keep_problem(section, check_stops(section, scene)));
+    GN_TRY(gn_check_keep_problem(section, check_start_of_steps(section, scene)));
+    GN_TRY(gn_check_keep_problem(section, check_step(section, scene)));
+    return gn_check_keep_problem(section, check_mass_scaling(section, scene));
 }

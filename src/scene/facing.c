@@ -28,7 +28,7 @@ static bool find_pair(const gn_scene *scene, const double *normal, const double 
     return false;
 }
 
-bool gn_wall_closes_box(const gn_scene *scene, size_t wall) {
+bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall) {
     const double *n = scene->walls[wall].normal;
     return gn_scene_half_periodic(scene) && fabs(n[scene->periodic_open]) > 1.0 - slack;
 }

@@ -11,7 +11,7 @@ typedef struct gn_facing {
 } gn_facing;
 
 /* True if the wall stands across the open axis of a periodic box and so closes the box. */
-bool gn_wall_closes_box(const gn_scene *scene, size_t wall);
+bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall);
 
 /* Finds the first such pairs in the scene; false: there are none. */
 bool gn_facing_find(const gn_scene *scene, size_t wall, gn_facing *facing);

@@ -109,7 +109,7 @@ void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path
     add_note(&reader->scene->notes, idle, key_at, note);
 }
 
-void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from) {
+void gn_notes_merge(gn_scene_notes *to, const gn_scene_notes *from) {
     for (size_t k = 0; k < from->count; k++)
         add_note(to, from->idle[k], from->key_at[k], from->text[k]);
 }
@@ -120,7 +120,7 @@ static bool has_note(const gn_scene_notes *notes, const char *text) {
     return false;
 }
 
-void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
+void gn_notes_merge_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
     const gn_scene_notes before = *base;
     base->count = 0;
     for (size_t k = 0; k < before.count; k++)
@@ -130,7 +130,7 @@ void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
         if (!stage->idle[k]) add_note(base, false, stage->key_at[k], stage->text[k]);
 }
 
-gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
+gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status) {
     return gn_problem_keep(reader->problems, status, reader->error);
 }
 

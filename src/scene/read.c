@@ -433,8 +433,9 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
     size_t index = 0;
     for (const gn_node *item = node->first; item; item = item->next, index++) {
         size_t mark = path_push_index(reader, index);
-        GN_TRY(gn_read_keep(reader, read_element(reader, key->section, item,
-                                                 (char *)array + index * key->section->size)));
+        GN_TRY(
+            gn_read_keep_problem(reader, read_element(reader, key->section, item,
+                                                      (char *)array + index * key->section->size)));
         path_pop(reader, mark);
     }
     return GNEISS_OK;
@@ -549,7 +550,7 @@ static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
     if (names.nearest || section != &gn_scene_section)
         gn_problem_place(reader->problems, reader->problems->at, reader->path);
     path_pop(reader, mark);
-    return gn_read_keep(reader, status);
+    return gn_read_keep_problem(reader, status);
 }
 
 static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const gn_node *node) {
@@ -558,7 +559,7 @@ static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const
         gn_read_fail(reader, node, node->key_where, reader->path,
                      "expected once, found again; first given in line %d", first->key_where.line);
     path_pop(reader, mark);
-    return gn_read_keep(reader, status);
+    return gn_read_keep_problem(reader, status);
 }
 
 /* Finds the node of each key of the section; unknown and repeated keys are left out. */
@@ -610,7 +611,7 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         const gn_key *key = &section->keys[k];
         if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;
         size_t mark = path_push_name(reader, key->name);
-        GN_TRY(gn_read_keep(reader, read_member(reader, key, nodes[k], map, base)));
+        GN_TRY(gn_read_keep_problem(reader, read_member(reader, key, nodes[k], map, base)));
         path_pop(reader, mark);
         /* The number of components of a vector and the possible shapes are then unknown. */
         if (gn_problem_at(reader->problems, "dimension")) return GNEISS_OK;

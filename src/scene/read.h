@@ -49,9 +49,9 @@ void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path
                   const char *text);
 
 /* Adds the notes of one scene to those of another, without repeating any. */
-void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from);
+void gn_notes_merge(gn_scene_notes *to, const gn_scene_notes *from);
 /* Adds the notes of a stage; a key that changes something in the stage is not idle. */
-void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage);
+void gn_notes_merge_stage(gn_scene_notes *base, const gn_scene_notes *stage);
 
 /* Finds a file of a scene: `file` relative to `folder` (NULL: as written, and it need not exist).
  * If it is a folder, the file is `in_folder` in it (NULL: none), else its packing. Returns NULL and
@@ -59,7 +59,7 @@ void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage);
 const char *gn_find_file(const char *folder, const char *file, const char *in_folder, char *path);
 
 /* Keeps an input error so that reading continues; returns any other failure. */
-gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status);
+gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status);
 
 /* Reads a number with one of the units of `unit` ("1/s|1"), of GN_SLOPE the tangent of an angle;
  * false with a reason otherwise. */

@@ -77,10 +77,10 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     GN_TRY(note_overrides(reader->scene, overrides, override_count, reader->error));
     for (size_t k = 0; k < override_count; k++) {
         gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key_of(&overrides[k]));
-        GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
+        GN_TRY(gn_read_keep_problem(reader, gn_tree_override(tree, &overrides[k], reader->error)));
     }
     const gn_node *root = gn_tree_root(tree);
-    GN_TRY(gn_stages_lay_membrane(reader, tree));
+    GN_TRY(gn_stages_add_membrane(reader, tree));
     GN_TRY(gn_read_scene(reader, root));
     GN_TRY(reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root));
     bool sound = !reader->problems->count && !reader->specimen_only;
@@ -368,7 +368,7 @@ static gn_effects strength_effects(const gn_scene *scene) {
     return mask;
 }
 
-bool gn_scene_rolls(const gn_scene *scene) {
+bool gn_scene_has_rolling(const gn_scene *scene) {
     bool rolls = false;
     for (size_t k = 0; k < scene->material_count; k++)
         rolls = rolls || scene->materials[k].rolling_friction > 0 ||
@@ -377,7 +377,7 @@ bool gn_scene_rolls(const gn_scene *scene) {
         rolls = rolls || scene->contacts[k].rolling_friction > 0 ||
                 scene->contacts[k].twisting_friction > 0;
     for (size_t k = 0; k < gn_scene_sides(scene); k++) {
-        gn_scene_surface side = gn_scene_side(scene, k);
+        gn_scene_surface side = gn_scene_surface_at(scene, k);
         rolls = rolls || side.rolling > 0 || side.twisting > 0;
     }
     return rolls;
@@ -466,9 +466,10 @@ gn_effects gn_scene_effects(const gn_scene *scene) {
     for (size_t k = 0; k < scene->body_count; k++)
         if (scene->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < gn_scene_sides(scene); k++)
-        if (mask & GN_FX_FRICTION && *gn_scene_side(scene, k).material) mask |= GN_FX_WALL_SHEAR;
+        if (mask & GN_FX_FRICTION && *gn_scene_surface_at(scene, k).material)
+            mask |= GN_FX_WALL_SHEAR;
     /* Its moments need the storage of tangential forces even if these are zero. */
-    if (scene->has_specimen && gn_scene_rolls(scene))
+    if (scene->has_specimen && gn_scene_has_rolling(scene))
         mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
     if (scene->has_couple) mask |= GN_FX_OVERLAP;
@@ -528,14 +529,14 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name) {
     return -1;
 }
 
-gn_spins gn_body_spins(const gn_scene *scene, const gn_body_def *body) {
+gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body) {
     int first = scene->dimension == 3 ? 0 : 2, led = 0;
-    if (!body->free) return GN_SPINS_LED;
+    if (!body->free) return GN_SPINS_PRESCRIBED;
     for (int a = first; a < 3; a++) led += body->motion.spin[a].count > 0;
-    return led == 0 ? GN_SPINS_FREE : led == 3 - first ? GN_SPINS_LED : GN_SPINS_SOME;
+    return led == 0 ? GN_SPINS_FREE : led == 3 - first ? GN_SPINS_PRESCRIBED : GN_SPINS_SOME;
 }
 
-bool gn_body_is_weighed(const gn_body_def *body) {
+bool gn_body_mass_is_from_surface(const gn_body_def *body) {
     return body->free && !(body->has_reference && body->mass > 0 && body->has_inertia);
 }
 
@@ -591,7 +592,7 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
 }
 
 /* Nodes take no moments, so that nothing resists rolling on finite elements. */
-gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place) {
+gn_scene_surface gn_scene_surface_at(const gn_scene *scene, size_t place) {
     const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
     const gn_wall_def *wall = place < walls ? &scene->walls[place] : NULL;
     const gn_body_def *body = !wall && place < bodies ? &scene->bodies[place - walls] : NULL;

@@ -610,10 +610,10 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
 /* A body's rotation is given by its motion alone; by forces alone; or by forces about some axes of
  * space while the motion prescribes it about the others. */
-typedef enum gn_spins { GN_SPINS_LED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
-gn_spins gn_body_spins(const gn_scene *scene, const gn_body_def *body);
+typedef enum gn_spins { GN_SPINS_PRESCRIBED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
+gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body);
 /* True if mass, centre and inertia of a body are those of its closed surface. */
-bool gn_body_is_weighed(const gn_body_def *body);
+bool gn_body_mass_is_from_surface(const gn_body_def *body);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* Returns the entry of `contacts` for two materials; NULL: none. */
@@ -658,14 +658,14 @@ static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;
 }
 /* True if particles enter or leave during the run. */
-static inline bool gn_scene_flows(const gn_scene *scene) {
+static inline bool gn_scene_has_flow(const gn_scene *scene) {
     return scene->has_specimen && (scene->source_count || scene->sink_count);
 }
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
 /* Returns the reason why the scene cannot have time.start: first_break; NULL: none is visible in
  * the scene. */
-const char *gn_scene_no_statics(const gn_scene *scene);
+const char *gn_scene_statics_refusal(const gn_scene *scene);
 
 /* True if specimen.from is a packing, not the results of a run. */
 bool gn_scene_from_packing(const gn_scene *scene);

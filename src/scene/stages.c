@@ -151,13 +151,13 @@ static gneiss_status no_memory(const gn_reader *reader) {
 }
 
 /* Messages state the stage in addition to the place. */
-static gneiss_status wrong(const stage_layer *layer, const gn_node *node, const char *format,
-                           const char *what, const char *more) {
+static gneiss_status fail_at_key(const stage_layer *layer, const gn_node *node, const char *format,
+                                 const char *what, const char *more) {
     char path[GN_KEY_PATH_SIZE + 32], text[512];
     snprintf(path, sizeof path, "stages[%zu].%s", layer->stage, layer->path);
     snprintf(text, sizeof text, format, what, more);
-    return gn_read_keep(layer->reader,
-                        gn_read_fail(layer->reader, node, node->key_where, path, "%s", text));
+    return gn_read_keep_problem(
+        layer->reader, gn_read_fail(layer->reader, node, node->key_where, path, "%s", text));
 }
 
 static size_t push(stage_layer *layer, const char *name) {
@@ -180,10 +180,10 @@ static void drop(gn_node *map, const char *key) {
     map->last = last;
 }
 
-static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *over);
+static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node *over);
 
 /* Merges elements by name: of a map its keys, of a list the value of `name`. */
-static gneiss_status lay_list(stage_layer *layer, gn_node *base, const gn_node *over) {
+static gneiss_status merge_list(stage_layer *layer, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
         bool named = said && said->kind == GN_NODE_SCALAR;
@@ -192,26 +192,27 @@ static gneiss_status lay_list(stage_layer *layer, gn_node *base, const gn_node *
         if (!element || item->kind != GN_NODE_MAP) {
             const char *nameless = "expected a name (an element without one is addressed by its "
                                    "number, as in contacts: {0: {friction: 0.3}}), found none%s%s";
-            GN_TRY(wrong(layer, item,
-                         !*name    ? nameless
-                         : element ? "expected a section with the changed keys of '%s'%s"
+            GN_TRY(fail_at_key(layer, item,
+                               !*name ? nameless
+                               : element
+                                   ? "expected a section with the changed keys of '%s'%s"
                                    : "expected the name of an element of the scene, found '%s'%s",
-                         name, ""));
+                               name, ""));
             continue;
         }
         size_t mark = push(layer, name);
-        GN_TRY(lay_map(layer, element, item));
+        GN_TRY(merge_map(layer, element, item));
         layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
-static gneiss_status lay_value(stage_layer *layer, gn_node *base, const gn_node *over,
-                               const gn_key *key) {
+static gneiss_status merge_value(stage_layer *layer, gn_node *base, const gn_node *over,
+                                 const gn_key *key) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
     if (key && !allowed(layer->path))
-        return wrong(layer, over, "expected a key that a stage may change, found '%s': %s",
-                     layer->path, reason_of(layer->path));
+        return fail_at_key(layer, over, "expected a key that a stage may change, found '%s': %s",
+                           layer->path, reason_of(layer->path));
     bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
     if (off && key && key->type == GN_KEY_SECTION) {
         drop(base, over->key);
@@ -228,25 +229,25 @@ static gneiss_status lay_value(stage_layer *layer, gn_node *base, const gn_node 
     return GNEISS_OK;
 }
 
-static gneiss_status lay_section(stage_layer *layer, gn_node *base, const gn_node *over) {
+static gneiss_status merge_section(stage_layer *layer, gn_node *base, const gn_node *over) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
     if (!old || old->kind != GN_NODE_MAP) {
         drop(base, over->key);
         old = gn_tree_add_map(layer->tree, base, over);
     }
-    return old ? lay_map(layer, old, over) : no_memory(layer->reader);
+    return old ? merge_map(layer, old, over) : no_memory(layer->reader);
 }
 
 /* A wall has either `motion` or `servo`, and a servo either `force` or `stress`: the later key
  * replaces the other. */
-static void make_way(gn_node *base, const gn_node *over) {
+static void drop_alternative(gn_node *base, const gn_node *over) {
     const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
     if (motion && !servo) drop(base, "servo");
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
 }
 
 /* Sides of a periodic box follow either a stress or a rate. */
-static void make_way_in_box(gn_node *base, const gn_node *over) {
+static void drop_box_alternative(gn_node *base, const gn_node *over) {
     const gn_node *stress = gn_node_child(over, "stress"), *rate = gn_node_child(over, "rate");
     if (stress && !rate) drop(base, "rate");
     if (stress || !rate) return;
@@ -255,7 +256,7 @@ static void make_way_in_box(gn_node *base, const gn_node *over) {
     drop(base, "relaxation");
 }
 
-static void make_way_in_servo(gn_node *base, const gn_node *over) {
+static void drop_servo_alternative(gn_node *base, const gn_node *over) {
     const gn_node *force = gn_node_child(over, "force"), *stress = gn_node_child(over, "stress");
     if (stress && !force) drop(base, "force");
     if (stress || !force) return;
@@ -270,42 +271,42 @@ static bool seen(const gn_node *map, const gn_node *child) {
     return false;
 }
 
-static gneiss_status lay_child(stage_layer *layer, gn_node *base, const gn_node *child) {
+static gneiss_status merge_child(stage_layer *layer, gn_node *base, const gn_node *child) {
     const gn_key *key = gn_scene_key_at(layer->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
     const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
-    if (empty && !holds_allowed(layer->path)) return lay_value(layer, base, child, key);
+    if (empty && !holds_allowed(layer->path)) return merge_value(layer, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
-        return lay_list(layer, (gn_node *)gn_node_child(base, child->key), child);
-    if (key && key->type == GN_KEY_SECTION && map) return lay_section(layer, base, child);
-    return lay_value(layer, base, child, key);
+        return merge_list(layer, (gn_node *)gn_node_child(base, child->key), child);
+    if (key && key->type == GN_KEY_SECTION && map) return merge_section(layer, base, child);
+    return merge_value(layer, base, child, key);
 }
 
-static gneiss_status lay_map(stage_layer *layer, gn_node *base, const gn_node *over) {
-    if (begins_with(layer->path, "walls.*")) make_way(base, over);
-    if (begins_with(layer->path, "walls.*.servo")) make_way_in_servo(base, over);
-    if (begins_with(layer->path, "periodic.*")) make_way_in_box(base, over);
+static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node *over) {
+    if (begins_with(layer->path, "walls.*")) drop_alternative(base, over);
+    if (begins_with(layer->path, "walls.*.servo")) drop_servo_alternative(base, over);
+    if (begins_with(layer->path, "periodic.*")) drop_box_alternative(base, over);
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
         size_t mark = push(layer, child->key);
         if (seen(over, child))
-            GN_TRY(wrong(layer, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(fail_at_key(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(layer, base, child));
+            GN_TRY(merge_child(layer, base, child));
         layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
 /* The stage's own keys (name, end) are no changes. */
-static gneiss_status lay_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
+static gneiss_status merge_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
         snprintf(layer->path, sizeof layer->path, "%s", child->key);
         if (seen(stage, child))
-            GN_TRY(wrong(layer, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(fail_at_key(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(layer, root, child));
+            GN_TRY(merge_child(layer, root, child));
     }
     return GNEISS_OK;
 }
@@ -402,7 +403,7 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     gn_reader own = *reader;
     stage_layer l = {.reader = &own, .tree = tree, .stage = stage};
     mark_stage(node, stage + 1);
-    GN_TRY(lay_stage(&l, root, node));
+    GN_TRY(merge_stage(&l, root, node));
     memset(now, 0, sizeof *now);
     GN_TRY(gn_check_stage_asleep(&own, root, stage));
     if (own.problems->count) return GNEISS_OK;
@@ -429,8 +430,8 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         if (status == GNEISS_OK) { /* else lists may be missing */
             united |= gn_scene_effects(now);
-            presses |= gn_scene_squeezes(now);
-            gn_notes_of_stage(&base->notes, &now->notes);
+            presses |= gn_scene_may_compress(now);
+            gn_notes_merge_stage(&base->notes, &now->notes);
         }
         gn_scene_free(before);
         *before = *now;
@@ -450,8 +451,8 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     base->united = united;
     if (status != GNEISS_OK || reader->problems->count || !count) return status;
     const check whole = {.reader = reader, .map = gn_tree_root(tree)};
-    GN_TRY(gn_check_keep(&whole, gn_check_asked(&whole, base)));
-    return gn_check_keep(&whole, gn_check_pressed(&whole, presses));
+    GN_TRY(gn_check_keep_problem(&whole, gn_check_requested_fields(&whole, base)));
+    return gn_check_keep_problem(&whole, gn_check_hydrostatic_load(&whole, presses));
 }
 
 gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
@@ -472,7 +473,7 @@ static const gn_node *first_membrane(const gn_node *stages) {
     return NULL;
 }
 
-gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
+gneiss_status gn_stages_add_membrane(const gn_reader *reader, gn_tree *tree) {
     static const char *const kept[] = {"pressure", "surface", "faces", "axis", "follow"};
     gn_node *root = (gn_node *)gn_tree_root(tree);
     const gn_node *first = first_membrane(gn_node_child(root, "stages"));

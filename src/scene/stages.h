@@ -35,7 +35,7 @@ gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
 /* Returns the condition of the first stage that never comes true unless contacts begin with a
  * force, because only ends that are fixed or separate act, and writes the reason to `why` [size];
  * NULL: there is none. `scene`: that of the stage. */
-const char *gn_stage_waits(const gn_scene *scene, size_t stage, char *why, size_t size);
+const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, size_t size);
 
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);

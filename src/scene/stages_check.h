@@ -22,7 +22,7 @@ gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree);
 
 /* Adds a membrane without pressure to the base if a later stage has one, with the keys of the first
  * such stage. Called before the scene is read. Changes the tree. */
-gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree);
+gneiss_status gn_stages_add_membrane(const gn_reader *reader, gn_tree *tree);
 
 /* Reads the scene of a stage, base 0, from text that gn_scene_write wrote. */
 gneiss_status gn_scene_parse_stage(const char *text, const char *name, size_t stage,

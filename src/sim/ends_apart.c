@@ -203,8 +203,8 @@ static bool wall_bears(const gn_world *w, size_t wall, double sense) {
 
 /* Of either end that nothing holds or presses; particles alone meet walls. */
 static bool walls_bear(const gn_world *w) {
-    bool below = gn_scene_end_bears(&w->scene, &w->scene.test.lower),
-         above = gn_scene_end_bears(&w->scene, &w->scene.test.upper);
+    bool below = gn_scene_end_has_normal_load(&w->scene, &w->scene.test.lower),
+         above = gn_scene_end_has_normal_load(&w->scene, &w->scene.test.upper);
     for (size_t k = 0; w->dem.particles.soa.count && k < w->scene.wall_count; k++) {
         below = below || wall_bears(w, k, 1.0);
         above = above || wall_bears(w, k, -1.0);
@@ -214,7 +214,7 @@ static bool walls_bear(const gn_world *w) {
 
 bool gn_shear_is_loose(const gn_world *w, char *text, size_t size) {
     const gn_test *t = &w->scene.test;
-    if (!gn_scene_shears_loose(&w->scene) || walls_bear(w)) return false;
+    if (!gn_scene_shear_ends_may_separate(&w->scene) || walls_bear(w)) return false;
     snprintf(text, size,
              "%s: nothing presses the ends together along %c, and one of them is free there: the "
              "strength is that without a normal stress (a force of its set, a wall with a servo "

@@ -52,7 +52,7 @@ static gneiss_status make_regions(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_flow_prepare(gn_world *w, gneiss_error *error) {
     gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return GNEISS_OK;
+    if (!gn_scene_has_flow(&w->scene)) return GNEISS_OK;
     f->regions = w->scene.source_count + w->scene.sink_count;
     f->region = gn_alloc_array(f->regions + 1, sizeof(gn_domain *));
     f->unit = gn_alloc_array(w->scene.source_count + 1, sizeof *f->unit);
@@ -63,7 +63,7 @@ gneiss_status gn_flow_prepare(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_flow_create(gn_world *w, gneiss_error *error) {
     gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return GNEISS_OK;
+    if (!gn_scene_has_flow(&w->scene)) return GNEISS_OK;
     f->sources = gn_alloc_array(w->scene.source_count + 1, sizeof *f->sources);
     f->sinks = gn_alloc_array(w->scene.sink_count + 1, sizeof *f->sinks);
     if (f->sources && f->sinks) return GNEISS_OK;
@@ -184,7 +184,7 @@ gneiss_status gn_flow_note_lost(gn_world *w, size_t p, gneiss_error *error) {
 }
 
 void gn_flow_row(gn_world *w) {
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.sink_count; k++) {
+    for (size_t k = 0; gn_scene_has_flow(&w->scene) && k < w->scene.sink_count; k++) {
         w->dem.flow.sinks[k].row_mass = w->dem.flow.sinks[k].mass;
         w->dem.flow.sinks[k].row_time = w->time;
     }
@@ -199,7 +199,7 @@ size_t gn_world_present(const gn_world *w) {
 
 uint64_t gn_flow_hash(const gn_world *w, uint64_t h) {
     const gn_flow *f = &w->dem.flow;
-    if (!gn_scene_flows(&w->scene)) return h;
+    if (!gn_scene_has_flow(&w->scene)) return h;
     h = gn_hash_bytes(f->sources, w->scene.source_count * sizeof *f->sources, h);
     for (size_t k = 0; k < w->scene.sink_count; k++)
         h = gn_hash_bytes(&f->sinks[k], offsetof(gn_sink_state, row_mass), h);

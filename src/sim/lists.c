@@ -259,7 +259,7 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
  * The decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
-    return (!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
+    return (!(w->effects & GN_FX_BONDS) || gn_scene_has_flow(&w->scene)) &&
            w->dem.verlet.rebuilds > 0 && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0;
 }
 

@@ -139,7 +139,7 @@ static gneiss_status drop(gn_world *w, const int32_t *order, size_t count, const
 
 gneiss_status gn_dem_drop(gn_world *w, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
-    if (!gn_scene_flows(&w->scene) || n == 0) return GNEISS_OK;
+    if (!gn_scene_has_flow(&w->scene) || n == 0) return GNEISS_OK;
     int32_t *place = gn_alloc_array(n + 1, sizeof *place),
             *order = gn_alloc_array(n + 1, sizeof *order);
     gneiss_status status = GNEISS_OK;

@@ -151,7 +151,7 @@ static bool is_known(const gn_world *w) {
     const unsigned prisms = GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED;
     const bool both = w->scene.has_specimen && w->element_count;
     return gn_test_in(w->scene.test.kind, prisms) && !both && !w->scene.has_couple &&
-           !(w->effects & GN_FX_PERIODIC) && !gn_scene_flows(&w->scene);
+           !(w->effects & GN_FX_PERIODIC) && !gn_scene_has_flow(&w->scene);
 }
 
 gn_bar_section gn_section_of(const gn_world *w) {

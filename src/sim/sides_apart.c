@@ -24,7 +24,7 @@ static bool wall_beside(const gn_world *w, size_t wall, int a, int sense) {
     const gn_wall_def *def = &w->scene.walls[wall];
     const gn_particles *q = &w->dem.particles;
     double gap = INFINITY;
-    if (!gn_scene_wall_stands(&w->scene, wall, a) || -sense * def->normal[a] <= 0.1) return false;
+    if (!gn_scene_wall_is_fixed(&w->scene, wall, a) || -sense * def->normal[a] <= 0.1) return false;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3];
         for (int b = 0; b < 3; b++) d[b] = q->pos[4 * p + b] - def->point[b];
@@ -37,7 +37,7 @@ static bool wall_beside(const gn_world *w, size_t wall, int a, int sense) {
 static bool body_beside(const gn_world *w, size_t body, int a, int sense) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     size_t first = 0;
-    if (!gn_scene_body_stands(&w->scene, body, a)) return false;
+    if (!gn_scene_body_is_fixed(&w->scene, body, a)) return false;
     for (size_t k = 0; k < body; k++) first += (size_t)w->boundary.body_shape[k][0];
     for (size_t n = first; n < first + (size_t)w->boundary.body_shape[body][0]; n++) {
         double corner[3];
@@ -60,7 +60,7 @@ static bool at_face(const gn_world *w, double x, int a, int sense) {
 static bool set_beside(const gn_world *w, size_t set, int a, int sense) {
     const gn_particles *q = &w->dem.particles;
     bool beside = false;
-    if (!gn_scene_set_stands(&w->scene, set, a)) return false;
+    if (!gn_scene_set_is_fixed(&w->scene, set, a)) return false;
     for (size_t p = 0; p < q->soa.count; p++)
         beside =
             beside || (gn_set_selected(w, set, p) && at_face(w, q->start[4 * p + a], a, sense));
@@ -71,7 +71,7 @@ static bool motion_beside(const gn_world *w, size_t motion, int a, int sense) {
     const gn_particles *nodes;
     const gn_fem_set *set = gn_elements_motion_set(w, motion, &nodes);
     bool beside = false;
-    if (!gn_scene_motion_stands(&w->scene, motion, a)) return false;
+    if (!gn_scene_motion_is_fixed(&w->scene, motion, a)) return false;
     for (size_t k = 0; k < set->count; k++)
         beside = beside || at_face(w, nodes->start[4 * (size_t)set->node[k] + (size_t)a], a, sense);
     return beside;

@@ -45,7 +45,7 @@ static bool due(const gn_world *w, size_t k) {
 }
 
 bool gn_flow_due(const gn_world *w) {
-    if (!gn_scene_flows(&w->scene) || w->step - w->dem.verlet.last_step < STEPS_BETWEEN)
+    if (!gn_scene_has_flow(&w->scene) || w->step - w->dem.verlet.last_step < STEPS_BETWEEN)
         return false;
     for (size_t k = 0; k < w->scene.source_count; k++)
         if (due(w, k)) return true;
@@ -60,7 +60,7 @@ double gn_flow_behind(const gn_world *w, size_t k) {
 }
 
 bool gn_flow_brings(const gn_world *w) {
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++) {
+    for (size_t k = 0; gn_scene_has_flow(&w->scene) && k < w->scene.source_count; k++) {
         const gn_source_def *d = &w->scene.sources[k];
         const gn_source_state *s = &w->dem.flow.sources[k];
         const bool waits = gn_flow_behind(w, k) > 2.0 * STEPS_BETWEEN * w->dt;
@@ -254,7 +254,7 @@ static gneiss_status nothing_came(const gn_world *w, gneiss_error *error) {
 gneiss_status gn_flow_arrive(gn_world *w, bool first, gneiss_error *error) {
     arrivals list = {0};
     bool any = false;
-    for (size_t k = 0; gn_scene_flows(&w->scene) && k < w->scene.source_count; k++)
+    for (size_t k = 0; gn_scene_has_flow(&w->scene) && k < w->scene.source_count; k++)
         any = any || due(w, k);
     if (!any) return GNEISS_OK;
     gneiss_status status = find_arrivals(w, &list, error);

@@ -19,7 +19,7 @@ static inline gn_hertz_pair gn_touch_hertz(const gn_world *w, size_t place, int3
 static inline double gn_touch_rolling(const gn_world *w, size_t place, int32_t material,
                                       bool twisting) {
     if (!(w->effects & GN_FX_ROLLING)) return 0.0;
-    gn_scene_surface s = gn_scene_side(&w->scene, place);
+    gn_scene_surface s = gn_scene_surface_at(&w->scene, place);
     if (w->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&w->scene)) {
         gn_hertz_pair pair = gn_touch_hertz(w, place, material);
         return twisting ? pair.twisting : pair.rolling;

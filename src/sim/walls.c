@@ -368,7 +368,7 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
 double gn_wall_area(const gn_world *w, size_t wall) {
     gn_facing f;
     double area = w->scene.walls[wall].servo.area;
-    if (!(area > 0.0) && gn_wall_closes_box(&w->scene, wall)) return gn_box_section(w);
+    if (!(area > 0.0) && gn_wall_covers_open_axis(&w->scene, wall)) return gn_box_section(w);
     if (area > 0.0 || !gn_facing_find(&w->scene, wall, &f)) return area;
     area = 1.0;
     for (size_t k = 0; k < f.count; k++) {

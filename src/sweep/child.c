@@ -16,7 +16,7 @@
 
 /* ---- starting ---- */
 
-/* A new file, whatever has the name: a link of somebody's is not followed. */
+/* Creates a new file in place of any existing one; an existing link is not followed. */
 static int open_log(const char *folder, const char *name) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -24,8 +24,8 @@ static int open_log(const char *folder, const char *name) {
     return open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
-/* In the child, between fork and exec: system calls only. A process group of its own keeps the
- * terminal's Ctrl-C from it: its parent passes signals on, once. */
+/* Runs in the child between fork and exec, with system calls only. A separate process group keeps
+ * the terminal's Ctrl-C from it: the parent passes signals on, once. */
 static void become(const gn_child_way *way, char *const *arguments, const int descriptor[3],
                    pid_t parent) {
     setpgid(0, 0);
@@ -92,7 +92,7 @@ int64_t gn_newest_checkpoint(const char *folder) {
 
 /* ---- watching ---- */
 
-/* The last `size` - 1 bytes of a file; "" when it cannot be read. */
+/* Reads the last `size` - 1 bytes of a file; "" if it cannot be read. */
 static void read_tail(const char *folder, const char *name, char *text, size_t size) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -105,7 +105,7 @@ static void read_tail(const char *folder, const char *name, char *text, size_t s
     close(descriptor);
 }
 
-/* The last whole line: {"step":12, ..., "eta":3.5, ...}. */
+/* Reads the last complete line: {"step":12, ..., "eta":3.5, ...}. */
 double gn_child_remaining(gn_child *child) {
     char text[1 << 10];
     read_tail(child->folder, "progress.jsonl", text, sizeof text);
@@ -123,8 +123,8 @@ double gn_child_remaining(gn_child *child) {
 
 /* ---- the end ---- */
 
-/* From the last "gneiss: ..." that is no warning to the end, without its line breaks. */
-static void last_words(const char *folder, char *message, size_t size) {
+/* Reads from the last "gneiss: ..." that is no warning to the end, without line breaks. */
+static void last_message(const char *folder, char *message, size_t size) {
     char text[1 << 13];
     read_tail(folder, "messages.txt", text, sizeof text);
     const char *from = NULL;
@@ -152,7 +152,7 @@ void gn_child_outcome(const gn_child *child, int wait_status, gn_outcome *outcom
         outcome->state = GN_RUN_DONE;
         return;
     }
-    last_words(child->folder, outcome->message, sizeof outcome->message);
+    last_message(child->folder, outcome->message, sizeof outcome->message);
     if (!outcome->message[0])
         snprintf(outcome->message, sizeof outcome->message, "exit code %d without a message",
                  outcome->code);

@@ -17,7 +17,7 @@ static bool has(const point_set *points, size_t k) {
     return isfinite(points->x[k * points->stride]) && isfinite(points->y[k * points->stride]);
 }
 
-/* Confinements that differ by more than a millionth of the largest. */
+/* Counts confinements that differ by more than a millionth of the largest. */
 static size_t different(const point_set *points) {
     double largest = 0.0;
     size_t count = 0;
@@ -41,7 +41,7 @@ static double squared_deviator(double s3, double s1) {
     return (s1 - s3) * (s1 - s3);
 }
 
-/* Least squares about the means, so that large pressures lose nothing. */
+/* Fits by least squares about the means, so that large pressures lose no precision. */
 static void fit_line(const point_set *points, double (*of)(double s3, double s1), double *slope,
                      double *start) {
     double n = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
@@ -67,8 +67,9 @@ static void fit_coulomb(const point_set *points, gn_envelope *envelope) {
     fit_line(points, strength, &k, &c);
     if (!(k >= 1.0 && c >= 0.0)) {
         snprintf(envelope->no_coulomb, sizeof envelope->no_coulomb,
-                 "the line has a slope of %.3g (at least 1) and begins at %.3g Pa (at least 0)", k,
-                 c);
+                 "the fitted line has a slope of %.3g (at least 1 needed) and an intercept of %.3g "
+                 "Pa (at least 0 needed)",
+                 k, c);
         return;
     }
     envelope->friction_angle = asin((k - 1.0) / (k + 1.0)) * 180.0 / M_PI;
@@ -80,7 +81,7 @@ static void fit_hoek_brown(const point_set *points, gn_envelope *envelope) {
     fit_line(points, squared_deviator, &slope, &start);
     if (!(slope > 0.0 && start > 0.0)) {
         snprintf(envelope->no_hoek_brown, sizeof envelope->no_hoek_brown,
-                 "the square of the deviator does not grow from above zero along a line");
+                 "the fitted line of the squared deviator has no positive slope and intercept");
         return;
     }
     envelope->hoek_brown_strength = sqrt(start);
@@ -116,7 +117,7 @@ static bool ends_with(const char *key, const char *end) {
     return length >= own && strcmp(key + length - own, end) == 0;
 }
 
-/* Tells whether a parameter is what confines the specimen. */
+/* True if a parameter is the confinement of the specimen. */
 static bool is_confinement(const char *key) {
     static const char *const ends[] = {"membrane.pressure", "servo.stress",
                                        "servo.force",       "periodic.x.stress",
@@ -126,7 +127,7 @@ static bool is_confinement(const char *key) {
     return false;
 }
 
-/* Tells whether a parameter says how a test is carried out, and nothing of the specimen. */
+/* True if a parameter belongs to the test procedure, not to the specimen. */
 static bool is_procedure(const char *key) {
     static const char *const lists[] = {"walls", "sets",   "bodies", "membrane", "time",
                                         "test",  "output", "run",    "stages",   "periodic"};
@@ -155,7 +156,7 @@ static int compare_groups(const run_order *o, size_t first, size_t second) {
     return order;
 }
 
-/* Runs of a group stand together, in the order of the sweep. */
+/* Orders runs by group, and within a group as in the sweep. */
 static int compare_runs(const void *left, const void *right, void *context) {
     size_t x = *(const size_t *)left, y = *(const size_t *)right;
     int order = compare_groups(context, x, y);
@@ -168,8 +169,8 @@ static void sort_runs(const gn_sweep *sweep, const bool *counts, size_t *runs) {
     qsort_r(runs, sweep->run_count, sizeof *runs, compare_runs, &order);
 }
 
-/* Envelopes differ in every parameter but the confinement and what goes along with it in the
- * procedure of the test, as a speed that is zipped with the pressure. */
+/* Envelopes are distinguished by every parameter but the confinement and those parameters of the
+ * procedure that vary with it, such as a speed that is zipped with the pressure. */
 static void choose_grouping(const gn_sweep *sweep, size_t *runs, bool *confines, bool *grouping) {
     const run_order order = {sweep, confines};
     for (size_t p = 0; p < sweep->parameter_count; p++)
@@ -185,14 +186,14 @@ static void choose_grouping(const gn_sweep *sweep, size_t *runs, bool *confines,
     }
 }
 
-/* The place of a reading; the number of readings: it is not there. */
+/* Returns the index of a reading; the number of readings: not found. */
 static size_t place_of(const gn_summary *summary, const char *name) {
     size_t r = 0;
     while (r < summary->reading_count && strcmp(summary->readings[r].name, name) != 0) r++;
     return r;
 }
 
-/* Fits group by group; those without confinements that differ are left out. */
+/* Fits each group; groups without different confinements are left out. */
 static void fit_groups(const gn_summary *summary, gn_envelopes *envelopes, const size_t *runs,
                        double *pairs, size_t at, size_t of) {
     const gn_sweep *sweep = summary->sweep;

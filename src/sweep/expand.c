@@ -1,4 +1,5 @@
-/* Every combination of values a run, its scene read and hashed before anything is computed. */
+/* Makes a run of every combination of values; all scenes are read and hashed before anything is
+ * computed. */
 #include "sweep/expand.h"
 
 #include "base/memory.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Raised whenever what stands in the folder of a run means something else. */
+/* To be raised whenever the contents of a run's folder change their meaning. */
 enum { FOLDER_FORMAT = 1 };
 
 /* ---- the scene of a run ---- */
@@ -24,7 +25,7 @@ const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_
                 .values[sweep->chosen[sweep->runs[run].first_value + parameter]];
 }
 
-/* `seeded`: the seeds have their numbers. */
+/* `seeded`: the seeds have their numbers already. */
 static gneiss_status read_scene(const gn_sweep *sweep, size_t run, bool seeded, bool varied,
                                 gn_scene *scene, gneiss_error *error) {
     gn_override all[OVERRIDES_MAX];
@@ -48,13 +49,13 @@ gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
     return read_scene(sweep, run, true, true, scene, error);
 }
 
-/* Numbers of ranges are in SI without a unit; what was written keeps its own. */
+/* Numbers of ranges are in SI without a unit; written values keep their unit. */
 static const char *unit_behind(const gn_sweep_parameter *parameter, const char *text) {
     bool bare = parameter->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
     return bare ? parameter->unit : "";
 }
 
-/* Adds "key = value" of a parameter. */
+/* Appends "key = value" of a parameter. */
 static size_t add_label(const gn_sweep *sweep, size_t run, size_t p, char *text, size_t size,
                         size_t used) {
     const char *value = gn_sweep_value_of(sweep, run, p)->text;
@@ -89,9 +90,10 @@ const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *t
 
 /* ---- messages ---- */
 
-/* The parameter that a line "--set KEY: ..." is about; NULL: none. */
-static const gn_sweep_value *blamed(const gn_sweep *sweep, size_t run, const char *line,
-                                    const gn_sweep_parameter **parameter) {
+/* Returns the parameter that a line "--set KEY: ..." concerns; NULL: none. */
+static const gn_sweep_value *parameter_of_message(const gn_sweep *sweep, size_t run,
+                                                  const char *line,
+                                                  const gn_sweep_parameter **parameter) {
     if (strncmp(line, "--set ", 6) != 0) return NULL;
     for (size_t p = 0; p < sweep->parameter_count; p++) {
         size_t length = strlen(sweep->parameters[p].key);
@@ -103,13 +105,13 @@ static const gn_sweep_value *blamed(const gn_sweep *sweep, size_t run, const cha
     return NULL;
 }
 
-/* Notes about values of the sweep file, at the place of the key in it, so that many values have
- * one. */
+/* Moves notes about values of the sweep file to the place of the key in it, so that many values
+ * give one note. */
 static void place_notes(const gn_sweep *sweep, size_t run, gn_scene_notes *notes) {
     for (size_t k = 0; sweep->text && k < notes->count; k++) {
         const gn_sweep_parameter *parameter = NULL;
         char text[GN_SCENE_NOTE_SIZE];
-        if (!blamed(sweep, run, notes->text[k], &parameter)) continue;
+        if (!parameter_of_message(sweep, run, notes->text[k], &parameter)) continue;
         snprintf(text, sizeof text, "%s", notes->text[k] + strlen("--set "));
         const int at = snprintf(notes->text[k], GN_SCENE_NOTE_SIZE, "%.200s:%d:%d: parameters.",
                                 sweep->source, parameter->where.line, parameter->where.column);
@@ -119,14 +121,14 @@ static void place_notes(const gn_sweep *sweep, size_t run, gn_scene_notes *notes
     }
 }
 
-/* What the reader of scenes said of overrides, said of the places that they come from. */
-static gneiss_status explain(const gn_sweep *sweep, size_t run, gneiss_error *error) {
+/* Replaces overrides in messages of the scene reader by their places in the sweep file. */
+static gneiss_status relocate_messages(const gn_sweep *sweep, size_t run, gneiss_error *error) {
     char said[GNEISS_MESSAGE_SIZE], text[GNEISS_MESSAGE_SIZE] = "", label[512];
     size_t used = 0;
     memcpy(said, error->message, sizeof said);
     for (char *rest = said, *line; (line = strsep(&rest, "\n")) && used + 1 < sizeof text;) {
         const gn_sweep_parameter *parameter = NULL;
-        const gn_sweep_value *value = blamed(sweep, run, line, &parameter);
+        const gn_sweep_value *value = parameter_of_message(sweep, run, line, &parameter);
         const char *gap = used ? "\n" : "";
         int more;
         if (value)
@@ -146,7 +148,7 @@ static gneiss_status explain(const gn_sweep *sweep, size_t run, gneiss_error *er
     return gn_fail(error, error->status, "%s", text);
 }
 
-/* A scene that is wrong by itself says so by itself. */
+/* A scene that is invalid without the parameters is reported by itself. */
 static gneiss_status checked_scene(const gn_sweep *sweep, size_t run, bool seeded, gn_scene *scene,
                                    gneiss_error *error) {
     gneiss_error own = {0}, alone = {0};
@@ -158,14 +160,14 @@ static gneiss_status checked_scene(const gn_sweep *sweep, size_t run, bool seede
             gn_scene_free(scene);
         else
             same = strcmp(alone.message, own.message) == 0;
-        if (!same) explain(sweep, run, &own);
+        if (!same) relocate_messages(sweep, run, &own);
     }
     return gn_fail(error, status, "%s", own.message);
 }
 
 /* ---- hashes ---- */
 
-/* Contents of files, each read once. */
+/* Hashes of file contents, each read once. */
 enum { FILES_KEPT = 64 };
 typedef struct file_hashes {
     size_t count;
@@ -228,7 +230,7 @@ static bool varies(const gn_sweep *sweep, const char *key) {
     return false;
 }
 
-/* Files count by their contents, wherever they are. */
+/* Files enter the hash by their contents, not by their paths. */
 static void forget_paths(const gn_section *section, char *base) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
@@ -243,8 +245,8 @@ static void forget_paths(const gn_section *section, char *base) {
     }
 }
 
-/* The scene without what does not change its results: its name, where they go, how many threads
- * there are (unless that is what the sweep is about). */
+/* Writes the scene without keys that do not change results: its name, the output folder, the number
+ * of threads (unless the sweep varies it). */
 static gneiss_status plain_text(const gn_sweep *sweep, const gn_scene *scene, char **text,
                                 gneiss_error *error) {
     gn_scene *plain = gn_alloc(sizeof *plain);
@@ -297,7 +299,7 @@ static bool has_random_numbers(const gn_scene *scene) {
            (scene->has_elements && scene->elements.distortion > 0.0);
 }
 
-/* Where the seeds begin that are only counted: at that of the scene. */
+/* Counted seeds begin at the seed of the scene. */
 static gneiss_status number_seeds(gn_sweep *sweep, gn_scene *scene, gneiss_error *error) {
     if (!sweep->seed_count || sweep->seeds) return GNEISS_OK;
     GN_TRY(checked_scene(sweep, 0, false, scene, error));
@@ -310,7 +312,7 @@ static gneiss_status number_seeds(gn_sweep *sweep, gn_scene *scene, gneiss_error
     return GNEISS_OK;
 }
 
-/* How many combinations of lists there are, and how many points of distributions. */
+/* Counts the combinations of lists and the points of distributions. */
 static gneiss_status count_runs(gn_sweep *sweep, gn_combine combine, size_t *lists, size_t *points,
                                 gneiss_error *error) {
     *lists = *points = 1;
@@ -335,7 +337,7 @@ static gneiss_status count_runs(gn_sweep *sweep, gn_combine combine, size_t *lis
     return GNEISS_OK;
 }
 
-/* The last list goes fastest; zipped ones go together. */
+/* The last list varies fastest; zipped lists vary together. */
 static void choose_values(gn_sweep *sweep, gn_combine combine, size_t points) {
     for (size_t run = 0; run < sweep->run_count; run++) {
         gn_sweep_run *r = &sweep->runs[run];
@@ -389,7 +391,7 @@ static gneiss_status read_runs(gn_sweep *sweep, gn_scene *scene, gneiss_error *e
         r->seed = scene->seed;
         sweep->draws |= has_random_numbers(scene);
         place_notes(sweep, k, &scene->notes);
-        gn_notes_unite(&sweep->notes, &scene->notes);
+        gn_notes_merge(&sweep->notes, &scene->notes);
         if (!sweep->title[0]) snprintf(sweep->title, sizeof sweep->title, "%.200s", scene->title);
         gn_scene_free(scene);
     }

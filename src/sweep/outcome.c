@@ -25,7 +25,8 @@ static void outcome_path(const char *folder, char *path, size_t size) {
     snprintf(path, size, "%s/outcome.json", folder);
 }
 
-/* JSON is YAML. *results (malloc'ed, NULL: not said) is the digest of the results it ended with. */
+/* Parses outcome.json, as JSON is YAML. *results (malloc'ed, NULL: missing) is the digest of the
+ * results at the end of the run. */
 static bool parse(const char *text, const char *path, gn_outcome *outcome, char **results) {
     gn_tree *tree = NULL;
     if (gn_tree_read(text, strlen(text), path, &tree, NULL) != GNEISS_OK) return false;
@@ -47,7 +48,7 @@ static bool parse(const char *text, const char *path, gn_outcome *outcome, char 
     return known;
 }
 
-/* The end of the path of its scene says which run of a sweep wrote a file: FOLDER/scene.yaml. */
+/* True if the end of the path of the scene, FOLDER/scene.yaml, matches the run's folder. */
 static bool of_folder(const char *scene_file, const char *folder) {
     const char *slash = strrchr(folder, '/'), *own = slash ? slash + 1 : folder;
     char tail[GN_PATH_SIZE];
@@ -64,7 +65,7 @@ static gneiss_status check_owner(const gn_h5 *file, const char *path, const char
     gneiss_status status = of_folder(scene, folder)
                                ? GNEISS_OK
                                : gn_fail(error, GNEISS_ERROR_INPUT,
-                                         "%.200s: it is of another run (%.200s)", path, scene);
+                                         "%.200s: it belongs to another run (%.200s)", path, scene);
     free(scene);
     return status;
 }
@@ -79,7 +80,7 @@ static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneis
     return GNEISS_OK;
 }
 
-/* Everything in them, also what no summary reads: they count as what the run ended with. */
+/* Checks all contents, also those that no summary reads: they count as results of the run. */
 static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
                                     const char *results, bool *replaced, gneiss_error *error) {
     char *hash = NULL, digest[24];
@@ -92,11 +93,12 @@ static gneiss_status check_contents(gn_h5 *file, const char *path, const char *f
     *replaced = strcmp(results ? results : "", digest) != 0;
     if (!*replaced) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%.200s: they are not those that the run ended with%s", path,
+                   "%.200s: they differ from the results at the end of the run%s", path,
                    results ? "" : ", which outcome.json does not name");
 }
 
-/* The disk was full, somebody took the file away or put another there, a copy was cut off. */
+/* Results may be missing or different if the disk was full, the file was removed or replaced, or a
+ * copy was truncated. */
 static bool has_results(const char *folder, const char *results, bool *replaced,
                         gneiss_error *trouble) {
     char path[GN_PATH_SIZE + 32];
@@ -109,21 +111,23 @@ static bool has_results(const char *folder, const char *results, bool *replaced,
     return status == GNEISS_OK;
 }
 
-/* What it left is of no use: it is computed again, from its last checkpoint if there is one. */
-static void lose(gn_outcome *outcome, const char *what, const gneiss_error *trouble) {
+/* Marks the results as unusable: the run is computed again, from its last checkpoint if there is
+ * one. */
+static void mark_lost(gn_outcome *outcome, const char *what, const gneiss_error *trouble) {
     *outcome = (gn_outcome){.lost = true};
     snprintf(outcome->message, sizeof outcome->message, "its %s cannot be read: %.500s", what,
              trouble->message);
 }
 
-/* One that cannot be read is for `resume` to judge. */
+/* An unreadable checkpoint is left to `resume`. */
 static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) {
     char *path = NULL, *scene = NULL;
     if (gn_checkpoint_path(folder, step, &path, NULL) != GNEISS_OK) return false;
     bool read = gn_h5_peek_text(path, "/", "scene_file", &scene, NULL) == GNEISS_OK;
     bool foreign = read && !of_folder(scene, folder);
     if (foreign)
-        gn_fail(trouble, GNEISS_ERROR_INPUT, "%.200s: it is of another run (%.200s)", path, scene);
+        gn_fail(trouble, GNEISS_ERROR_INPUT, "%.200s: it belongs to another run (%.200s)", path,
+                scene);
     free(scene);
     free(path);
     return foreign;
@@ -131,7 +135,7 @@ static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) 
 
 enum { CHECKPOINTS_MOST = 16 };
 
-gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
+gneiss_status gn_outcome_rename_foreign(const char *folder, gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
     size_t count = 0;
     gneiss_error trouble;
@@ -142,7 +146,8 @@ gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Tells whether there is one to go on from; of another run there is none. */
+/* Sets the state by the existence of a checkpoint to resume from; checkpoints of another run do not
+ * count. */
 static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcome,
                                           gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
@@ -154,12 +159,12 @@ static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcom
         if (!is_foreign(folder, step[k], &trouble))
             outcome->state = GN_RUN_INTERRUPTED;
         else if (!outcome->lost)
-            lose(outcome, "checkpoint", &trouble);
+            mark_lost(outcome, "checkpoint", &trouble);
     }
     return GNEISS_OK;
 }
 
-/* *known is false, and o->lost true, where outcome.json is there and says nothing. */
+/* *known is false, and outcome->lost true, if outcome.json exists and cannot be read. */
 static void read_outcome(const char *folder, gn_outcome *outcome, char **results, bool *known) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     gneiss_error trouble = {0};
@@ -172,7 +177,7 @@ static void read_outcome(const char *folder, gn_outcome *outcome, char **results
         gn_fail(&trouble, GNEISS_ERROR_INPUT,
                 "%.300s: expected status (done, failed) and code, found others", path);
     free(text);
-    if (!*known) lose(outcome, "outcome", &trouble);
+    if (!*known) mark_lost(outcome, "outcome", &trouble);
 }
 
 gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_error *error) {
@@ -185,12 +190,12 @@ gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_er
                            has_results(folder, results, &replaced, &trouble));
     free(results);
     if (whole) return GNEISS_OK;
-    if (known) lose(outcome, "results", &trouble);
+    if (known) mark_lost(outcome, "results", &trouble);
     outcome->replaced = replaced;
     return replaced ? GNEISS_OK : look_for_checkpoints(folder, outcome, error);
 }
 
-/* "" where they cannot be read, which the next call finds. */
+/* "" if they cannot be read, which the next call finds. */
 static void digest_in_folder(const char *folder, char digest[24]) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
@@ -201,8 +206,8 @@ static void digest_in_folder(const char *folder, char digest[24]) {
     gn_h5_close(file);
 }
 
-/* Not synced: where a power cut takes it, the run is taken up from its last checkpoint, at its end.
- */
+/* The file is not synced: if a power failure loses it, the run is resumed from its last checkpoint,
+ * at its end. */
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], digest[24] = "";
     if (outcome->state == GN_RUN_DONE) digest_in_folder(folder, digest);
@@ -219,7 +224,7 @@ gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gn
     return status;
 }
 
-void gn_outcome_forget(const char *folder, bool lost) {
+void gn_outcome_remove(const char *folder, bool lost) {
     char path[GN_PATH_SIZE + 32];
     outcome_path(folder, path, sizeof path);
     (void)unlink(path);
@@ -227,7 +232,7 @@ void gn_outcome_forget(const char *folder, bool lost) {
     if (lost) (void)unlink(path);
 }
 
-bool gn_outcome_stands(const gn_outcome *outcome) {
+bool gn_outcome_is_final(const gn_outcome *outcome) {
     return outcome->state == GN_RUN_DONE ||
            (outcome->state == GN_RUN_FAILED && outcome->code == GNEISS_ERROR_UNSTABLE);
 }

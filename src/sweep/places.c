@@ -1,4 +1,4 @@
-/* Which places of the scene the parameters write: keys have several spellings. */
+/* Places in the scene that the parameters write: keys have several spellings. */
 #include "sweep/expand.h"
 
 #include <string.h>
@@ -11,14 +11,15 @@ typedef struct writer {
     char place[GN_KEY_PATH_SIZE];
 } writer;
 
-/* The same, or a part of it. */
+/* True if `part` is `whole` or a part of it. */
 static bool holds(const char *whole, const char *part) {
     size_t length = strlen(whole);
     return strncmp(whole, part, length) == 0 && (part[length] == '.' || !part[length]);
 }
 
-/* A part of what is the same in every run may be varied: --set gravity=[0, 0, 0] and gravity[2]. */
-static bool in_the_way(const writer *before, const writer *now) {
+/* A part of a value that is equal in every run may be varied: --set gravity=[0, 0, 0] and
+ * gravity[2]. */
+static bool conflicts(const writer *before, const writer *now) {
     if (holds(now->place, before->place)) return true;
     return before->parameter && before->parameter->count > 1 && holds(before->place, now->place);
 }
@@ -43,12 +44,12 @@ static gneiss_status check_one(const gn_sweep *sweep, const gn_tree *tree, write
     writer *now = &all[count];
     gn_tree_place(tree, now->key, now->place, sizeof now->place);
     for (size_t k = 0; now->parameter && k < count; k++)
-        if (in_the_way(&all[k], now)) return refuse(sweep, &all[k], now, error);
+        if (conflicts(&all[k], now)) return refuse(sweep, &all[k], now, error);
     return GNEISS_OK;
 }
 
-/* In the order in which they are put on the scene: names are those that stand there by then. What
- * cannot be put there is told when the scene is read. */
+/* Overrides are applied in their order, so that names are those at that moment. An override that
+ * cannot be applied is reported when the scene is read. */
 static gneiss_status check_run(const gn_sweep *sweep, size_t run, gneiss_error *error) {
     writer all[PLACES_MOST];
     gn_tree *tree = NULL;
@@ -70,7 +71,7 @@ static gneiss_status check_run(const gn_sweep *sweep, size_t run, gneiss_error *
     return status;
 }
 
-/* Places differ between runs only when names do. */
+/* Places differ between runs only if names do. */
 gneiss_status gn_sweep_check_places(const gn_sweep *sweep, gneiss_error *error) {
     bool names = false;
     for (size_t p = 0; p < sweep->parameter_count; p++) {

@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what a key takes ---- */
+/* ---- values of a key ---- */
 
 static bool is_whole(const gn_key *key) {
     return key->type == GN_KEY_INTEGER || key->type == GN_KEY_SEED || key->type == GN_KEY_CELLS ||
            key->type == GN_KEY_PARTICLES || key->type == GN_KEY_IDS;
 }
 
-/* A single number; of a vector a path with its component stands for one. */
+/* True for a single number; of a vector, a component counts as one. */
 static bool is_number(const gn_key *key) {
     return is_whole(key) || key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE ||
            key->type == GN_KEY_VECTOR || key->type == GN_KEY_SPIN;
@@ -33,7 +33,7 @@ void gn_number_text(double value, char *text, size_t size) {
     }
 }
 
-/* A node as YAML in one line; scalars inside of lists quoted, so that they stay what they are. */
+/* Writes a node as YAML in one line, with quoted scalars inside lists, so that they stay texts. */
 static void write_flow(FILE *out, const gn_node *node, bool inside) {
     if (node->kind == GN_NODE_NULL) return;
     if (node->kind == GN_NODE_SCALAR) {
@@ -90,7 +90,7 @@ static gneiss_status make_values(const gn_reader *reader, size_t count,
     return parameter->values ? GNEISS_OK : no_memory(reader);
 }
 
-/* What is wrong with a value is told when a scene is read with it. */
+/* An invalid value is reported when a scene is read with it. */
 static gneiss_status put_node(const gn_reader *reader, const gn_node *node,
                               const gn_sweep_parameter *parameter, gn_sweep_value *value) {
     char reason[96];
@@ -123,13 +123,13 @@ static gneiss_status read_values(const gn_reader *reader, const gn_node *list,
 
 /* ---- ranges ---- */
 
-/* What is empty stands nowhere: its key does. */
+/* An empty node has no place, so that its key's place is used. */
 static gneiss_status wrong(const gn_reader *reader, const gn_node *node, const char *text) {
     return gn_read_fail(reader, node, node->kind == GN_NODE_NULL ? node->key_where : node->where,
                         reader->path, "%s", text);
 }
 
-/* Value number k of a range, its ends as they were given. */
+/* Returns value k of a range; its ends are exactly the given ones. */
 static double range_value(const gn_range_def *range, int64_t k) {
     if (k == 0) return range->from;
     if (k == range->count - 1) return range->to;
@@ -141,7 +141,7 @@ static double range_value(const gn_range_def *range, int64_t k) {
 static gneiss_status make_range(const gn_reader *reader, const gn_node *node,
                                 const gn_range_def *range, gn_sweep_parameter *parameter) {
     if (range->from == range->to)
-        return wrong(reader, node, "expected another number at the end than at the start");
+        return wrong(reader, node, "expected different numbers at start and end");
     GN_TRY(make_values(reader, (size_t)range->count, parameter));
     for (int64_t k = 0; k < range->count; k++) {
         double value = range_value(range, k);
@@ -158,16 +158,16 @@ static gneiss_status make_range(const gn_reader *reader, const gn_node *node,
 
 /* ---- distributions ---- */
 
-static double below(double z) {
+static double normal_probability(double z) {
     return 0.5 * erfc(-z * 0.7071067811865476);
 }
 
-/* The quantile u of the distribution. Whole numbers are all as likely: each has the part of the
- * line from itself to the next one. */
+/* Returns the quantile `uniform` of the distribution. Whole numbers have equal probabilities: each
+ * stands for the interval from itself to the next. */
 static double draw(const gn_range_def *range, bool normal, bool whole, double uniform) {
     if (normal) {
-        double low = below((range->from - range->mean) / range->deviation),
-               high = below((range->to - range->mean) / range->deviation);
+        double low = normal_probability((range->from - range->mean) / range->deviation),
+               high = normal_probability((range->to - range->mean) / range->deviation);
         double value =
             range->mean + range->deviation * gn_normal_quantile(low + (high - low) * uniform);
         value = fmin(fmax(value, range->from), range->to);
@@ -181,7 +181,7 @@ static double draw(const gn_range_def *range, bool normal, bool whole, double un
                  : range->from + (range->to - range->from) * uniform;
 }
 
-/* The coordinates of all points. */
+/* Draws the coordinates of all points. */
 static gneiss_status draw_points(const gn_reader *reader, const gn_node *node,
                                  const gn_drawing *drawing, double **points) {
     if (drawing->method == GN_SAMPLING_NONE)
@@ -217,12 +217,12 @@ static gneiss_status make_draws(const gn_reader *reader, const gn_node *node,
     return status;
 }
 
-/* One of a list, all as likely. */
+/* Draws from a list with equal probabilities. */
 static gneiss_status make_choices(const gn_reader *reader, const gn_node *list,
                                   const gn_drawing *drawing, gn_sweep_parameter *parameter) {
     double *points = NULL;
     if (list->kind != GN_NODE_LIST || list->count == 0)
-        return wrong(reader, list, "expected a list of values behind `of`");
+        return wrong(reader, list, "expected a list of values for `of`");
     GN_TRY(draw_points(reader, list, drawing, &points));
     gneiss_status status = make_values(reader, drawing->count, parameter);
     for (size_t k = 0; status == GNEISS_OK && k < drawing->count; k++) {
@@ -236,7 +236,7 @@ static gneiss_status make_choices(const gn_reader *reader, const gn_node *list,
 
 /* ---- a parameter ---- */
 
-/* The table of a range with the unit and the interval of the key that it is of. */
+/* Makes the table of a range with the unit and the interval of its key. */
 static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn_key *meant,
                                 gn_range_def *range) {
     gn_key keys[GN_SECTION_KEYS_MAX];
@@ -246,7 +246,7 @@ static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn
         if (keys[k].type != GN_KEY_REAL) continue;
         bool deviation = keys[k].offset == offsetof(gn_range_def, deviation);
         keys[k].unit = unit_of(meant);
-        /* The tangent of a deviation of angles is no deviation of their tangents. */
+        /* A deviation of angles cannot be converted by the tangent. */
         if (deviation && strcmp(keys[k].unit, GN_SLOPE) == 0) keys[k].unit = "1";
         if (!deviation) keys[k].range = meant->range;
     }
@@ -280,7 +280,7 @@ static gneiss_status read_map(gn_reader *reader, const gn_node *node, const gn_d
                               gn_sweep_parameter *parameter) {
     gn_range_def r = {.from = -INFINITY, .to = INFINITY};
     const gn_node *of = gn_node_child(node, "of");
-    if (of && node->count > 1) return wrong(reader, node, "expected nothing beside `of`");
+    if (of && node->count > 1) return wrong(reader, node, "expected no key beside `of`");
     if (of) return make_choices(reader, of, drawing, parameter);
     if (!is_number(parameter->meant))
         return wrong(reader, node, "expected a list of values: the key takes no number");
@@ -310,6 +310,7 @@ gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn
     parameter->unit = parameter->numeric && gn_unit_is_shown(unit_of(parameter->meant))
                           ? unit_of(parameter->meant)
                           : "";
-    if (strchr(parameter->unit, '|')) parameter->unit = ""; /* one of two: the scene says which */
+    if (strchr(parameter->unit, '|'))
+        parameter->unit = ""; /* two alternatives: the scene decides */
     return GNEISS_OK;
 }

@@ -1,4 +1,4 @@
-/* The names that readings of a sweep may have. */
+/* Names that readings of a sweep may have. */
 #include "base/names.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
@@ -17,7 +17,7 @@ static const char *const fixed[] = {
             "energy.stored_at_start",
     "energy.residual"};
 
-/* Columns of the whole model; names are borrowed by whoever gives advice. */
+/* Columns of the whole model; names are borrowed for advice. */
 enum { COLUMNS_MOST = 256 };
 typedef struct columns {
     size_t count;
@@ -29,8 +29,8 @@ static bool is_ending(const char *name, const char *ending) {
     return length > behind && strcmp(name + length - behind, ending) == 0;
 }
 
-/* Of a wall, a set, ...: <kind>_<any name>_<quantity>. Those that have names are told by the runs.
- */
+/* True for columns of a wall, a set, ...: <kind>_<any name>_<quantity>. Only the runs know the
+ * names. */
 static bool is_of_an_owner(const char *column, const gn_quantity_group *group) {
     size_t length = strlen(group->kind);
     if (strncmp(column, group->kind, length) != 0 || column[length] != '_') return false;
@@ -46,7 +46,7 @@ static bool is_of_an_owner(const char *column, const gn_quantity_group *group) {
     return false;
 }
 
-/* A scene in the plane has some of those that one in space has. */
+/* A planar scene has a subset of the columns of a 3D scene. */
 static void add_columns(columns *all, const gn_quantity *quantity) {
     gn_shape_component part[GN_SHAPE_MOST];
     size_t parts = gn_shape_components(quantity->shape, 3, part);

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- which readings ---- */
+/* ---- choice of readings ---- */
 
 static void describe(gn_summary_reading *reading, const char *name, const char *unit,
                      const char *text) {
@@ -22,7 +22,7 @@ static void describe(gn_summary_reading *reading, const char *name, const char *
     snprintf(reading->text, sizeof reading->text, "%s", text);
 }
 
-/* Those of history columns are in the files of the runs. */
+/* Descriptions of history columns are in the files of the runs. */
 static void describe_known(gn_summary_reading *reading) {
 #define X(name_, unit_, text_)                                                                     \
     if (strcmp(reading->name, #name_) == 0) describe(reading, #name_, unit_, text_);
@@ -82,7 +82,7 @@ static void read_label(const gn_h5 *file, const char *set, const char *name, cha
     free(found);
 }
 
-/* The last number of a column; NaN: it has no rows. */
+/* Returns the last number of a column; NaN: it has no rows. */
 static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
                                gneiss_error *error) {
     size_t rows = 0;
@@ -97,8 +97,8 @@ static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
     return status;
 }
 
-/* NaN: the file has none; the same of `rest`. One that is there and cannot be read is no reading
- * that is absent. */
+/* Reads a reading and its `rest`; NaN: the file has none. An unreadable value is an error, not an
+ * absent reading. */
 static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *reading, double *value,
                                   double *rest, gneiss_error *error) {
     char set[GN_NAME_SIZE + 32];
@@ -121,7 +121,7 @@ static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *reading
     return read_last(file, set, value, error);
 }
 
-/* What a run that was done has to say against its numbers, in one line. */
+/* Joins the warnings of a completed run into one line. */
 static void read_warnings(const gn_h5 *file, char *text, size_t size) {
     text[0] = '\0';
     read_label(file, "/", "warnings", text, size);
@@ -161,7 +161,7 @@ static gneiss_status read_run(gn_summary *summary, size_t k, const char *folder,
     return status;
 }
 
-/* A run whose results are not to be had any more counts as one that was not done, and says why. */
+/* A run with unreadable results counts as not completed, with the reason. */
 static gneiss_status take_run(gn_summary *summary, size_t k, gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
     gn_summary_run *run = &summary->runs[k];
@@ -192,9 +192,9 @@ static gneiss_status take_run(gn_summary *summary, size_t k, gneiss_error *error
     return GNEISS_OK;
 }
 
-/* ---- all ---- */
+/* ---- all runs ---- */
 
-/* What no run has is left out, unless it was asked for. */
+/* Leaves out readings that no run has, unless they were requested. */
 static void leave_out_absent(gn_summary *summary) {
     size_t width = summary->reading_count, kept = 0;
     bool keep[USUAL];
@@ -264,7 +264,7 @@ void gn_summary_free(gn_summary *summary) {
     *summary = (gn_summary){0};
 }
 
-/* ---- whose folder it is ---- */
+/* ---- ownership of folders ---- */
 
 gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], *kind = NULL;
@@ -286,7 +286,7 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
         bool ours =
             status == GNEISS_OK ? strcmp(kind, "sweep") == 0 : gn_folder_holds_sweep(directory);
         free(kind);
-        if (ours) return GNEISS_OK; /* a damaged one is written anew from the folders of the runs */
+        if (ours) return GNEISS_OK; /* a damaged one is rewritten from the folders of the runs */
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected no file or that of a sweep: choose another folder with "
                        "--out, or --force replaces it",
@@ -295,11 +295,10 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
     for (size_t k = 0; k < 2; k++) {
         snprintf(path, sizeof path, "%s/%s", directory, own[k]);
         if (access(path, F_OK) != 0) continue;
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%.300s: a file of somebody else, with no sweep.h5 beside it: choose another "
-            "folder with --out, or --force replaces it",
-            path);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: a file of another program, without sweep.h5 beside it: choose "
+                       "another folder with --out, or --force replaces it",
+                       path);
     }
     return GNEISS_OK;
 }

@@ -1,4 +1,4 @@
-/* The summary as files. */
+/* Files of the summary. */
 #include "base/memory.h"
 #include "base/version.h"
 #include "io/files.h"
@@ -14,7 +14,7 @@
 
 /* ---- CSV ---- */
 
-/* RFC 4180. */
+/* Writes a cell by RFC 4180. */
 static void put_cell(FILE *out, const char *text) {
     if (!strpbrk(text, ",\"\r\n")) {
         fputs(text, out);
@@ -28,7 +28,7 @@ static void put_cell(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-/* An empty cell: there is none. */
+/* An absent number is an empty cell. */
 static void put_number(FILE *out, double value) {
     char text[40];
     if (isnan(value)) return;
@@ -36,7 +36,7 @@ static void put_number(FILE *out, double value) {
     fputs(text, out);
 }
 
-/* "peak_stress [Pa]", "peak_stress mean [Pa]" */
+/* Writes "peak_stress [Pa]", "peak_stress mean [Pa]". */
 static void put_head(FILE *out, const char *name, const char *what, const char *unit) {
     char text[512];
     bool shown = unit[0] && strcmp(unit, "1") != 0;
@@ -154,7 +154,7 @@ static gneiss_status write_table(const gn_summary *summary, const char *name,
 
 /* ---- HDF5 ---- */
 
-/* Texts, a line each. */
+/* Writes texts, one per line. */
 static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *summary,
                                void (*line)(FILE *out, const gn_summary *summary, size_t k),
                                size_t count, gneiss_error *error) {
@@ -206,7 +206,7 @@ static gneiss_status put_header(gn_h5 *file, const gn_summary *summary, gneiss_e
     return gn_h5_put_text(file, "scene", sweep->scene_text, error);
 }
 
-/* Numbers in SI; of what is no number its place in the texts of the attribute `values`. */
+/* Writes numbers in SI; for other values their index in the texts of the attribute `values`. */
 static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_t p, double *column,
                                    gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
@@ -238,10 +238,10 @@ static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_
 static gneiss_status put_reading(gn_h5 *file, const gn_summary *summary, size_t r, double *column,
                                  gneiss_error *error) {
     static const char *const what[] = {"count", "mean", "deviation", "interval", "rest"};
-    static const char *const texts[] = {"runs that have the reading", "mean over them",
+    static const char *const texts[] = {"runs that have the reading", "mean over these runs",
                                         "standard deviation of one run",
                                         "half the width of the 95 % interval of the mean",
-                                        "largest error of a run that more runs do not take off"};
+                                        "largest error of a run that more runs do not reduce"};
     const gn_sweep *sweep = summary->sweep;
     const gn_summary_reading *reading = &summary->readings[r];
     size_t width = summary->reading_count;
@@ -295,7 +295,8 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *summary, double *co
     return put_lines(file, "runs/message", summary, message_line, summary->sweep->run_count, error);
 }
 
-/* A reading of every envelope; `absent` says line by line why some have no number. */
+/* Writes a reading of every envelope; `absent` holds the reasons of missing numbers, one per line.
+ */
 static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envelopes, size_t offset,
                                           bool coulomb, const char *labels[3], double *column,
                                           gneiss_error *error) {
@@ -324,7 +325,7 @@ static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envel
     return status;
 }
 
-/* What each envelope is of, and which runs are in it. */
+/* Writes the parameters and the runs of each envelope. */
 static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *summary,
                                        const gn_envelopes *envelopes, double *column,
                                        gneiss_error *error) {

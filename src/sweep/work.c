@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Kills in a row without a new checkpoint in between, after which a run counts as failed. */
+/* Consecutive kills without a new checkpoint after which a run counts as failed. */
 enum { KILLS_MOST = 5 };
 
 typedef struct run_task {
@@ -24,9 +24,9 @@ typedef struct run_task {
     gn_outcome outcome;
     bool over; /* nothing more to do in this call */
     bool running;
-    bool afresh;   /* its checkpoints are of no use */
-    int kills;     /* without getting on */
-    double wanted; /* gn_now() before which it is not looked at again: its folder was in use */
+    bool afresh;   /* its checkpoints are unusable */
+    int kills;     /* without progress in between */
+    double wanted; /* gn_now() before which it is not started again: its folder was in use */
 } run_task;
 
 typedef struct run_pool {
@@ -40,22 +40,22 @@ typedef struct run_pool {
     int cores, jobs;
     bool pins;
     int core[CPU_SETSIZE]; /* numbers of the processors */
-    sigset_t signals;      /* as they were, for children */
+    sigset_t signals;      /* original mask, for children */
     double start;
-    double own_seconds; /* of runs that came to their end here */
+    double own_seconds; /* of runs that this call completed */
     size_t own_count;
     size_t done, failed, found;
     bool stopping;
 } run_pool;
 
-/* ---- what there is to do ---- */
+/* ---- tasks ---- */
 
-bool gn_sweep_mine(const gn_sweep *sweep, const gn_sweep_way *way, size_t run) {
+bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_t run) {
     return sweep->runs[run].original == run && (!way->shards || run % way->shards == way->shard);
 }
 
-gneiss_status gn_sweep_look(const gn_sweep *sweep, const char *directory, gn_outcome *outcome,
-                            gneiss_error *error) {
+gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *directory,
+                                     gn_outcome *outcome, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     for (size_t k = 0; k < sweep->run_count; k++) {
         size_t original = sweep->runs[k].original;
@@ -78,12 +78,13 @@ static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
         outcome && pool->tasks
             ? GNEISS_OK
             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu runs", sweep->run_count);
-    if (status == GNEISS_OK) status = gn_sweep_look(sweep, pool->way->directory, outcome, error);
+    if (status == GNEISS_OK)
+        status = gn_sweep_read_outcomes(sweep, pool->way->directory, outcome, error);
     for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
-        if (!gn_sweep_mine(sweep, pool->way, k)) continue;
+        if (!gn_sweep_run_in_shard(sweep, pool->way, k)) continue;
         run_task *task = &pool->tasks[pool->task_count++];
         *task = (run_task){.run = k, .outcome = outcome[k]};
-        task->over = !pool->way->force && gn_outcome_stands(&task->outcome);
+        task->over = !pool->way->force && gn_outcome_is_final(&task->outcome);
         task->afresh = pool->way->force || outcome[k].replaced;
         pool->found += task->over;
         pool->done += task->over && task->outcome.state == GN_RUN_DONE;
@@ -93,7 +94,7 @@ static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
     return status;
 }
 
-/* Processors of this process, in their order. */
+/* Lists the processors of this process, in their order. */
 static void list_cores(run_pool *pool) {
     cpu_set_t set;
     int count = 0;
@@ -104,15 +105,15 @@ static void list_cores(run_pool *pool) {
     int left = (int)(pool->task_count - pool->found);
     pool->cores = pool->way->threads > 0 ? pool->way->threads : count;
     pool->jobs = pool->way->jobs > 0 ? pool->way->jobs : pool->cores;
-    /* A part of the machine may be what another sweep was given as well. */
+    /* With part of the machine the processors may be shared with another sweep. */
     pool->pins = pool->cores == count && pool->jobs == count && left >= count;
     if (pool->jobs > left) pool->jobs = left > 0 ? left : 1;
 }
 
-/* ---- telling ---- */
+/* ---- progress ---- */
 
-/* What is left of the running ones, and for each of the others the mean of those that were done, or
- * else of those that run. */
+/* Returns the remaining time of the running runs, plus for each other run the mean time of the
+ * completed runs, or else of the running ones. */
 static double remaining(run_pool *pool) {
     double sum = 0.0, longest = 0.0, expected = 0.0, now = gn_now();
     size_t known = 0, waiting = 0;
@@ -133,7 +134,7 @@ static double remaining(run_pool *pool) {
     return fmax(longest, (sum + each * (double)waiting) / pool->jobs);
 }
 
-static void tell(run_pool *pool, const char *what, size_t run, const gn_outcome *outcome) {
+static void report_event(run_pool *pool, const char *what, size_t run, const gn_outcome *outcome) {
     if (!pool->way->watch) return;
     gn_sweep_progress p = {.total = pool->task_count,
                            .done = pool->done,
@@ -150,7 +151,7 @@ static void tell(run_pool *pool, const char *what, size_t run, const gn_outcome 
 
 /* ---- starting ---- */
 
-/* One packing is made by one run; the others find it in the cache. */
+/* One run makes a packing; the others find it in the cache. */
 static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     const char *cache = getenv("GNEISS_CACHE");
     if (!packing || (cache && strcmp(cache, "off") == 0)) return false;
@@ -163,7 +164,8 @@ static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     return false;
 }
 
-/* By a run that outlives a sweep that was killed, until it has written its checkpoint. */
+/* True if a run that outlives a killed sweep still uses the folder, until it has written its
+ * checkpoint. */
 static bool in_use(const char *folder) {
     int lock = 0;
     gneiss_error error = {0};
@@ -191,7 +193,7 @@ static gneiss_status write_scene(const run_pool *pool, const run_task *task, con
     return status;
 }
 
-/* Processors for the next run: what is free, shared with those that start beside it. */
+/* Returns the processors for the next run: a share of the free ones. */
 static int share(const run_pool *pool, const run_task *task) {
     int taken = 0, waiting = 0;
     for (size_t k = 0; k < pool->child_count; k++) taken += pool->children[k].threads;
@@ -220,7 +222,7 @@ static bool varies_threads(const gn_sweep *sweep) {
     return false;
 }
 
-/* The folder as the run wants it: what is of no use is gone, its scene is there. */
+/* Prepares the folder of a run: removes unusable files and writes its scene. */
 static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *child,
                              gneiss_error *error) {
     const char *folder = child->folder;
@@ -231,9 +233,9 @@ static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *chi
                        "followed: remove it",
                        folder);
     GN_TRY(gn_make_directory(folder, error));
-    gn_outcome_forget(folder, task->outcome.lost);
+    gn_outcome_remove(folder, task->outcome.lost);
     if (task->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
-    GN_TRY(gn_outcome_set_aside(folder, error));
+    GN_TRY(gn_outcome_rename_foreign(folder, error));
     child->resumed = !task->afresh && gn_newest_checkpoint(folder) >= 0;
     task->afresh = false;
     return child->resumed ? GNEISS_OK : write_scene(pool, task, folder, error);
@@ -264,11 +266,11 @@ static gneiss_status start(run_pool *pool, run_task *task, bool *started, gneiss
     GN_TRY(gn_child_start(child, &way, error));
     *started = task->running = true;
     pool->child_task[pool->child_count++] = (size_t)(task - pool->tasks);
-    tell(pool, child->resumed ? "resumed" : "started", task->run, NULL);
+    report_event(pool, child->resumed ? "resumed" : "started", task->run, NULL);
     return GNEISS_OK;
 }
 
-/* *held: something waits that could run but for a packing or a folder in use. */
+/* *held: a run waits for a packing or for a folder in use. */
 static gneiss_status start_more(run_pool *pool, bool *held, gneiss_error *error) {
     *held = false;
     for (size_t k = 0; k < pool->task_count && pool->child_count < (size_t)pool->jobs; k++) {
@@ -294,8 +296,8 @@ static bool was_killed(const gn_outcome *outcome) {
            outcome->code == GNEISS_INTERRUPTED;
 }
 
-/* A run that somebody ended goes on, unless that happens again and again without its getting on. */
-static bool goes_on(run_task *task, const gn_child *child) {
+/* A run that was killed is resumed, unless this happens repeatedly without progress. */
+static bool may_resume(run_task *task, const gn_child *child) {
     if (gn_newest_checkpoint(child->folder) > child->from_step) task->kills = 0;
     return ++task->kills < KILLS_MOST;
 }
@@ -310,11 +312,11 @@ static gneiss_status take_in(run_pool *pool, size_t place, int wait_status, gnei
     gn_child_outcome(&child, wait_status, &task->outcome);
     bool killed = was_killed(&task->outcome);
     if (killed && pool->stopping) return GNEISS_OK;
-    if (killed && goes_on(task, &child)) {
-        tell(pool, "killed", task->run, &task->outcome);
+    if (killed && may_resume(task, &child)) {
+        report_event(pool, "killed", task->run, &task->outcome);
         return GNEISS_OK;
     }
-    if (task->outcome.code == GNEISS_ERROR_INPUT && child.resumed) { /* no checkpoint can be used */
+    if (task->outcome.code == GNEISS_ERROR_INPUT && child.resumed) { /* no usable checkpoint */
         task->afresh = true;
         return GNEISS_OK;
     }
@@ -325,7 +327,7 @@ static gneiss_status take_in(run_pool *pool, size_t place, int wait_status, gnei
     pool->own_seconds += gn_now() - child.start;
     pool->own_count++;
     GN_TRY(gn_outcome_write(child.folder, &task->outcome, error));
-    tell(pool, done ? "done" : "failed", task->run, &task->outcome);
+    report_event(pool, done ? "done" : "failed", task->run, &task->outcome);
     return GNEISS_OK;
 }
 
@@ -344,7 +346,7 @@ static gneiss_status reap(run_pool *pool, gneiss_error *error) {
     return first;
 }
 
-/* Until a child ends or a signal comes, no longer than so many seconds. */
+/* Waits until a child ends or a signal comes, for at most so many seconds. */
 static void wait_a_while(double seconds) {
     sigset_t child;
     sigemptyset(&child);
@@ -353,14 +355,14 @@ static void wait_a_while(double seconds) {
     (void)sigtimedwait(&child, NULL, &most);
 }
 
-/* Once: a second signal would end them at once. */
+/* Signals the children once: a second signal would end them without checkpoints. */
 static void stop(run_pool *pool) {
     if (pool->stopping) return;
     pool->stopping = true;
     for (size_t k = 0; k < pool->child_count; k++) kill(pool->children[k].pid, SIGTERM);
 }
 
-/* ---- the whole ---- */
+/* ---- all runs ---- */
 
 static bool all_over(const run_pool *pool) {
     return pool->child_count == 0 &&
@@ -371,7 +373,7 @@ static gneiss_status carry_out(run_pool *pool, gneiss_error *error) {
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; k < pool->task_count; k++)
         if (pool->tasks[k].outcome.lost && !pool->way->force)
-            tell(pool, "lost", pool->tasks[k].run, &pool->tasks[k].outcome);
+            report_event(pool, "lost", pool->tasks[k].run, &pool->tasks[k].outcome);
     while (!all_over(pool)) {
         bool held = false;
         if (pool->way->interrupted && *pool->way->interrupted) stop(pool);
@@ -382,12 +384,12 @@ static gneiss_status carry_out(run_pool *pool, gneiss_error *error) {
         wait_a_while(held ? 0.05 : 0.5);
         gneiss_status more = reap(pool, status == GNEISS_OK ? error : NULL);
         if (more != GNEISS_OK && status == GNEISS_OK) status = more, stop(pool);
-        tell(pool, NULL, 0, NULL);
+        report_event(pool, NULL, 0, NULL);
     }
     GN_TRY(status);
     if (pool->done + pool->failed == pool->task_count) return GNEISS_OK;
     return gn_fail(error, GNEISS_INTERRUPTED,
-                   "%zu of %zu runs are done; the same command goes on with the rest", pool->done,
+                   "%zu of %zu runs are done; repeat the command to run the rest", pool->done,
                    pool->task_count);
 }
 
