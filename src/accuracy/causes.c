@@ -150,8 +150,8 @@ static void predict_particles(const gn_test_groups *groups, const char *reading,
     add_scatter(causes, groups, reading, effect, "packing", group, of_many(groups, reading));
     add_scatter(causes, groups, reading, "round-off", "round-off", 0.0, 1.0);
     if (groups->mixed) add_bias(causes, groups, reading, "precision", "precision", 0.0);
-    if (groups->masses > 1.0 &&
-        !add_bias(causes, groups, reading, "mass scaling", "mass scaling", groups->masses))
+    if (groups->step_ratio > 1.0 &&
+        !add_bias(causes, groups, reading, "mass scaling", "mass scaling", groups->step_ratio))
         gn_causes_note(causes, "mass scaling: the study has no law of it");
     if (groups->first_break && !add_bias(causes, groups, reading, "start", "start", 0.0))
         gn_causes_note(causes, "start: the study has no law of it");

@@ -19,7 +19,7 @@ typedef struct gn_test_groups {
     double cell;                /* elements: group of the mesh law; 0: none */
     double tip;                 /* reciprocal number of cells over half a notch; 0: no notch */
     const char *mesh;           /* elements: effect of the mesh law */
-    double masses;              /* step over that without added mass; 1: none was added */
+    double step_ratio;          /* step over that without added mass; 1: none was added */
     bool first_break;           /* steps begin at the first break */
     double damping; /* coefficient of the non-viscous damping; negative: another model */
 } gn_test_groups;

@@ -126,7 +126,7 @@ static const char *cover_particles(const gn_world *world, gn_test_groups *groups
     groups->bonds = bonds_of(scene);
     groups->particles = (double)world->dem.particles.soa.count;
     groups->across = particles_across(world);
-    groups->masses =
+    groups->step_ratio =
         world->dem.scaling.step > 0.0 ? world->dem.scaling.step / world->dem.scaling.unscaled : 1.0;
     groups->first_break = scene->start == GN_START_FIRST_BREAK;
     groups->damping = damping_of(scene);
@@ -157,7 +157,7 @@ static const char *cover_elements(const gn_scene *scene, gn_test_groups *groups)
 
 const char *gn_study_find_case(const gn_world *world, gn_test_groups *groups) {
     const gn_scene *scene = &world->scene;
-    *groups = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
+    *groups = (gn_test_groups){.packings = 1.0, .step_ratio = 1.0, .speed = NAN, .across = NAN};
     if (scene->test.kind == GN_TEST_NONE) return "the scene has no test";
     if (scene->stage_count) return "the study has no test in stages";
     const char *reason =

@@ -32,25 +32,25 @@ static void print_estimate(const gn_plan *plan, const gn_world *world) {
     const gn_estimate *estimate = &plan->estimate;
     printf("estimated from the specimen, by the study's case '%s'\n", estimate->study);
     if (estimate->elements) {
-        printf("  closing          %.4g m/s over %.3g %% of strain\n", estimate->closing,
-               100.0 * estimate->path);
+        printf("  closing          %.4g m/s over %.3g %% of strain\n", estimate->closing_velocity,
+               100.0 * estimate->path_strain);
         return;
     }
     printf("  E                %.4g GPa (%.4g in uniform strain), wave speed %.4g m/s\n",
-           estimate->modulus / 1e9, estimate->uniform / 1e9, estimate->wave);
+           estimate->modulus / 1e9, estimate->uniform_modulus / 1e9, estimate->wave_speed);
     if (isfinite(estimate->strain))
         printf("  peak             %.4g MPa at %.3g %% between the ends\n",
                estimate->strength / 1e6, 100.0 * estimate->strain);
     else
         printf("  peak             none: there are no breakable bonds\n");
-    printf("  closing          %.4g m/s, over wave speed and strain: %.2g\n", estimate->closing,
-           estimate->speed);
+    printf("  closing          %.4g m/s, over wave speed and strain: %.2g\n",
+           estimate->closing_velocity, estimate->speed);
     printf("  across           %.3g of %zu particles\n", estimate->across,
            world->dem.particles.soa.count);
 }
 
 static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
-    double closing = plan->estimate.closing * proposal->pace;
+    double closing = plan->estimate.closing_velocity * proposal->pace;
     printf("  loading          %.4g m/s, sum of both ends", closing);
     if (proposal->pace != 1.0) printf(" (%.3g of the scene's)", proposal->pace);
     printf("\n");
@@ -68,10 +68,10 @@ static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
     printf("  precision        %s\n", proposal->mixed ? "mixed" : "double");
     if (!plan->groups.mesh) {
         printf("  start            %s\n", proposal->first_break ? "first_break" : "rest");
-        printf("  mass scaling     %s", proposal->masses > 1.0 ? "" : "none\n");
-        if (proposal->masses > 1.0)
-            printf("%.3g of the step without, %.6g %% more mass\n", proposal->masses,
-                   gn_two_digits(100.0 * proposal->added));
+        printf("  mass scaling     %s", proposal->step_ratio > 1.0 ? "" : "none\n");
+        if (proposal->step_ratio > 1.0)
+            printf("%.3g of the step without, %.6g %% more mass\n", proposal->step_ratio,
+                   gn_two_digits(100.0 * proposal->added_mass));
     }
 }
 
@@ -129,14 +129,14 @@ static void print_floor(const gn_plan *plan, const gn_world *world) {
 
 static void print_plan(const gn_plan *plan, const gn_world *world) {
     print_estimate(plan, world);
-    print_proposal("as the scene is", plan, &plan->as_is);
+    print_proposal("as the scene is", plan, &plan->current);
     if (!plan->reached) print_floor(plan, world);
     char title[96];
     snprintf(title, sizeof title, "proposed for the %s within %.3g %%, at 95 %% confidence",
              plan->wanted.reading, 100.0 * (plan->reached ? plan->wanted.error : plan->best.error));
     if (plan->best.error <= 1.0) print_proposal(title, plan, &plan->best);
-    if (plan->no_statics && !plan->groups.mesh)
-        printf("  note: start: first_break expects %s\n", plan->no_statics);
+    if (plan->statics_refusal && !plan->groups.mesh)
+        printf("  note: start: first_break expects %s\n", plan->statics_refusal);
 }
 
 /* --- JSON --- */
@@ -145,15 +145,15 @@ static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
                           const gn_proposal *proposal) {
     gn_json_object(json, key);
     gn_json_number(json, "pace", proposal->pace);
-    gn_json_number(json, "closing", plan->estimate.closing * proposal->pace);
+    gn_json_number(json, "closing", plan->estimate.closing_velocity * proposal->pace);
     if (!plan->groups.mesh) gn_json_number(json, "particles", proposal->particles);
     gn_json_integer(json, "packings", proposal->packings);
     if (plan->groups.mesh) gn_json_number(json, "cell", proposal->cell);
     gn_json_number(json, "safety", proposal->safety);
     gn_json_text(json, "precision", proposal->mixed ? "mixed" : "double");
     gn_json_text(json, "start", proposal->first_break ? "first_break" : "rest");
-    gn_json_number(json, "mass_scaling", proposal->masses);
-    gn_json_number(json, "added_mass", proposal->added);
+    gn_json_number(json, "mass_scaling", proposal->step_ratio);
+    gn_json_number(json, "added_mass", proposal->added_mass);
     gn_json_number(json, "error", proposal->error);
     gn_json_object(json, "causes");
     for (size_t k = 0; k < proposal->causes.count; k++)
@@ -171,14 +171,14 @@ static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
 static void json_estimate(gn_json *json, const gn_estimate *estimate) {
     gn_json_object(json, "estimate");
     gn_json_text(json, "study", estimate->study);
-    gn_json_number(json, "closing", estimate->closing);
-    gn_json_number(json, "path", estimate->path);
-    gn_json_number(json, "end", estimate->end);
-    gn_json_number(json, "uniform_modulus", estimate->uniform);
+    gn_json_number(json, "closing", estimate->closing_velocity);
+    gn_json_number(json, "path", estimate->path_strain);
+    gn_json_number(json, "end", estimate->end_strain);
+    gn_json_number(json, "uniform_modulus", estimate->uniform_modulus);
     gn_json_number(json, "uniform_poisson", estimate->poisson);
-    gn_json_number(json, "breaking_strain", estimate->breaking);
+    gn_json_number(json, "breaking_strain", estimate->breaking_strain);
     gn_json_number(json, "modulus", estimate->modulus);
-    gn_json_number(json, "wave", estimate->wave);
+    gn_json_number(json, "wave", estimate->wave_speed);
     gn_json_number(json, "strength", estimate->strength);
     gn_json_number(json, "strain", estimate->strain);
     gn_json_number(json, "compliance", estimate->compliance);
@@ -204,7 +204,7 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
     gn_json_number(json, "setup", plan->setup);
     gn_json_end(json);
     json_estimate(json, &plan->estimate);
-    json_proposal(json, "as_is", plan, &plan->as_is);
+    json_proposal(json, "as_is", plan, &plan->current);
     json_proposal(json, "proposed", plan, &plan->best);
     char *text = gn_json_finish(json, false);
     if (text) puts(text);

@@ -26,7 +26,7 @@ gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gnei
 }
 
 gneiss_status gn_time_fixed_steps(gn_world *world, double *seconds, gneiss_error *error) {
-    const double work = 2e7; /* of elements and particles */
+    const double work = 2e7; /* element and particle steps */
     const double size =
         (double)(world->dem.particles.soa.count + gn_elements_totals(world).elements);
     const int most = (int)fmin(fmax(work / fmax(size, 1.0), 20.0), 400.0);

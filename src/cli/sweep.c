@@ -286,8 +286,8 @@ static gneiss_status command(const gn_options *options, bool alone, bool *wanted
                                       wanted, error)
                   : gn_sweep_load(options->target, overrides, count, options->seeds, sweep, error);
     /* Problems of a scene that is run once are reported by that run. */
-    bool told = status == GNEISS_ERROR_MEMORY || !alone || options->seeds || *wanted;
-    if (status != GNEISS_OK && !told) status = GNEISS_OK;
+    bool reported = status == GNEISS_ERROR_MEMORY || !alone || options->seeds || *wanted;
+    if (status != GNEISS_OK && !reported) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {
         gn_print_notes(&sweep->notes);
         status = sweep_into(options, sweep, way, error);

@@ -7,9 +7,9 @@
 
 /* Processor time in s, summed over threads. */
 typedef struct gn_cost {
-    double particle, contact; /* of one in a step; contacts: bonds and pairs of the lists */
-    double element;           /* of one in a step */
-    double row;               /* of a particle or element, per row of the history */
+    double particle, contact; /* per item and step; contacts: bonds and pairs of the lists */
+    double element;           /* per item and step */
+    double row;               /* per particle or element and row of the history */
 } gn_cost;
 
 /* Measures the cost; `mixed`: the precision. GNEISS_ERROR_INPUT: the parts of the scene do not

@@ -38,7 +38,7 @@ static void uniform_strain(const gn_world *world, gn_estimate *estimate) {
         D += kn * rest * rest + kt * rest * square;
     }
     estimate->poisson = B / D;
-    estimate->uniform = (A - B * estimate->poisson) / world->volume;
+    estimate->uniform_modulus = (A - B * estimate->poisson) / world->volume;
 }
 
 /* Computes the strains at which bond c reaches its strength in tension and in shear, INFINITY:
@@ -94,7 +94,8 @@ static gneiss_status find_breaking(const gn_world *world, gn_estimate *estimate,
         const size_t place = (size_t)(share * (double)holding);
         qsort(tension, holding, sizeof *tension, by_size);
         qsort(slip, holding, sizeof *slip, by_size);
-        estimate->breaking = combined_breaking_strain(&world->scene, tension[place], slip[place]);
+        estimate->breaking_strain =
+            combined_breaking_strain(&world->scene, tension[place], slip[place]);
     }
     gn_free(tension);
     gn_free(slip);
@@ -141,7 +142,7 @@ static double wall_compliance(const gn_world *world) {
 static double predicted_end(const gn_world *world, const gn_estimate *estimate) {
     const gn_scene *scene = &world->scene;
     const gn_stops stops = gn_scene_stops(scene);
-    double end = estimate->path;
+    double end = estimate->path_strain;
     if (stops.strain > 0.0) end = fmin(end, stops.strain);
     if (stops.peak_drop > 0.0)
         end = fmin(end, estimate->strain * gn_slope_base_of(estimate->study, "end over peak"));
@@ -154,11 +155,11 @@ static void predict_peak(const gn_world *world, gn_estimate *estimate) {
         (double)world->dem.particles.soa.count / gn_slope_base_of(estimate->study, "particles");
     double secant = gn_slope_base_of(estimate->study, "strength over modulus and strain");
     estimate->body_strain =
-        estimate->breaking *
+        estimate->breaking_strain *
         gn_slope_base_of(estimate->study, "strain at the peak over breaking strain") *
         pow(finer, gn_slope_base_of(estimate->study, "power of strain over particles"));
     estimate->strength = secant * estimate->modulus * estimate->body_strain;
-    estimate->strain = estimate->body_strain + estimate->strength * estimate->ends;
+    estimate->strain = estimate->body_strain + estimate->strength * estimate->predicted_compliance;
     estimate->first_break =
         estimate->strain * gn_slope_base_of(estimate->study, "first break over peak");
 }
@@ -167,9 +168,9 @@ static void predict_peak(const gn_world *world, gn_estimate *estimate) {
 static void predict_elements(const gn_world *world, gn_estimate *estimate) {
     estimate->elements = true;
     estimate->body_strain = estimate->strain = estimate->strength = INFINITY;
-    estimate->end = estimate->path;
+    estimate->end_strain = estimate->path_strain;
     if (world->scene.stop_strain > 0.0)
-        estimate->end = fmin(estimate->end, world->scene.stop_strain);
+        estimate->end_strain = fmin(estimate->end_strain, world->scene.stop_strain);
 }
 
 gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gneiss_error *error) {
@@ -179,9 +180,9 @@ gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gne
     estimate->absent = gn_study_find_case(world, &groups);
     if (estimate->absent) return GNEISS_OK;
     estimate->study = groups.study;
-    estimate->closing = gn_test_fastest(scene);
-    estimate->path = gn_test_path(scene, scene->end) / world->test_length;
-    if (!(estimate->closing > 0.0) || !(estimate->path > 0.0))
+    estimate->closing_velocity = gn_test_fastest(scene);
+    estimate->path_strain = gn_test_path(scene, scene->end) / world->test_length;
+    if (!(estimate->closing_velocity > 0.0) || !(estimate->path_strain > 0.0))
         estimate->absent =
             "the ends of the test do not move in its sense (servos and loads cannot be planned)";
     if (estimate->absent) return GNEISS_OK;
@@ -191,29 +192,32 @@ gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gne
     }
     estimate->across = groups.across;
     estimate->radius = gn_world_mean_radius(world);
-    estimate->bulk = gn_test_bulk_density(world);
+    estimate->bulk_density = gn_test_bulk_density(world);
     estimate->compliance = wall_compliance(world);
     if (estimate->compliance > 0.0)
-        estimate->ends = estimate->compliance *
-                         gn_slope_base_of("compression", "strain of the ends over that foretold");
+        estimate->predicted_compliance =
+            estimate->compliance *
+            gn_slope_base_of("compression", "strain of the ends over that foretold");
     uniform_strain(world, estimate);
-    estimate->modulus =
-        estimate->uniform * gn_slope_base_of(estimate->study, "modulus over uniform strain");
-    estimate->wave = sqrt(estimate->modulus / estimate->bulk);
+    estimate->modulus = estimate->uniform_modulus *
+                        gn_slope_base_of(estimate->study, "modulus over uniform strain");
+    estimate->wave_speed = sqrt(estimate->modulus / estimate->bulk_density);
     GN_TRY(find_breaking(world, estimate, error));
     predict_peak(world, estimate);
-    estimate->end = predicted_end(world, estimate);
-    estimate->speed = estimate->closing / (estimate->wave * fmin(estimate->strain, estimate->end));
+    estimate->end_strain = predicted_end(world, estimate);
+    estimate->speed = estimate->closing_velocity /
+                      (estimate->wave_speed * fmin(estimate->strain, estimate->end_strain));
     return GNEISS_OK;
 }
 
 /* Bisection: the path of the ends increases with time. */
 double gn_estimate_end(const gn_world *world, const gn_estimate *estimate) {
     double low = 0.0, high = world->scene.end;
-    if (estimate->absent || !isfinite(estimate->end) || !(estimate->end > 0.0)) return 0.0;
+    if (estimate->absent || !isfinite(estimate->end_strain) || !(estimate->end_strain > 0.0))
+        return 0.0;
     for (int k = 0; k < 60; k++) {
         const double middle = 0.5 * (low + high);
-        if (gn_test_path(&world->scene, middle) < estimate->end * world->test_length)
+        if (gn_test_path(&world->scene, middle) < estimate->end_strain * world->test_length)
             low = middle;
         else
             high = middle;

@@ -7,25 +7,26 @@
 
 typedef struct gn_estimate {
     const char *study;  /* case of the study that represents the scene */
-    const char *absent; /* why there is no estimate; NULL: there is one */
+    const char *absent; /* reason why there is no estimate; NULL: there is one */
     bool elements;      /* a mesh: only closing, path and rows are valid */
     double modulus, poisson,
-        bulk;           /* Pa, -, kg/m3; predicted E, Poisson's ratio in uniform strain */
-    double uniform;     /* Pa: E of uniform strain */
-    double wave;        /* m/s: root of E over bulk density */
-    double breaking;    /* uniform strain at which a twentieth of the bonds reaches its strength */
-    double body_strain; /* at the peak, without the ends; INFINITY: there are no breakable bonds */
-    double strength;    /* Pa */
-    double strain;      /* between the ends at the peak, or INFINITY */
-    double compliance;  /* 1/Pa: strain of the walls with the particles initially near them */
-    double ends;        /* 1/Pa: predicted strain of the walls */
-    double first_break; /* strain */
-    double closing;     /* m/s: closing velocity of both ends, the largest */
-    double path;        /* strain up to time.end */
-    double end;         /* predicted strain at the end of the run */
-    double speed;       /* dimensionless group of the velocity law */
-    double across;      /* particles across the test's axis */
-    double radius;      /* m, mean */
+        bulk_density;       /* Pa, -, kg/m3; predicted E, Poisson's ratio in uniform strain */
+    double uniform_modulus; /* Pa: E of uniform strain */
+    double wave_speed;      /* m/s: root of E over bulk density */
+    double
+        breaking_strain; /* uniform strain at which a twentieth of the bonds reaches its strength */
+    double body_strain;  /* at the peak, without the ends; INFINITY: there are no breakable bonds */
+    double strength;     /* Pa */
+    double strain;       /* between the ends at the peak, or INFINITY */
+    double compliance;   /* 1/Pa: strain of the walls with the particles initially near them */
+    double predicted_compliance; /* 1/Pa: predicted strain of the walls */
+    double first_break;          /* strain */
+    double closing_velocity;     /* m/s: closing velocity of both ends, the largest */
+    double path_strain;          /* strain up to time.end */
+    double end_strain;           /* predicted strain at the end of the run */
+    double speed;                /* dimensionless group of the velocity law */
+    double across;               /* particles across the test's axis */
+    double radius;               /* m, mean */
 } gn_estimate;
 
 /* Makes the estimate; if the scene is no test of the study, sets only `absent` and what it needs.

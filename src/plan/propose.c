@@ -21,7 +21,7 @@ static double step_ratio(const gn_world *world, const gn_plan *plan, const gn_pr
     double finer = proposal->particles / plan->groups.particles;
     double gain = breaks ? gn_slope_base_of(plan->estimate.study, "power of added mass") : 1.0;
     return proposal->safety / plan->groups.safety *
-           pow(proposal->masses / plan->groups.masses, gain) *
+           pow(proposal->step_ratio / plan->groups.step_ratio, gain) *
            pow(finer, -1.0 / (double)world->scene.dimension);
 }
 
@@ -30,8 +30,8 @@ static double step_ratio(const gn_world *world, const gn_plan *plan, const gn_pr
 static double duration(const gn_world *world, const gn_plan *plan, double pace) {
     const gn_estimate *estimate = &plan->estimate;
     double length = world->test_length,
-           before = world->scene.end - estimate->path * length / estimate->closing;
-    return (estimate->end * length / estimate->closing + before) / pace;
+           before = world->scene.end - estimate->path_strain * length / estimate->closing_velocity;
+    return (estimate->end_strain * length / estimate->closing_velocity + before) / pace;
 }
 
 /* Statics replace the steps up to 0.9 of the first break, and cost as many steps as in the study's
@@ -41,7 +41,7 @@ static double steps_of_start(const gn_world *world, const gn_plan *plan,
     const double fraction = 0.9;
     const gn_estimate *estimate = &plan->estimate;
     double saved = fraction * estimate->first_break * world->test_length /
-                   (estimate->closing * proposal->pace) / dt;
+                   (estimate->closing_velocity * proposal->pace) / dt;
     double cost = gn_slope_base_of(estimate->study, "statics in steps");
     double of = gn_slope_base_of(estimate->study, "particles");
     return cost * pow(proposal->particles / of, 1.0 / (double)world->scene.dimension) - saved;
@@ -62,7 +62,7 @@ static double particle_step(const gn_world *world, const gn_cost *cost) {
 static void price_particles(const gn_world *world, const gn_plan *plan, gn_proposal *proposal) {
     const gn_estimate *estimate = &plan->estimate;
     const gn_cost *cost = &plan->cost[proposal->mixed];
-    bool breaks = estimate->end >= estimate->strain;
+    bool breaks = estimate->end_strain >= estimate->strain;
     double each = particle_step(world, cost),
            dt = world->dt * step_ratio(world, plan, proposal, breaks);
     double longer =
@@ -108,10 +108,10 @@ void gn_plan_correct(const gn_world *world, const gn_plan *plan, gn_proposal *pr
 static void judge(const gn_plan *plan, const gn_world *world, gn_proposal *proposal) {
     gn_test_groups g = plan->groups;
     /* Waves are delayed by at most the root of the mass (docs/evidence/mass-scaling.md). */
-    g.speed = plan->estimate.speed * proposal->pace * sqrt(1.0 + proposal->added);
+    g.speed = plan->estimate.speed * proposal->pace * sqrt(1.0 + proposal->added_mass);
     g.safety = proposal->safety;
     g.mixed = proposal->mixed;
-    g.masses = proposal->of_bound;
+    g.step_ratio = proposal->bound_step_ratio;
     g.first_break = proposal->first_break;
     g.packings = proposal->packings;
     g.across *= pow(proposal->particles / g.particles, 1.0 / (double)world->scene.dimension);
@@ -164,7 +164,7 @@ static void try_ways(setting_search *search, gn_proposal proposal) {
     bool masses = gn_slope_find(plan->groups.study, plan->reading, "mass scaling", false) &&
                   search->world->scene.gravity[0] == 0.0 &&
                   search->world->scene.gravity[1] == 0.0 && search->world->scene.gravity[2] == 0.0;
-    bool start = !plan->no_statics && isfinite(plan->estimate.strain) &&
+    bool start = !plan->statics_refusal && isfinite(plan->estimate.strain) &&
                  gn_slope_find(plan->groups.study, plan->reading, "start", false);
     const int precisions = plan->mixed_known ? 2 : 1, starts = start ? 2 : 1;
     for (int mixed = 0; mixed < precisions; mixed++)
@@ -172,10 +172,10 @@ static void try_ways(setting_search *search, gn_proposal proposal) {
             for (size_t m = 0; m < (masses ? COUNT(factors) : 1); m++) {
                 proposal.mixed = mixed;
                 proposal.first_break = first;
-                proposal.masses = factors[m];
-                proposal.of_bound = m ? plan->of_bound[m] : 1.0;
-                proposal.added = m ? plan->added[m] : 0.0;
-                if (proposal.added <= added_most) consider(search, proposal);
+                proposal.step_ratio = factors[m];
+                proposal.bound_step_ratio = m ? plan->bound_step_ratio[m] : 1.0;
+                proposal.added_mass = m ? plan->added_mass[m] : 0.0;
+                if (proposal.added_mass <= added_most) consider(search, proposal);
             }
 }
 
@@ -232,8 +232,8 @@ static void try_cells(setting_search *search, gn_proposal proposal) {
 static gn_proposal current_settings(const gn_world *world, const gn_plan *plan) {
     gn_proposal p = {.pace = 1.0, .particles = plan->groups.particles, .packings = 1, .cell = 1.0};
     p.safety = plan->groups.safety;
-    p.masses = p.of_bound = plan->groups.masses;
-    p.added = world->dem.mass > 0.0 ? world->dem.scaling.added / world->dem.mass : 0.0;
+    p.step_ratio = p.bound_step_ratio = plan->groups.step_ratio;
+    p.added_mass = world->dem.mass > 0.0 ? world->dem.scaling.added / world->dem.mass : 0.0;
     p.mixed = plan->groups.mixed;
     p.first_break = plan->groups.first_break;
     judge(plan, world, &p);
@@ -245,9 +245,9 @@ static void search_settings(const gn_world *world, gn_plan *plan, double target,
                             setting_search *search) {
     *search = (setting_search){.world = world, .plan = plan, .target = target};
     if (plan->groups.mesh)
-        try_cells(search, plan->as_is);
+        try_cells(search, plan->current);
     else
-        try_all(search, plan->as_is);
+        try_all(search, plan->current);
 }
 
 /* Returns the study's name of the requested reading of this test. */
@@ -265,7 +265,7 @@ static const char *cannot(const gn_plan *plan) {
         return "finite elements have no strength: --reading stiffness";
     if (strength && !isfinite(estimate->strain))
         return "there are no breakable bonds in this scene: --reading stiffness";
-    if (strength && estimate->strain > estimate->path)
+    if (strength && estimate->strain > estimate->path_strain)
         return "no peak is predicted before time.end: --reading stiffness, or a later end";
     return NULL;
 }
@@ -294,17 +294,17 @@ static const char *cannot_start(const gn_world *world) {
  * each particle, so that debris can be scaled as well, and checks during the run need no
  * iterations. */
 static gneiss_status measure_masses(const gn_world *world, gn_plan *plan, gneiss_error *error) {
-    plan->unscaled = plan->groups.masses > 1.0 ? world->dem.scaling.unscaled : world->dt;
+    plan->unscaled_step = plan->groups.step_ratio > 1.0 ? world->dem.scaling.unscaled : world->dt;
     for (size_t m = 1; !plan->groups.mesh && m < COUNT(factors); m++)
-        GN_TRY(gn_dem_foretell_masses(world, factors[m] * plan->unscaled, &plan->of_bound[m],
-                                      &plan->added[m], error));
+        GN_TRY(gn_dem_foretell_masses(world, factors[m] * plan->unscaled_step,
+                                      &plan->bound_step_ratio[m], &plan->added_mass[m], error));
     return GNEISS_OK;
 }
 
 gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, double setup,
                            gn_plan *plan, gneiss_error *error) {
     setting_search q;
-    *plan = (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = cannot_start(world)};
+    *plan = (gn_plan){.wanted = *wanted, .setup = setup, .statics_refusal = cannot_start(world)};
     gn_study_find_case(world, &plan->groups);
     GN_TRY(gn_estimate_make(world, &plan->estimate, error));
     plan->absent = cannot(plan);
@@ -312,11 +312,11 @@ gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, doubl
     plan->reading = name_of_reading(plan);
     GN_TRY(measure_costs(world, plan, error));
     GN_TRY(measure_masses(world, plan, error));
-    plan->as_is = current_settings(world, plan);
+    plan->current = current_settings(world, plan);
     search_settings(world, plan, wanted->error, &q);
     plan->reached = q.reached;
     /* If the error cannot be reached, the search comes within a tenth of the least one. */
     if (!q.reached) search_settings(world, plan, 1.1 * q.least.error, &q);
-    plan->best = q.reached ? q.best : plan->as_is; /* no alternatives */
+    plan->best = q.reached ? q.best : plan->current; /* no alternatives */
     return GNEISS_OK;
 }

@@ -15,18 +15,19 @@ typedef struct gn_wanted {
 
 typedef struct gn_proposal {
     double pace;      /* loading speed over that of the scene */
-    double particles; /* of one packing */
+    double particles; /* number in one packing */
     int packings;     /* number of packings that are averaged */
     double safety;
-    double masses;   /* step over that without added mass, by the scene's own estimate */
-    double of_bound; /* step over that without added mass by the bound, used for another factor */
-    double added;    /* added mass over the particles' own */
+    double step_ratio;       /* step over that without added mass, by the scene's own estimate */
+    double bound_step_ratio; /* step over that without added mass by the bound, used for another
+                                factor */
+    double added_mass;       /* added mass over the particles' own */
     bool mixed, first_break;
     double cell; /* elements: cell side over that of the scene; 1/cell times as many layers */
     gn_error_causes causes;
     double error;
-    double steps;   /* of one run */
-    double seconds; /* of processor time, one thread, all packings, packing included */
+    double steps;   /* number in one run */
+    double seconds; /* processor time, one thread, all packings, packing included */
 } gn_proposal;
 
 enum { GN_PLAN_FACTORS = 5 };
@@ -38,13 +39,14 @@ typedef struct gn_plan {
     gn_estimate estimate;
     gn_cost cost[2]; /* in double and mixed precision */
     bool mixed_known;
-    double unscaled;                                          /* s: the step without added mass */
-    double of_bound[GN_PLAN_FACTORS], added[GN_PLAN_FACTORS]; /* see gn_proposal */
-    double setup;            /* s of processor time for making the world */
-    const char *no_statics;  /* why steps cannot begin at the first break; NULL: they can */
-    gn_proposal as_is, best; /* settings of the scene; proposed settings */
-    bool reached;            /* the requested error is reached */
-    const char *absent;      /* why there is no plan; NULL: there is one */
+    double unscaled_step; /* s: the step without added mass */
+    double bound_step_ratio[GN_PLAN_FACTORS], added_mass[GN_PLAN_FACTORS]; /* see gn_proposal */
+    double setup; /* s of processor time for making the world */
+    const char
+        *statics_refusal; /* reason why steps cannot begin at the first break; NULL: they can */
+    gn_proposal current, best; /* settings of the scene; proposed settings */
+    bool reached;              /* the requested error is reached */
+    const char *absent;        /* reason why there is no plan; NULL: there is one */
 } gn_plan;
 
 /* Makes a plan. `setup`: s of processor time of gn_world_create. */

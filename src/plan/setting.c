@@ -95,7 +95,8 @@ static gneiss_status put_motion(gn_settings *settings, const char *list, size_t 
 double gn_plan_end(const gn_plan *plan, const gn_scene *scene, double pace) {
     const gn_estimate *estimate = &plan->estimate;
     const double peaks = 4.0;
-    double far = isfinite(estimate->strain) ? estimate->path / (peaks * estimate->strain) : 1.0;
+    double far =
+        isfinite(estimate->strain) ? estimate->path_strain / (peaks * estimate->strain) : 1.0;
     return scene->end / pace / (pace < 1.0 ? fmax(1.0, far) : 1.0);
 }
 
@@ -104,7 +105,7 @@ double gn_plan_history_rows(const gn_plan *plan, const gn_scene *scene, double p
     const double least = 100.0, most = 1e6;
     double rows = (double)scene->history_rows;
     if (!isfinite(estimate->strain) || !(rows > 0.0)) return rows;
-    double path = estimate->path * gn_plan_end(plan, scene, pace) * pace / scene->end;
+    double path = estimate->path_strain * gn_plan_end(plan, scene, pace) * pace / scene->end;
     return fmin(fmax(rows, ceil(least * path / estimate->strain)), fmax(rows, most));
 }
 
@@ -135,18 +136,19 @@ static gneiss_status put_cells(gn_settings *settings, const gn_scene *scene, dou
 /* The target step is given in seconds, so that other packings take the same. */
 static gneiss_status put_masses(gn_settings *settings, const gn_plan *plan, const gn_scene *scene,
                                 const gn_proposal *proposal, gneiss_error *error) {
-    if (plan->groups.mesh || fabs(proposal->masses / plan->groups.masses - 1.0) <= 1e-3)
+    if (plan->groups.mesh || fabs(proposal->step_ratio / plan->groups.step_ratio - 1.0) <= 1e-3)
         return GNEISS_OK;
-    if (scene->scaled_step > 0.0 && proposal->masses == 1.0)
+    if (scene->scaled_step > 0.0 && proposal->step_ratio == 1.0)
         GN_TRY(put(settings, error, "time.mass_scaling.step", "none"));
-    if (proposal->masses == 1.0) return put(settings, error, "time.mass_scaling.factor", "1");
+    if (proposal->step_ratio == 1.0) return put(settings, error, "time.mass_scaling.factor", "1");
     if (scene->scaled_factor > 0.0)
         GN_TRY(put(settings, error, "time.mass_scaling.factor", "none"));
     if (scene->estimate != GN_STEP_BOUND) GN_TRY(put(settings, error, "time.estimate", "bound"));
     double finer =
         pow(proposal->particles / plan->groups.particles, -1.0 / (double)scene->dimension);
     return put(settings, error, "time.mass_scaling.step", "%.4g s",
-               plan->unscaled * proposal->masses * finer * proposal->safety / plan->groups.safety);
+               plan->unscaled_step * proposal->step_ratio * finer * proposal->safety /
+                   plan->groups.safety);
 }
 
 gneiss_status gn_settings_make(const gn_world *world, const gn_plan *plan,

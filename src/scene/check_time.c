@@ -1,4 +1,4 @@
-/* Steps, what masses are raised for, and where steps begin. */
+/* Checks of steps, of mass scaling, and of the start of steps. */
 #include "scene/check.h"
 
 static gneiss_status check_step(const check *section, const gn_scene *scene) {
@@ -37,8 +37,8 @@ static gneiss_status check_mass_scaling(const check *section, const gn_scene *sc
     return GNEISS_OK;
 }
 
-/* Forces are followed in straight lines in time: a path that turns back between two states would be
- * passed over. */
+/* Statics assume that loads are linear in time: a load that reverses between two states would be
+ * missed. */
 static bool changes(const gn_table *table) {
     for (size_t k = 1; k < table->count; k++)
         if (table->value[k] != table->value[0]) return true;
@@ -95,7 +95,7 @@ static gneiss_status check_start_of_steps(const check *section, const gn_scene *
     const char *reason =
         scene->start == GN_START_FIRST_BREAK ? gn_scene_statics_refusal(scene) : NULL;
     if (reason) return gn_check_fail(section, "time.start", "first_break: expected %s", reason);
-    /* A scene that was written out has the default of every key. */
+    /* A written scene contains the default of every key. */
     if (scene->start == GN_START_REST && scene->start_fraction != 0.9)
         return gn_check_fail(section, "time.start_fraction",
                              "expected time.start: first_break beside it, found rest");
@@ -109,7 +109,7 @@ const char *gn_check_stop(const gn_scene *scene) {
                                         : NULL;
 }
 
-/* Stops are looked at in rows of the history. */
+/* Stop conditions are evaluated in rows of the history. */
 static gneiss_status check_stops(const check *section, const gn_scene *scene) {
     const char *stop = gn_check_stop(scene);
     if (!stop || scene->history_rows > 0) return GNEISS_OK;

@@ -11,7 +11,7 @@
 /* An initial plane wave: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
  * length/2, s being the distance from its crest, and v = -speed du/ds. */
 typedef struct gn_pulse {
-    double direction[3];        /* of any length */
+    double direction[3];        /* any length */
     double centre[3];           /* m, a point of the crest */
     double length, size, speed; /* m, m, m/s */
 } gn_pulse;

@@ -14,7 +14,7 @@ typedef struct gn_flow_region {
     double height;    /* m, of a cylinder */
     double origin[3]; /* m, as of the shapes of a specimen; 0 with a polygon */
     size_t corner_count;
-    double *corners; /* of a polygon, [corner_count][2], m */
+    double *corners; /* polygon corners, [corner_count][2], m */
 } gn_flow_region;
 
 /* A source creates particles at a rate, the first at `start`. */

@@ -268,7 +268,7 @@ const gn_key *gn_scene_key_at(const char *path) {
     const gn_section *section = &gn_scene_section;
     const gn_key *key = NULL;
     while (*path) {
-        bool inside = key && !section; /* of a list or a value */
+        bool inside = key && !section; /* inside a list or a value */
         size_t length = strcspn(path, ".[]");
         if (!inside) {
             key = key_named(section, path, length);

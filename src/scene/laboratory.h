@@ -9,7 +9,7 @@
 typedef struct gn_test_end {
     size_t count;
     char (*name)[GN_NAME_SIZE]; /* [count] */
-    gn_scene_place where;       /* of the ends of a test, not of a gauge */
+    gn_scene_place where;       /* set for ends of a test, not of a gauge */
 } gn_test_end;
 
 /* The distance by which two parts of the specimen separate, such as the sides of a notch's mouth.
@@ -41,7 +41,7 @@ typedef struct gn_test {
     double height;    /* m, of a beam; 0: its extent along the axis */
     double notch;     /* m, depth of its notch */
     double centre;    /* radius over that of the disc within which the centre stress is read */
-    int64_t normal;   /* of the plane that a shear test shears: 0 1 2, -1: not given */
+    int64_t normal;   /* normal of the plane that a shear test shears: 0 1 2, -1: not given */
     bool has_opening;
     gn_opening opening;
     bool has_control;

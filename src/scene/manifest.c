@@ -439,8 +439,8 @@ static const gn_key servo_keys[] = {
         .text = "target normal force, compression positive; constant or a table; force or stress"),
     KEY("stress", TABLE, gn_wall_def, servo.stress, .unit = "Pa", .range = GN_TRACTIONS,
         .word = "none", .fallback = "none",
-        .text =
-            "target normal force over the area of the wall; constant or a table; force or stress"),
+        .text = "target normal stress on the area of the wall, compression positive; constant or a "
+                "table; force or stress"),
     KEY("area", REAL, gn_wall_def, servo.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
         .fallback = "auto",
         .text = "area for stress; auto: the current section between the walls that face each other "

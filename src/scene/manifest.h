@@ -41,7 +41,7 @@ typedef enum gn_presence {
     GN_PRESENT_COUNT, /* size_t that is not 0 */
     GN_PRESENT_NONE,  /* size_t that is 0: another list replaces this one */
     GN_PRESENT_TEXT,  /* char[] that is not empty */
-    GN_PRESENT_ROWS,  /* of GN_KEY_PARTICLES: rows or their requested number */
+    GN_PRESENT_ROWS,  /* for GN_KEY_PARTICLES: rows or their requested number */
     GN_PRESENT_SHAPE, /* gn_shape_kind that is the key's */
     GN_PRESENT_BESIDE /* an enum that is not 0; of a section that takes its defaults otherwise */
 } gn_presence;
@@ -72,7 +72,7 @@ typedef struct gn_key {
     double word_value;      /* value of the word in the struct */
     const char *other_word; /* a second word of a real number, with its value */
     double other_value;
-    const gn_choice *choices; /* of GN_KEY_CHOICE */
+    const gn_choice *choices; /* for GN_KEY_CHOICE */
     size_t place_at; /* offset of the gn_scene_place of a value from the file, for later messages;
                         0: none */
     gn_presence presence;
@@ -82,7 +82,7 @@ typedef struct gn_key {
     bool packing;        /* a section of the scene that gn_scene_load_specimen reads */
     const gn_section *section;
     const char
-        *in_folder;   /* of GN_KEY_FILE: file name inside a folder; NULL: folders are refused */
+        *in_folder;   /* for GN_KEY_FILE: file name inside a folder; NULL: folders are refused */
     const char *text; /* one line of explanation */
 } gn_key;
 
@@ -91,7 +91,7 @@ enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };
 struct gn_section {
     const gn_key *keys;
     size_t key_count;
-    size_t size; /* of an element, if it is one of a list */
+    size_t size; /* size of an element of a list */
     long where;  /* offset of the gn_scene_place to fill; GN_NO_WHERE: none */
 };
 

@@ -13,7 +13,7 @@ typedef struct gn_beam_def {
     double notch_width, notch_depth;  /* m; depth 0: no notch */
     double cell;                      /* m, largest side of a cell */
     int64_t notch_cells;              /* across half the width of the notch */
-    double growth;                    /* of neighbouring cells away from the notch */
+    double growth;                    /* ratio of neighbouring cells away from the notch */
     double origin[3];                 /* m, lower corner */
     gn_diagonals diagonals;
 } gn_beam_def;

@@ -10,14 +10,14 @@ enum { GN_PROBLEMS_MAX = 12, GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_problem {
     gn_scene_place where;        /* line INT_MAX: of an override */
-    char path[GN_KEY_PATH_SIZE]; /* of the key; of an unknown key, that of the probably intended one
-                                  */
+    char path[GN_KEY_PATH_SIZE]; /* path of the key; for an unknown key, that of the probably
+                                    intended one */
     char text[GNEISS_MESSAGE_SIZE];
 } gn_problem;
 
 /* Zeroed initially. `at` is the place of the current message. */
 typedef struct gn_problems {
-    size_t count; /* of all problems; the first GN_PROBLEMS_MAX are kept */
+    size_t count; /* number of all problems; the first GN_PROBLEMS_MAX are kept */
     gn_problem problem[GN_PROBLEMS_MAX];
     gn_scene_place at;
     char path[GN_KEY_PATH_SIZE];

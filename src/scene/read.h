@@ -9,7 +9,7 @@
 #include "scene/units.h"
 
 typedef struct gn_reader {
-    const char *name; /* of the scene, in messages */
+    const char *name; /* name of the scene in messages */
     /* relative paths start here; NULL: paths are absolute and files need not exist */
     const char *folder;
     bool staged;         /* one of several stages is read: another stage may drive the test */
@@ -20,7 +20,7 @@ typedef struct gn_reader {
     gneiss_error *error;
     gn_problems *problems; /* found so far; borrowed */
     size_t path_length;
-    char path[GN_KEY_PATH_SIZE]; /* of the key being read */
+    char path[GN_KEY_PATH_SIZE]; /* path of the key being read */
 } gn_reader;
 
 /* Fills reader->scene, which is zeroed before, from the tree; allocated arrays stay in it on

@@ -178,7 +178,7 @@ typedef struct gn_lattice {
 /* A packing has smaller particles inside and near a box, or near the boundary. */
 typedef struct gn_refinement {
     bool has_region;
-    double lower[3], upper[3]; /* of the box, which may be flat or a point, m */
+    double lower[3], upper[3]; /* corners of the box, which may have zero lengths, m */
     bool boundary;             /* instead of a box */
     double size;               /* size of particles there over that elsewhere, (0, 1] */
     double distance;           /* m, over which the size grows back */
@@ -188,11 +188,11 @@ typedef struct gn_refinement {
 /* A shape that is filled with particles, and the settings of the fit. */
 typedef struct gn_pack_def {
     gn_shape_kind shape;
-    double size[3];  /* of a rectangle (two) and a box, m */
-    double diameter; /* of a disc and a cylinder, m */
-    double height;   /* of a cylinder, m */
+    double size[3];  /* rectangle (two lengths) and box, m */
+    double diameter; /* disc and cylinder, m */
+    double height;   /* cylinder, m */
     size_t corner_count;
-    double *corners;            /* of a polygon, [corner_count][2], m */
+    double *corners;            /* polygon, [corner_count][2], m */
     char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
     char mesh[GN_PATH_SIZE]; /* as written; "" when the shape is another */
@@ -333,7 +333,7 @@ typedef struct gn_body_def {
 
 /* Material of linear finite elements. */
 typedef struct gn_element_material {
-    char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
+    char group[GN_NAME_SIZE];       /* group of elements, by name or tag; "": all elements */
     gn_scene_place group_where;     /* line 0: not in the file */
     double young, poisson, density; /* Pa, -, kg/m3 */
     gn_scene_place where;
@@ -370,7 +370,7 @@ typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSU
 
 /* Contact parameters of particles on the surface of finite elements. */
 typedef struct gn_element_contact_def {
-    char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
+    char group[GN_NAME_SIZE]; /* group of facets; "": the whole boundary */
     gn_scene_place group_where;
     char material[GN_NAME_SIZE]; /* as of walls */
     double stiffness;            /* penalty k_n, N/m */
@@ -389,7 +389,7 @@ typedef struct gn_element_def {
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];
     double distortion;      /* random shift of inner nodes over the sides of a cell */
-    gn_diagonals diagonals; /* of a rectangle or box */
+    gn_diagonals diagonals; /* rectangle or box */
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;
@@ -508,7 +508,7 @@ typedef struct gn_scene {
     double end;            /* s */
     gn_start start;        /* at rest, or where the static analysis ends */
     gn_scene_place start_where;
-    double start_fraction;  /* of the time of the first break; with GN_START_FIRST_BREAK */
+    double start_fraction;  /* fraction of the time of the first break; with GN_START_FIRST_BREAK */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off,
                                below 0: the scene states no end (scene/stops.h) */
     double stop_strain;     /* 0: off */
@@ -531,8 +531,8 @@ typedef struct gn_scene {
     gn_precision precision;
     gn_isa isa;
     gn_scene_place isa_where;
-    double residual_warning; /* of the energy ledger, above which a run warns; 0: off */
-    double residual_limit;   /* of the energy ledger, above which a run stops; 0: off */
+    double residual_warning; /* residual of the energy ledger above which a run warns; 0: off */
+    double residual_limit;   /* residual of the energy ledger above which a run stops; 0: off */
 
     size_t stage_count; /* 0: the run is one stage */
     struct gn_stage *stages;

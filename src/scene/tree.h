@@ -10,7 +10,7 @@ typedef enum gn_node_kind { GN_NODE_NULL, GN_NODE_SCALAR, GN_NODE_LIST, GN_NODE_
 typedef struct gn_node {
     gn_node_kind kind;
     const char *key;  /* NULL unless the parent is a map */
-    const char *text; /* of a scalar */
+    const char *text; /* text of a scalar */
     const char *set;  /* key of the override that gave it; NULL: from the file */
     /* key_where: place of the key in a map, otherwise equal to `where` */
     gn_scene_place where, key_where;

@@ -42,7 +42,7 @@ typedef struct gn_sweep_parameter {
     const char *unit;     /* SI; "": none, or not numbers */
     bool numeric;         /* every value is a number */
     bool sampled;         /* drawn together with the other sampled parameters */
-    gn_scene_place where; /* of the key */
+    gn_scene_place where; /* place of the key */
     size_t count;
     gn_sweep_value *values; /* gn_alloc'ed */
 } gn_sweep_parameter;
@@ -52,7 +52,7 @@ typedef struct gn_sweep_run {
     size_t combination; /* runs of one combination differ only in the seed */
     size_t original;    /* the first run with this hash, which may be the run itself */
     uint64_t seed;
-    uint64_t hash;    /* of the resolved scene, the files it names, the version */
+    uint64_t hash;    /* hash of the resolved scene, the files it names, and the version */
     uint64_t packing; /* hash of its packing; 0: nothing is packed */
     int64_t threads;  /* threads of its scene; 0: any */
 } gn_sweep_run;
@@ -62,7 +62,7 @@ typedef struct gn_sweep {
     char source[GN_PATH_SIZE];    /* the sweep file, or the scene of a sweep over seeds alone */
     char scene[GN_PATH_SIZE];     /* path of the scene, for messages */
     char directory[GN_PATH_SIZE]; /* requested by the file; "": none */
-    char *text;                   /* of the sweep file; NULL without one */
+    char *text;                   /* text of the sweep file; NULL without one */
     char *scene_text;
     size_t
         override_count; /* overrides of the command line, borrowed, applied before the parameters */
@@ -78,7 +78,7 @@ typedef struct gn_sweep {
     uint32_t *chosen; /* [run_count][parameter_count]: indices of the values */
     gn_units *units;
     bool draws;           /* some scene draws random numbers */
-    gn_scene_notes notes; /* of all scenes */
+    gn_scene_notes notes; /* notes on all scenes */
 } gn_sweep;
 
 /* Reads the file and all its scenes, so that no unreadable scene is run. `overrides` are for the

@@ -42,7 +42,7 @@ typedef struct run_pool {
     int core[CPU_SETSIZE]; /* numbers of the processors */
     sigset_t signals;      /* original mask, for children */
     double start;
-    double own_seconds; /* of runs that this call completed */
+    double own_seconds; /* seconds of the runs that this call completed */
     size_t own_count;
     size_t done, failed, found;
     bool stopping;

@@ -9,13 +9,13 @@
 /* Progress of a sweep or its shard. Equal runs count once. */
 typedef struct gn_sweep_progress {
     size_t total, done, failed, running;
-    size_t found;     /* of those completed or failed: by an earlier sweep */
+    size_t found;     /* completed or failed in an earlier sweep */
     double seconds;   /* since the start */
     double eta;       /* s; NaN: unknown */
     size_t last;      /* run of this event */
     const char *what; /* "started", "resumed", "done", "failed", "killed", "lost" (to be computed
                          again); NULL: an update of the time */
-    const gn_outcome *outcome; /* of "done", "failed", "killed" and "lost" */
+    const gn_outcome *outcome; /* for "done", "failed", "killed" and "lost" */
 } gn_sweep_progress;
 
 typedef void gn_sweep_watch(void *context, const gn_sweep_progress *progress);
