@@ -521,7 +521,7 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
     os.mkdir(other)
     with open(os.path.join(other, "sweep.csv"), "w") as text_file:
         text_file.write("mine")
-    expect(gneiss("sweep", file, "--out", other, "--quiet", *QUICK), 2, "somebody else", "--force")
+    expect(gneiss("sweep", file, "--out", other, "--quiet", *QUICK), 2, "another program", "--force")
     assert os.listdir(other) == ["sweep.csv"]
     expect(gneiss("sweep", file, "--out", other, "--quiet", "--force", *QUICK), 0)
     assert len(rows(other)) == 3
@@ -760,7 +760,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {mean: 0.5, deviation: 0.1, count: 3}}\nsampling: {method: latin, count: 3}", r":2:27: .*no count and no spacing"),
     ("parameters: {time.safety: {from: 0.5, to: 0.1}}\nsampling: {method: latin, count: 3}", r":2:27: .*from the smaller to the larger"),
     ("parameters: {time.safety: {of: 0.5}}\nsampling: {method: latin, count: 3}", r":2:32: .*a list of values for `of`"),
-    ("parameters: {time.safety: {of: [0.5], from: 1}}\nsampling: {method: latin, count: 3}", r":2:27: .*nothing beside `of`"),
+    ("parameters: {time.safety: {of: [0.5], from: 1}}\nsampling: {method: latin, count: 3}", r":2:27: .*no key beside `of`"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: latin, count: 3}", r":3:1: sampling: expected a distribution among the parameters"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: halton, count: 3}", r":3:20: sampling.method: expected one of latin, sobol"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: latin}", r":3:1: sampling.count: required"),

@@ -46,8 +46,10 @@ typedef struct gn_test {
     gn_opening opening;
     bool has_control;
     gn_control control;
-    bool has_confinement; /* only while reading: a scene has one confinement; gneiss run */
-    const struct gn_node *confinement; /* makes one run for each (src/sweep/load.c) */
+    /* Only while reading: a scene has one confinement, and gneiss run makes a run for each
+     * (src/sweep/load.c). */
+    bool has_confinement;
+    const struct gn_node *confinement;
     gn_scene_place where;
 } gn_test;
 

@@ -238,8 +238,10 @@ typedef struct gn_specimen {
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     gn_pack_def pack;
-    size_t packed_count; /* particles of a file or shape that is already read or packed (no key), */
-    double *packed;      /* as `particles`, but relative to the scene's origin */
+    /* Particles of a file or shape that is already read or packed (no key): as `particles`, but
+     * relative to the scene's origin. */
+    size_t packed_count;
+    double *packed;
     double packed_volume; /* m3 (2D: m2), volume of that shape; 0: a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
