@@ -87,7 +87,7 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     assert re.search(r"stage rest +from 0 s to \S+ s, a guess: it waits for equilibrium", said), said
     assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
-    assert re.search(r"stage rest +from 0 s to 0.005 s at the latest: it may end before", said), said
+    assert re.search(r"stage rest +from 0 s to 0.005 s at the latest: it may end earlier", said), said
 
 
 # Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
