@@ -131,7 +131,7 @@ def check_shows_what_parameters_follow(folder):
 @fact
 def check_warns_of_sections_that_do_not_fill_the_body(folder):
     path = scene(folder, law={"stiffness": "dempack", "gamma": 2}, contacts=[])
-    assert re.search(r"warning: sections fill \d\S* of the body, 1 is wanted", expect(gneiss("check", path), 0).stdout)
+    assert re.search(r"warning: sections fill \d\S* of the body instead of 1", expect(gneiss("check", path), 0).stdout)
 
 
 @fact

@@ -782,7 +782,7 @@ static void bad_values_are_refused_where_they_stand(void **state) {
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2", "s.yaml:5:", "law.rotation");
     expect_refusal("", "moment_share: 0.5", "2", "s.yaml:5:", "expected a radius_multiplier");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2",
-                   "s.yaml:5:", "expected 0 where particles do not spin");
+                   "s.yaml:5:", "expected 0 with law.rotation: off");
 }
 
 int main(void) {

@@ -422,7 +422,7 @@ static void what_a_box_cannot_do_is_refused(void **state) {
     expect_refused("x: {rate: 1e9}", "", "periodic.x.rate");
     expect_refused("z: {rate: 1}",
                    "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]",
-                   "s.yaml:6:1: periodic: expected particles alone in a box whose sides move, "
+                   "s.yaml:6:1: periodic: expected only particles in a box whose sides move, "
                    "found walls");
     expect_refused("z: {rate: 1}", "sets: [{name: s, select: {all: true}, motion: {vx: 1}}]",
                    "found a set whose motion is prescribed");

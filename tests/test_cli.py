@@ -72,7 +72,7 @@ def keys_are_found_by_words_of_the_field_and_of_other_programs(folder):
         assert f"\n{key}\n" in "\n" + found, (words, found)
         assert "run.isa" not in found
     assert "\ntest.opening\n" in gneiss("keys", "crack mouth").stdout  # in one argument
-    expect(gneiss("keys", "water"), 2, "no key is about 'water': no water or other fluid is modelled")
+    expect(gneiss("keys", "water"), 2, "no key concerns 'water': no water or other fluid is modelled")
     expect(gneiss("keys", "pore pressure"), 2, "no water or other fluid is modelled")
     expect(gneiss("keys", "servo", "frction"), 2, "expected words that .* found 'servo frction'")
 
@@ -255,7 +255,7 @@ LID = "walls: [{name: lid, point: [0, 0, GAP], normal: [0, 0, -1], stiffness: 1e
 def a_step_that_nothing_limits_yet_is_told_in_words(folder):
     loose = LOOSE.replace("STEP", "1e-6")
     held = loose + "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
-    for text, words in ((loose, "nothing touches yet"), (held, "can move")):
+    for text, words in ((loose, "there are no contacts yet"), (held, "can move")):
         scene = write_scene(folder, text)
         for command in (("plan", scene), ("run", scene, "--out", os.path.join(folder, words.replace(" ", "_")))):
             out = expect(gneiss(*command), 0).stdout
@@ -339,7 +339,7 @@ def check_warns_of_what_will_spring_apart(folder):
     scene = open(LATTICE).read().replace("jitter: 0.05", "spacing: 0.97").replace("{interaction_range: 0.1}",
                                                                                    "{passive_gaps: false}")
     out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
-    assert "warning: overlaps" in out and "mind the warnings" in out, out
+    assert "warning: overlaps" in out and "see the warnings" in out, out
 
 
 APART = """

@@ -884,7 +884,7 @@ static void what_cannot_convert_is_refused(void **state) {
                    "expected constraint: penalty beside it, found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
-                   "sets[0].motion: expected no sets that move, hold or push");
+                   "sets[0].motion: expected no sets with motion or force");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\ncouple: {",
                    "sets[0].initial_velocity: expected none beside couple.convert");

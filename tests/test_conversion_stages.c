@@ -177,7 +177,7 @@ static void what_sleepers_would_not_know_is_refused(void **state) {
         add(t, beam, "", "0", 1, stages);
         for (const char *c = t->s; c < strstr(t->s, "stages:"); c++) line += *c == '\n';
         snprintf(words, sizeof words,
-                 "s.yaml:%d:%zu: stages[1].%s: expected what holds before this stage too", line,
+                 "s.yaml:%d:%zu: stages[1].%s: expected the value before this stage", line,
                  (size_t)(strstr(stages, changes[k][2]) - strstr(stages, "stages:")) + 1,
                  changes[k][1]);
         gn_scene scene;

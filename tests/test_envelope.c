@@ -64,8 +64,8 @@ static void strengths_that_fall_have_no_angle(void **state) {
     const double s3[] = {0, 1e6, 2e6}, s1[] = {3e7, 2e7, 1e7};
     gn_envelope e = gn_envelope_fit(s3, s1, 3, 1);
     assert_true(e.there && isnan(e.friction_angle) && isnan(e.hoek_brown_mi));
-    assert_string_equal(e.no_coulomb, "the line has a slope of -10 (at least 1) and begins at "
-                                      "3e+07 Pa (at least 0)");
+    assert_string_equal(e.no_coulomb, "the fitted line has a slope of -10 (at least 1 needed) and "
+                                      "an intercept of 3e+07 Pa (at least 0 needed)");
 }
 
 /* ---- sweeps ---- */

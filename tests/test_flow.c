@@ -606,7 +606,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:6:5: sources[0].box: expected a region inside the domain, found 5 to 5.01 m "
             "along x, outside of -1 to 1 m");
     refuses("rate: 100", "rate: 1\n    start: 1\n    end: 0.5",
-            "s.yaml:9:10: sources[0].end: expected an end behind the start, 1 s, found 0.5 s");
+            "s.yaml:9:10: sources[0].end: expected an end after the start, 1 s, found 0.5 s");
     refuses("rate: 100", "rate: 1\n    start: 1 ms",
             "expected a specimen, or a source with start 0, found neither");
     refuses("time:", "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\ntime:",
@@ -635,7 +635,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "sinks[0].remove: expected plane beside false, found a region");
     refuses("{name: o", "{name: o, box: {size: [1, 1, 1]}", "found plane, box");
     refuses("{name: o", "{name: o, plane: {point: [0, 0, 0], normal: [1, 0, 0]}}, {name: o",
-            "sinks[1].name: expected a name of its own, found 'o' a second time");
+            "sinks[1].name: expected a unique name, found 'o' a second time");
     refuses("time: {end: 1}", "time: {end: 1, mass_scaling: {factor: 2}}",
             "sources: expected a scene without time.mass_scaling, found one with it");
     refuses("time:", "walls: [{name: w, point: [0, 0, 1], normal: [0, 0, 1], material: m}]\ntime:",

@@ -1261,7 +1261,7 @@ def wrong_lists_of_confinements_are_told_with_their_place(folder):
     for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 1"),
                            (several("1 MPa", "2 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 2"),
                            (several("1 MPa", "2 MPa", 1e6), r"scene.yaml:\d+:\d+: test.confinement: expected pressures that differ, found 1e\+06 Pa twice"),
-                           ({k: v for k, v in several("1 MPa", "2 MPa", "3 MPa").items() if k != "membrane"}, r"scene.yaml:\d+:\d+: test.(confinement|kind): expected a membrane, whose pressure"),
+                           ({k: v for k, v in several("1 MPa", "2 MPa", "3 MPa").items() if k != "membrane"}, r"scene.yaml:\d+:\d+: test.(confinement|kind): expected a membrane, (whose|which takes)"),
                            (several("1 MPa", "2 m", "3 MPa"), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a stress or modulus"),
                            (several("1 MPa", -1, 1), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected .*\[0, 1e18\]"),
                            ({**several("1 MPa", "2 MPa", "3 MPa"), "test": {"kind": "hydrostatic", "confinement": [1, 2, 3]}},
@@ -1763,7 +1763,7 @@ def a_stage_waits_for_a_stress_that_can_come(folder):
             stand = [{**walls[0], "passive": passive, "point": [0, low - 1e-3]}, {**walls[1], "passive": passive, "point": [0, low + 2 * height + 1e-3]}]
             given = {**scene(2, specimen=specimen, walls=stand, test={**ends("compression", "low", "up"), "length": 6e-3, "area": 2e-3}, stages=wait, time={"end": 1e-4})}
             del given["bonds"]
-            expect(gneiss("check", write_scene(folder, given)), code, r"scene.yaml:\d+:\d+: stages\[0\].end.stress: expected something that moves or acts" if code else "")
+            expect(gneiss("check", write_scene(folder, given)), code, r"scene.yaml:\d+:\d+: stages\[0\].end.stress: expected a motion or load in this stage" if code else "")
     rows = [[0, 0, 1e-3], [0, 2.1e-3, 1e-3]]
     for low, code in ((-0.99e-3, 0), (-1.01e-3, 2)):
         given = scene(2, specimen={"particles": rows}, walls=[{**walls[0], "point": [0, low]}, walls[1]], test={**ends("compression", "low", "up"), "length": 6e-3, "area": 2e-3}, stages=wait, time={"end": 1e-4})
@@ -1785,7 +1785,7 @@ def a_membrane_may_end_a_stage(folder):
 def stops_that_no_row_would_show_are_refused(folder):
     for stop in ("peak_drop", "strain", "unbalanced"):
         given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": 0})
-        refused(folder, given, f"time.stop.{stop}: expected output.history_rows above 0, as it is looked at in rows of the history, found 0")
+        refused(folder, given, f"time.stop.{stop}: expected output.history_rows above 0, as it is evaluated in rows of the history, found 0")
 
 
 # --- the scenes of the folder ---------------------------------------------------------------------------

@@ -128,7 +128,7 @@ def confinements_of_a_test_go_to_the_stage_that_confines(folder):
     assert np.isclose(history(out)["membrane_pressure"][-1], 3e5)
     given["membrane"] = {"pressure": "0.05 MPa"}
     expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, "two")), 2,
-           r"scene.yaml:\d+:\d+: test.confinement: expected the pressure of one membrane")
+           r"scene.yaml:\d+:\d+: test.confinement: expected a single membrane pressure")
 
 
 @fact
@@ -139,7 +139,7 @@ def what_of_a_membrane_cannot_change_is_refused(folder):
             ([first, {**confine, "membrane": {"ramp": "1 ms"}}], {}, r"membrane.pressure: "),
             ([first, {**confine, "membrane": "off"}], {"membrane": {"pressure": 1}}, r"stages\[1\].membrane: expected a key that a stage may change"),
             ([first, {**confine, "membrane": {"follow": False}}], {"membrane": {"pressure": 1}},
-             r"stages\[1\].membrane.follow: expected what holds before this stage too"),
+             r"stages\[1\].membrane.follow: expected the value before this stage"),
             ([stage("a", {"held": 0.01}), confine], {"membrane": {"pressure": 0}}, r"stages\[0\].end.held: expected a wall or a periodic box with a servo, or a membrane"),
             ([first, {**confine, "membrane": {"pressure": "-1 MPa"}}], {}, r"stages\[1\].membrane.pressure: expected .*\[0, 1e18\]"),
             ([stage("a", {"held": 0.01}), confine], {}, r"stages\[0\].end.held: expected a wall")):

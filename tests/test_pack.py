@@ -719,7 +719,7 @@ def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
             radii = file["particles/radius"][:].reshape(-1)
             assert overlap == "passive" or file["contacts/gap"][:].min() > -1e-12, file["contacts/gap"][:].min()
         assert radii.max() / radii.min() < 3 * 1.1 / 0.9 * 1.003, (dimension, overlap, radii.max() / radii.min())
-        found = re.search(r"sizes +asked for 1 to 3, found 1 to (\S+); shares by (number|mass) off by at most (\S+) %, at", said)
+        found = re.search(r"sizes +requested 1 to 3, found 1 to (\S+); shares by (number|mass) off by at most (\S+) %, at", said)
         assert abs(float(found[1]) / (radii.max() / radii.min()) - 1) < 1e-3 and found[2] == ("mass" if "sieve" in law else "number") and 0 < float(found[3]) < 8, said
 
 
@@ -746,7 +746,7 @@ def a_sieve_curve_comes_out_by_mass(folder):
 def sieve_curves_that_are_none_are_refused(folder):
     for packing, pattern in (({"sizes": "sieve"}, "specimen.packing.sizes: sieve: expected a sieve beside it, found none"),
                              ({"sieve": [[0.1, 0], [1, 1]]}, "specimen.packing.sieve: expected sizes: sieve beside it"),
-                             ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected sizes that grow"),
+                             ({"sizes": "sieve", "sieve": [[0.5, 0], [0.4, 1]]}, "specimen.packing.sieve: expected increasing sizes"),
                              ({"sizes": "sieve", "sieve": [[0.5, 0.1], [1, 1]]}, r"specimen.packing.sieve: expected a first row \[size, 0\]"),
                              ({"sizes": "even"}, "specimen.packing.sizes: expected one of fitted, uniform, normal, sieve")):
         scene = {"dimension": 3, "specimen": {"box": {"size": [1, 1, 1]}, "particles": 100, "packing": packing}}

@@ -442,7 +442,7 @@ def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
     wave = os.path.join(SCENES, "..", "..", "scenes", "wave-zone.yaml")
     inside = ("--set", "initial.pulse.centre=[300 mm, 0 mm]", "--set", "initial.pulse.length=20 mm")
     expect(gneiss("check", wave, *inside), 2, r"--set initial.pulse.*: expected one that starts outside of zones")
-    expect(gneiss("check", wave, "--set", "couple.zones=[{edges: }]"), 2, r"expected one at least, found none")
+    expect(gneiss("check", wave, "--set", "couple.zones=[{edges: }]"), 2, r"expected at least one, found none")
 
 
 @fact

@@ -26,7 +26,7 @@ def threads_that_the_openmp_library_does_not_give_change_no_bit(folder):
     for limit, asked in ((1, 2), (2, 4)):
         out = os.path.join(folder, str(limit))
         done = run(UCS, out, "--threads", asked, environment={"OMP_THREAD_LIMIT": str(limit)})
-        expect(done, 0, f"run.threads: {asked} are asked for, the OpenMP library gives {limit}")
+        expect(done, 0, f"run.threads: {asked} requested, the OpenMP library gives {limit}")
         check_same(out, reference())
 
 

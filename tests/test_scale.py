@@ -37,7 +37,7 @@ def a_core_in_millimetres_without_a_scale_is_told(folder):
     words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, without a scale.*" \
             r"comes 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
     done = check(folder, core(folder))
-    assert re.search(words, done.stdout) and "mind the warnings" in done.stdout, done.stdout
+    assert re.search(words, done.stdout) and "see the warnings" in done.stdout, done.stdout
     done = check(folder, core(folder), "run", "--out", os.path.join(folder, "out"), "--quiet")
     assert re.search(words, done.stderr), done.stderr
 
@@ -96,7 +96,7 @@ def a_scale_of_one_that_is_given_says_that_lengths_are_metres(folder):
 @fact
 def packings_and_particles_of_files_are_told(folder):
     done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
-    assert re.search(r"note: specimen\.surface: [\d.]+ m long without a scale", done.stdout), done.stdout
+    assert re.search(r"note: specimen\.surface: [\d.]+ m long with lengths of the file taken as metres", done.stdout), done.stdout
     scene = core(folder)
     scene["specimen"] = {"from": "p"}
     assert re.search(r"specimen\.from: 100 m long.*pack it with scale: 0\.001", check(folder, scene).stdout)

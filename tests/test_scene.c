@@ -483,7 +483,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:14:12: walls[0].point: expected a list of 3 components, found a list of another "
          "length"},
         {"vz: 1 mm/s", "vz: [[0, 0], [0, 1]]",
-         "s.yaml:17:28: walls[0].motion.vz[1]: expected a time after that of the row before, found "
+         "s.yaml:17:28: walls[0].motion.vz[1]: expected a time after that of the previous row, "
+         "found "
          "'0'"},
         {"vz: 1 mm/s", "vz: [[0, 0, 0]]",
          "s.yaml:17:19: walls[0].motion.vz[0]: expected a row [time, value], found a list"},
@@ -584,9 +585,9 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"sets:\n  - {name: a, select: {}}",
          "s.yaml:21:15: sets[0].select: expected all, box, ids or end, found none"},
         {"sets:\n  - {name: floor, select: {all: true}}",
-         "s.yaml:21:12: sets[0].name: expected a name of its own, found 'floor' a second time"},
+         "s.yaml:21:12: sets[0].name: expected a unique name, found 'floor' a second time"},
         {"sets:\n  - {name: a, select: {all: true}}\n  - {name: a, select: {ids: [0]}}",
-         "s.yaml:22:12: sets[1].name: expected a name of its own, found 'a' a second time"},
+         "s.yaml:22:12: sets[1].name: expected a unique name, found 'a' a second time"},
         {"sets:\n  - {name: a, material: b, select: {all: true}}",
          "s.yaml:21:25: sets[0].material: expected the name of a material, found 'b'; there is "
          "rock"},
@@ -608,9 +609,8 @@ static void a_2d_scene_stays_in_its_plane(void **state) {
     static const char *const changes[][2] = {
         {"gravity=[0, 0, 1]",
          "--set gravity: expected nothing out of the plane of a 2D scene, found a list"},
-        {"sets.left.motion.vz=0",
-         "--set sets.left.motion.vz: sets[0].motion.vz: expected nothing out of "
-         "the plane of a 2D scene: only vx, vy and wz move"},
+        {"sets.left.motion.vz=0", "--set sets.left.motion.vz: sets[0].motion.vz: expected no "
+                                  "motion out of the plane of a 2D scene: only vx, vy and wz"},
         {"sets.left.initial_spin=[1, 0]",
          "--set sets.left.initial_spin: sets[0].initial_spin: expected a "
          "spin about z such as '30 deg/s', found a list of another length"},
@@ -737,7 +737,7 @@ static void overrides_that_miss_are_told_by_their_key(void **state) {
     refuses_set("time.end.x", "1", "--set time.end.x: 'x' is below a value, not in a section");
     refuses_set("time.end", "", "--set time.end: expected a time such as '5 ms', found nothing");
     refuses_set("bodies[0].density", "2",
-                "--set bodies[0].density: expected a list that is there, such as by --set "
+                "--set bodies[0].density: expected an existing list, such as by --set "
                 "bodies=[...]");
     refuses_set("gravity", "[0, 0",
                 "--set gravity: not valid YAML: flow sequence without a closing bracket");

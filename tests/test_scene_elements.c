@@ -108,9 +108,10 @@ static void slips_are_told_with_their_place(void **state) {
         {"group: x_lower,", "box: {min: [0, 2], max: [1, 1]},",
          "elements.motions[0].box.max: expected a corner not below min, found y: 2 to 1"},
         {"name: right", "name: left",
-         "s.yaml:8:14: elements.motions[1].name: expected a name of its own, found 'left' a second "
+         "s.yaml:8:14: elements.motions[1].name: expected a unique name, found 'left' a second "
          "time"},
-        {"{vx: 0}", "{vz: 0}", "elements.motions[0].motion.vz: expected nothing out of the plane"},
+        {"{vx: 0}", "{vz: 0}",
+         "elements.motions[0].motion.vz: expected no motion out of the plane"},
         {"traction: {ty: -1 kPa}", "force: {fz: 1 N}",
          "elements.loads[0].force.fz: expected nothing out of the plane"},
         {"traction: {ty: -1 kPa}", "force: {fy: 1 N}, traction: {ty: 1 Pa}",
@@ -151,12 +152,14 @@ static void a_beam_must_be_one(void **state) {
         {"length: 1 m", "length: 1 m, span: 1.1 m",
          "elements.beam.span: expected at most the length of 1 m, found 1.1 m"},
         {"notch_depth: 2 cm", "notch_depth: 10 cm",
-         "elements.beam.notch_depth: expected a notch below the height of 0.1 m, found 0.1 m"},
+         "elements.beam.notch_depth: expected a depth below the height of 0.1 m, found 0.1 m"},
         {"notch_width: 4 mm", "notch_width: 1 m",
-         "elements.beam.notch_width: expected a notch between the supports, 1 m apart, found 1 m"},
+         "elements.beam.notch_width: expected a width below the distance of the supports, 1 m, "
+         "found 1 m"},
         {", notch_width: 4 mm", "", "elements.beam.notch_width: required by notch_depth"},
         {"notch_depth: 2 cm, ", "", "elements.beam.notch_width: expected notch_depth beside it"},
-        {"cell: 1 cm", "cell: 1 um", "elements.beam.cell: expected cells for at most 1e8 of them"},
+        {"cell: 1 cm", "cell: 1 um",
+         "elements.beam.cell: expected a size that gives at most 1e8 cells"},
         {"elements:", "dimension: 2\nelements:",
          "elements.beam.thickness: expected none in a 2D scene, which is 1 m thick"},
     };

@@ -248,7 +248,7 @@ static void a_number_of_particles_has_limits(void **state) {
 static void a_shape_needs_a_number_or_a_mean_radius(void **state) {
     (void)state;
     refused(3, "  box: {size: [1, 1, 1]}",
-            "s.yaml:2:1: specimen: expected particles (how many) or mean_radius beside box, found "
+            "s.yaml:2:1: specimen: expected particles (a number) or mean_radius beside box, found "
             "none");
     refused(3, "  box: {size: [1, 1, 1]}\n  particles: 9\n  mean_radius: 1",
             "s.yaml:5:16: specimen.mean_radius: expected particles or mean_radius, found both");
@@ -336,9 +336,9 @@ static void a_refinement_says_where_once(void **state) {
         {"from: [0, 0]", "22: specimen.packing.refine[0].to: required beside from, but not given"},
         {"to: [0, 0]", "22: specimen.packing.refine[0].from: required beside to, but not given"},
         {"boundary: false", "33: specimen.packing.refine[0].boundary: expected from and to, or "
-                            "boundary true, found none"},
+                            "boundary: true, found none"},
         {"boundary: true, from: [0, 0], to: [1, 1]",
-         "33: specimen.packing.refine[0].boundary: expected from and to, or boundary true, found "
+         "33: specimen.packing.refine[0].boundary: expected from and to, or boundary: true, found "
          "both"},
         {"from: [0, 1], to: [1, 0]", "41: specimen.packing.refine[0].to: expected a corner not "
                                      "below from, found y: 1 to 0"}};
@@ -459,7 +459,7 @@ static void sections_that_are_read_are_checked(void **state) {
                      ":2:16: run.threads: expected a whole number in [0, 1024] or 'auto', found "
                      "'-1'");
     refuses_specimen("specimen: {box: {size: [1, 2, 3]}}\n",
-                     ":1:1: specimen: expected particles (how many) or mean_radius beside box, "
+                     ":1:1: specimen: expected particles (a number) or mean_radius beside box, "
                      "found none");
     refuses_specimen("title: t\n", ":1:1: specimen: required, but not given");
 }

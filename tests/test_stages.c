@@ -992,7 +992,7 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_int_equal(try_run(&wrong, again(folder, ", scale: 1e-3", ""), &error),
                      GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "specimen.scale: expected file, surface or mesh beside "
-                                          "it, whose lengths it is of, found from"));
+                                          "it, whose lengths it scales, found from"));
     FILE *broken = fopen(file, "w");
     assert_true(broken && fputs("no results", broken) >= 0 && fclose(broken) == 0);
     assert_int_not_equal(try_run(&wrong, again(folder, "", ""), &error), GNEISS_OK);
@@ -1045,7 +1045,7 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
             "s.yaml:18:10: stages[0].name: expected a condition under end");
     refused("stages:\n- {name: a, end: {}}\n- {name: b}\n", "stages[0].end: expected a condition");
     refused("stages:\n- {name: a, end: {steps: 1}}\n- {name: a}\n",
-            "s.yaml:19:10: stages[1].name: expected a name of its own, found 'a' a second time");
+            "s.yaml:19:10: stages[1].name: expected a unique name, found 'a' a second time");
     refused("stages:\n- {name: a, specimen: {}}\n",
             "s.yaml:18:13: stages[0].specimen: expected a key that a stage may change");
     refused("stages:\n- {name: a, sources: []}\n",
@@ -1056,24 +1056,26 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
             "s.yaml:18:13: stages[0].gravty: unknown key 'gravty'; did you mean 'gravity'?");
     refused("stages:\n- {name: a, walls: {lid: {motin: {vz: 1}}}}\n",
             "s.yaml:18:27: stages[0].walls[1].motin: unknown key 'motin'; did you mean 'motion'?");
-    refused("stages:\n- {name: a, walls: {lit: {motion: {vz: 1}}}}\n",
-            "s.yaml:18:21: stages[0].walls: expected the name of an element that the scene has, "
-            "found 'lit'");
+    refused(
+        "stages:\n- {name: a, walls: {lit: {motion: {vz: 1}}}}\n",
+        "s.yaml:18:21: stages[0].walls: expected the name of an element of the scene, found 'lit'");
     refused("stages:\n- {name: a, walls: {lid: {stiffness: 1}}}\n",
             "s.yaml:18:27: stages[0].walls.lid.stiffness: expected a key that a stage may change, "
             "found 'walls.lid.stiffness': of a wall, motion, servo and friction may change");
+    refused("stages:\n- {name: a, walls: [{name: [1]}]}\n",
+            "stages[0].walls: expected a name (an element without one is addressed by its number, "
+            "as in contacts: {0: "
+            "{friction: 0.3}}), found none");
     refused(
-        "stages:\n- {name: a, walls: [{name: [1]}]}\n",
-        "stages[0].walls: expected a name (what has none goes by its number, as in contacts: {0: "
-        "{friction: 0.3}}), found none");
-    refused("contacts: [{between: m, friction: 0.2}]\n"
-            "stages:\n- {name: a, contacts: [{between: m, friction: 0.3}]}\n",
-            "stages[0].contacts: expected a name (what has none goes by its number");
-    refused("stages:\n- {name: a, walls: {lid: 3}}\n", "expected what changes of 'lid', a section");
+        "contacts: [{between: m, friction: 0.2}]\n"
+        "stages:\n- {name: a, contacts: [{between: m, friction: 0.3}]}\n",
+        "stages[0].contacts: expected a name (an element without one is addressed by its number");
+    refused("stages:\n- {name: a, walls: {lid: 3}}\n",
+            "expected a section with the changed keys of 'lid'");
     refused("stages:\n- {name: a, gravity: [0, 0, 1], gravity: [0, 0, 2]}\n",
             "s.yaml:18:33: stages[0].gravity: expected once, found 'gravity' again");
     refused("stages:\n- {name: a, time: {end: 2}}\n", "it bounds the whole run");
-    refused("stages:\n- {name: a, dimension: 2}\n", "it holds for all of the run");
+    refused("stages:\n- {name: a, dimension: 2}\n", "it is fixed for the whole run");
     refused("stages:\n- {name: a, walls: {lid: {motion: {vz: 1 kg}}}}\n",
             "s.yaml:18:40: stages[0].walls[1].motion.vz: expected a velocity");
     refused("stages:\n- {name: a, damping: {background: {coefficient: 2}}}\n",
@@ -1084,9 +1086,9 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, end: {held: 0.1}}\n",
             "expected a wall or a periodic box with a servo");
     refused("stages:\n- {name: a, end: {strain: 0.1}}\n",
-            "s.yaml:18:27: stages[0].end.strain: expected something that moves or acts");
+            "s.yaml:18:27: stages[0].end.strain: expected a motion or load in this stage");
     refused("stages:\n- {name: a, output: {history_rows: 0}, end: {unbalanced: 0.1}}\n",
-            "stages[0].end.unbalanced: expected output.history_rows above 0, as it is looked at");
+            "stages[0].end.unbalanced: expected output.history_rows above 0, as it is evaluated");
     refused("stages:\n- {name: a, end: {time: 0.7}}\n- {name: b, end: {time: 0.7}}\n",
             "s.yaml:19:25: stages[1].end.time: expected an end before time.end, 1 s, which ends "
             "the run, found at least 1.4 s");
@@ -1104,7 +1106,7 @@ static void accepted(const char *stages) {
 /* What moves, presses or was left moving may bring any end; what stands still or parts does not. */
 static void a_stage_that_never_ends_is_refused(void **state) {
     (void)state;
-    const char *nothing = "expected something that moves or acts in this stage, found nothing";
+    const char *nothing = "expected a motion or load in this stage, found none";
     const char *closing = "s.yaml:18:%d: stages[%d].end.strain: expected ends that close";
     char parting[128];
     refused("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: 0}}}}\n",
@@ -1128,7 +1130,7 @@ static void a_stage_that_never_ends_is_refused(void **state) {
     refused("stages:\n- {name: a, end: {unbalanced: 0.01}}\n", nothing);
     accepted("stages:\n- {name: a, end: {unbalanced: 0.01, time: 1 ms}}\n");
     refused("stages:\n- {name: a, end: {stress: 1 kPa}, walls: {lid: {motion: {vz: 1}}}}\n",
-            "stages[0].end.stress: expected ends that close in this stage, found none that do");
+            "stages[0].end.stress: expected ends that close in this stage, found none");
     accepted("stages:\n- {name: a, gravity: [0, 0, -9], end: {stress: 1 kPa}, walls: {lid: "
              "{motion: {vz: 1}}}}\n");
 

@@ -185,7 +185,7 @@ def seeds_may_be_a_list_and_the_command_line_goes_first(folder):
 def seeds_of_a_scene_without_random_numbers_are_told_to_change_nothing(folder):
     out = os.path.join(folder, "out")
     done = gneiss("run", LATTICE, "--seeds", 2, "--out", out, "--quiet", *QUICK, "--set", "specimen.lattice.jitter=0")
-    expect(done, 0, "warning: seeds: no random number")
+    expect(done, 0, "warning: seeds: this scene draws no random numbers")
 
 
 @fact
@@ -395,7 +395,7 @@ def a_run_that_went_bad_is_not_tried_again(folder):
 def a_sweep_of_which_no_run_comes_to_its_end_says_so(folder):
     done = gneiss("sweep", sweep_file(folder, parameters={"run.residual_limit": ["1e-30", "1e-31"]}), "--out",
                   os.path.join(folder, "out"), "--quiet", *QUICK)
-    expect(done, 5, "none of 2 runs came to its end")
+    expect(done, 5, "none of 2 runs was completed")
     assert [row["status"] for row in rows(os.path.join(folder, "out"))] == ["failed", "failed"]
 
 
@@ -521,7 +521,7 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
     os.mkdir(other)
     with open(os.path.join(other, "sweep.csv"), "w") as text_file:
         text_file.write("mine")
-    expect(gneiss("sweep", file, "--out", other, "--quiet", *QUICK), 2, "somebody else", "--force")
+    expect(gneiss("sweep", file, "--out", other, "--quiet", *QUICK), 2, "another program", "--force")
     assert os.listdir(other) == ["sweep.csv"]
     expect(gneiss("sweep", file, "--out", other, "--quiet", "--force", *QUICK), 0)
     assert len(rows(other)) == 3
@@ -622,7 +622,7 @@ def every_column_of_a_history_can_be_a_reading(folder):
 def a_reading_that_no_run_has_is_warned_of(folder):
     file = sweep_file(folder, readings=["history.wall_roof_force_z", "history.wall_top_force_z"], seeds=1)
     done = expect(gneiss("sweep", file, "--out", os.path.join(folder, "out"), "--quiet", *QUICK), 0,
-                  "warning: readings: no run that is done has a number for history.wall_roof_force_z")
+                  "warning: readings: no completed run has a number for history.wall_roof_force_z")
     assert "wall_top_force_z" not in done.stderr
 
 
@@ -749,7 +749,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {from: 0.1, two: 0.2, count: 3}}", r":2:39: parameters.time.safety.two: unknown key 'two'; did you mean 'to'"),
     ("parameters: {time.safety: {from: 0.1, count: 3}}", r":2:27: parameters.time.safety: expected a range \{from, to, count\}"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:55: parameters.time.safety.count: expected a whole number in \[2, 100000\], found '1'"),
-    ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected another number at the end"),
+    ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected different numbers at start and end"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 2.5}}", r":2:55: parameters.time.safety.count: expected a whole number"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 3, spacing: lg}}", r":2:67: .*did you mean 'log'"),
     ("parameters: {walls.top.motion.vz: {from: -1, to: 1, count: 3, spacing: log}}", r":2:35: .*one sign, not 0, for logarithmic"),
@@ -759,8 +759,8 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {mean: 0.5, deviation: 0}}\nsampling: {method: latin, count: 3}", r":2:27: .*a deviation above 0"),
     ("parameters: {time.safety: {mean: 0.5, deviation: 0.1, count: 3}}\nsampling: {method: latin, count: 3}", r":2:27: .*no count and no spacing"),
     ("parameters: {time.safety: {from: 0.5, to: 0.1}}\nsampling: {method: latin, count: 3}", r":2:27: .*from the smaller to the larger"),
-    ("parameters: {time.safety: {of: 0.5}}\nsampling: {method: latin, count: 3}", r":2:32: .*a list of values behind `of`"),
-    ("parameters: {time.safety: {of: [0.5], from: 1}}\nsampling: {method: latin, count: 3}", r":2:27: .*nothing beside `of`"),
+    ("parameters: {time.safety: {of: 0.5}}\nsampling: {method: latin, count: 3}", r":2:32: .*a list of values for `of`"),
+    ("parameters: {time.safety: {of: [0.5], from: 1}}\nsampling: {method: latin, count: 3}", r":2:27: .*no key beside `of`"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: latin, count: 3}", r":3:1: sampling: expected a distribution among the parameters"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: halton, count: 3}", r":3:20: sampling.method: expected one of latin, sobol"),
     ("parameters: {time.safety: [0.5]}\nsampling: {method: latin}", r":3:1: sampling.count: required"),
@@ -826,7 +826,7 @@ def units_of_another_kind_are_refused_as_in_a_scene(folder):
     refused("materials.block.friction", [0.5, "0.5 m/m"], slope)
     refused("materials.block.friction", {"from": 0.1, "to": "0.5 m/m", "count": 3}, slope)
     refused("materials.block.friction", {"mean": "30 deg", "deviation": "5 deg"}, "deviation: expected a number")
-    refused("walls.top.motion.vz", ["-1 m/s", "-1 m rad/s"], r"an angle is in it")
+    refused("walls.top.motion.vz", ["-1 m/s", "-1 m rad/s"], r"it contains an angle")
     for command in ("check", "plan"):
         expect(gneiss(command, LATTICE, "--set", "materials.block.friction=0.5 m/m"), 2, slope)
         done = gneiss(command, LATTICE, "--set", "materials.block.density=2.5 ton/m3")

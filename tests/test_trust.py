@@ -372,14 +372,14 @@ def a_damaged_reading_of_a_run_of_a_sweep_is_no_empty_cell(folder):
 
 @fact
 def results_of_another_run_are_not_those_of_a_run_of_a_sweep(folder):
-    compute_again(folder, lambda first, second: shutil.copy(os.path.join(first, "results.h5"), second), "of another run")
+    compute_again(folder, lambda first, second: shutil.copy(os.path.join(first, "results.h5"), second), "belongs to another run")
 
 
 @fact
 def other_results_of_the_same_scene_are_not_those_that_a_run_of_a_sweep_ended_with(folder):
     def spoil(first, second):
         expect(gneiss("run", os.path.join(second, "scene.yaml"), "--out", second, "--force", "--quiet", "--set", "materials.block.friction=0.9"), 0)
-    compute_again(folder, spoil, "not those that the run ended with")
+    compute_again(folder, spoil, "they differ from the results at the end of the run")
 
 
 @fact
@@ -396,7 +396,7 @@ def an_outcome_that_was_changed_or_says_nothing_is_named_and_the_run_computed_ag
             said = json.load(file)
         del said["results"]
         put(json.dumps(said))(first, second)
-    for spoil, pattern in ((leave_out, "not those that the run ended with, which outcome.json does not name"),
+    for spoil, pattern in ((leave_out, "they differ from the results at the end of the run, which outcome.json does not name"),
                            (put(""), "its outcome cannot be read: .*outcome.json: expected status"),
                            (put('{"status": "do'), "its outcome cannot be read: .*outcome.json: expected status")):
         compute_again(folder, spoil, pattern)
@@ -413,7 +413,7 @@ def a_checkpoint_of_another_run_is_set_aside_by_a_sweep(folder):
     (checkpoint,) = checkpoints(first)
     shutil.copy(os.path.join(first, checkpoint), second)
     done, rows, _ = sweep(folder)
-    assert re.search(r"run 2 .*lost: its checkpoint .*of another run", done.stderr), done.stderr
+    assert re.search(r"run 2 .*lost: its checkpoint .*belongs to another run", done.stderr), done.stderr
     assert told(rows) == told(before)
     assert os.path.exists(os.path.join(second, checkpoint + ".damaged"))
 

@@ -1,4 +1,4 @@
-/* Status codes and messages that cross every boundary of gneiss. */
+/* Status codes and messages of all parts of gneiss. */
 #ifndef GNEISS_STATUS_H
 #define GNEISS_STATUS_H
 
@@ -6,22 +6,22 @@
 extern "C" {
 #endif
 
-/* What a call came to. The numbers are also the exit codes of the `gneiss` program. */
+/* Result of a call. The numbers are also the exit codes of the `gneiss` program. */
 typedef enum gneiss_status {
     GNEISS_OK = 0,
     GNEISS_ERROR_INTERNAL = 1, /* a defect of gneiss itself */
-    GNEISS_ERROR_INPUT = 2,    /* scene, specimen, checkpoint or argument cannot be used */
+    GNEISS_ERROR_INPUT = 2,    /* invalid scene, specimen, checkpoint or argument */
     GNEISS_ERROR_IO = 3,       /* a file could not be read or written (permission, disk full) */
     GNEISS_ERROR_MEMORY = 4,   /* not enough memory */
-    GNEISS_ERROR_UNSTABLE = 5, /* the run went bad: NaN, lost particle, step above its limit,
+    GNEISS_ERROR_UNSTABLE = 5, /* the run became invalid: NaN, lost particle, step above its limit,
                                   an energy ledger that does not close */
-    GNEISS_INTERRUPTED = 6     /* stopped by a signal after a checkpoint; `gneiss resume` goes on */
+    GNEISS_INTERRUPTED = 6 /* stopped by a signal after a checkpoint; `gneiss resume` continues */
 } gneiss_status;
 
 enum { GNEISS_MESSAGE_SIZE = 2048 };
 
-/* Filled by a call that fails; untouched by one that succeeds. The caller owns it. The message is
- * one line or more of plain text: where (file:line:column), what was expected and what was found.
+/* Filled by a call that fails, unchanged by one that succeeds. The caller owns it. The message is
+ * one or more lines of plain text: the place (file:line:column), the expected and the found value.
  */
 typedef struct gneiss_error {
     gneiss_status status;

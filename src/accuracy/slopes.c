@@ -6,48 +6,49 @@
 const gn_slope *gn_slope_find(const char *study, const char *reading, const char *effect,
                               bool scatter) {
     for (size_t k = 0; k < gn_slope_count; k++) {
-        const gn_slope *s = &gn_slopes[k];
-        if (strcmp(s->study, study) == 0 && strcmp(s->reading, reading) == 0 &&
-            strcmp(s->effect, effect) == 0 && s->scatter == scatter)
-            return s;
+        const gn_slope *slope = &gn_slopes[k];
+        if (strcmp(slope->study, study) == 0 && strcmp(slope->reading, reading) == 0 &&
+            strcmp(slope->effect, effect) == 0 && slope->scatter == scatter)
+            return slope;
     }
     return NULL;
 }
 
-double gn_slope_at(const gn_slope *s, double group) {
-    switch (s->form) {
+double gn_slope_at(const gn_slope *slope, double group) {
+    switch (slope->form) {
     case GN_SLOPE_POWER:
-        return s->coefficient * pow(group / s->reference, s->exponent);
+        return slope->coefficient * pow(group / slope->reference, slope->exponent);
     case GN_SLOPE_LINEAR:
-        return s->coefficient * (group - s->reference);
+        return slope->coefficient * (group - slope->reference);
     case GN_SLOPE_EXPONENTIAL:
-        return s->coefficient * exp(-group / s->reference);
+        return slope->coefficient * exp(-group / slope->reference);
     case GN_SLOPE_RATIO:
-        return pow(group / s->reference, s->exponent) - 1.0;
+        return pow(group / slope->reference, slope->exponent) - 1.0;
     case GN_SLOPE_CONSTANT:
         break;
     }
-    return s->coefficient;
+    return slope->coefficient;
 }
 
-static double or_none(double x) {
-    return isnan(x) ? 0.0 : x;
+static double or_none(double value) {
+    return isnan(value) ? 0.0 : value;
 }
 
-/* Coefficient and exponent of a power were fitted about the reference, where they are independent.
- */
-double gn_slope_error_at(const gn_slope *s, double group) {
-    double coefficient = or_none(s->coefficient_error), exponent = or_none(s->exponent_error);
-    switch (s->form) {
+/* Coefficient and exponent of a power law were fitted about the reference, where their errors are
+ * independent. */
+double gn_slope_error_at(const gn_slope *slope, double group) {
+    double coefficient = or_none(slope->coefficient_error),
+           exponent = or_none(slope->exponent_error);
+    switch (slope->form) {
     case GN_SLOPE_POWER:
-        return fabs(gn_slope_at(s, group)) *
-               hypot(coefficient, exponent * log(group / s->reference));
+        return fabs(gn_slope_at(slope, group)) *
+               hypot(coefficient, exponent * log(group / slope->reference));
     case GN_SLOPE_LINEAR:
-        return coefficient * fabs(group - s->reference);
+        return coefficient * fabs(group - slope->reference);
     case GN_SLOPE_EXPONENTIAL:
-        return coefficient * exp(-group / s->reference);
+        return coefficient * exp(-group / slope->reference);
     case GN_SLOPE_RATIO:
-        return (1.0 + gn_slope_at(s, group)) * exponent * fabs(log(group / s->reference));
+        return (1.0 + gn_slope_at(slope, group)) * exponent * fabs(log(group / slope->reference));
     case GN_SLOPE_CONSTANT:
         break;
     }

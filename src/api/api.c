@@ -1,4 +1,4 @@
-/* The public API: scenes and worlds. It checks arguments and keeps the handles; the work is in sim.
+/* Public API of scenes and worlds. It checks arguments and manages handles; src/sim does the work.
  */
 #include "api/handles.h"
 #include "conversion/conversion.h"
@@ -31,7 +31,7 @@ gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error
     return gn_fail(error, GNEISS_ERROR_INPUT, "argument %s: expected a pointer, found NULL", what);
 }
 
-/* The names that files of a run get must fit behind it. */
+/* Names of the files of a run must fit after the path. */
 static gneiss_status require_path(const char *path, const char *what, gneiss_error *error) {
     GN_TRY(gn_api_require(path, what, error));
     if (strlen(path) < GN_PATH_SIZE - 64) return GNEISS_OK;
@@ -40,7 +40,7 @@ static gneiss_status require_path(const char *path, const char *what, gneiss_err
                    GN_PATH_SIZE - 64, strlen(path));
 }
 
-/* "key=value" strings, cut in two. The values point into the caller's strings. */
+/* "key=value" strings, split. The values point into the caller's strings. */
 typedef struct override_list {
     gn_override *items;
     size_t count;
@@ -82,7 +82,7 @@ static gneiss_status make_overrides(const char *const *texts, size_t count, over
 
 /* --- scenes --- */
 
-/* The reader that both ways to a scene share; `text` NULL: from the file `name`. */
+/* Reads a scene for both entry points; `text` NULL: from the file `name`. */
 static gneiss_status read_scene(const char *text, const char *name, const char *folder,
                                 const override_list *list, gneiss_scene *scene,
                                 gneiss_error *error) {
@@ -150,7 +150,7 @@ static gneiss_status new_world(gneiss_world **world, gneiss_error *error) {
     return *world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a world");
 }
 
-/* Hands the world over, or gives its shell back; a run that failed holds nothing. */
+/* Returns the world to the caller, or frees its handle on failure; a failed run owns nothing. */
 static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_world **world) {
     if (status == GNEISS_OK)
         *world = made;
@@ -190,7 +190,7 @@ static gneiss_status require_good(const gneiss_world *world, gneiss_error *error
     return gn_fail(error, world->failure.status, "%s", world->failure.message);
 }
 
-/* Where the bad state can be looked at goes behind what happened. */
+/* Appends the place of the stored bad state to the message. */
 static void keep_bad_state(gneiss_world *world) {
     gneiss_error second = {0}, first = world->failure;
     if (!world->run.directory[0]) return;
@@ -200,8 +200,8 @@ static void keep_bad_state(gneiss_world *world) {
                 world->run.directory);
 }
 
-/* After an advance. An output that could not be written leaves the world as good as it was;
- * whatever else goes wrong ends it. */
+/* Called after an advance. An output that could not be written leaves the world intact; any other
+ * error ends it. */
 static gneiss_status settle(gneiss_world *world, gneiss_status status, const gneiss_error *found,
                             gneiss_error *error) {
     if (status == GNEISS_OK) return GNEISS_OK;
@@ -246,7 +246,7 @@ gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {
     return gneiss_world_finish(world, error);
 }
 
-/* --- saving and going on --- */
+/* --- saving and resuming --- */
 
 gneiss_status gneiss_world_save(const gneiss_world *world, const char *path, gneiss_error *error) {
     GN_TRY(require_good(world, error));
@@ -296,7 +296,7 @@ const char *gneiss_world_note(const gneiss_world *world) {
     return world ? world->run.note : "";
 }
 
-/* --- where it stands --- */
+/* --- state --- */
 
 gneiss_status gneiss_world_progress(const gneiss_world *world, gneiss_progress *progress,
                                     gneiss_error *error) {

@@ -1,4 +1,4 @@
-/* What the opaque handles of the public API stand for. */
+/* Definitions of the opaque handles of the public API. */
 #ifndef GN_API_HANDLES_H
 #define GN_API_HANDLES_H
 
@@ -12,10 +12,10 @@ struct gneiss_scene {
 
 struct gneiss_world {
     gn_run run;           /* directory "": nothing is written */
-    gneiss_error failure; /* what ended it for good; status GNEISS_OK: nothing */
+    gneiss_error failure; /* error that ended the world permanently; status GNEISS_OK: none */
 };
 
-/* GNEISS_ERROR_INPUT unless `pointer` is there; `what` is the name of the argument. */
+/* Fails with GNEISS_ERROR_INPUT if `pointer` is NULL; `what` is the name of the argument. */
 gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* The public API: what files show of every particle, bond, node and element. */
+/* Public API: the fields of every particle, bond, node and element that files contain. */
 #include "api/handles.h"
 
 #include "run/output_fields.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* What there is of a record: its fields, how many items. No table: none. */
+/* Available outputs of a record: its fields and number of items. No table: none. */
 typedef struct outputs {
     const gn_output_table *table;
     gn_effects effects;
@@ -15,16 +15,16 @@ typedef struct outputs {
     size_t count;
 } outputs;
 
-static outputs find_outputs(const gn_world *w, gneiss_record record) {
-    const gn_fem_solid *solid = w->solids.count ? &w->solids.elements[0]->solid : NULL;
-    const bool bonds = w->ctx.effects & GN_FX_BONDS;
+static outputs find_outputs(const gn_world *world, gneiss_record record) {
+    const gn_fem_solid *solid = world->solids.count ? &world->solids.elements[0]->solid : NULL;
+    const bool bonds = world->ctx.effects & GN_FX_BONDS;
     switch (record) {
     case GNEISS_PARTICLES:
-        return (outputs){&gn_particle_outputs, w->ctx.effects, w->ctx.scene.asked,
-                         w->dem.particles.soa.count};
+        return (outputs){&gn_particle_outputs, world->ctx.effects, world->ctx.scene.asked,
+                         world->dem.particles.soa.count};
     case GNEISS_BONDS:
-        return (outputs){bonds ? &gn_bond_outputs : NULL, w->ctx.effects, w->ctx.scene.asked,
-                         w->dem.bonds.soa.count};
+        return (outputs){bonds ? &gn_bond_outputs : NULL, world->ctx.effects,
+                         world->ctx.scene.asked, world->dem.bonds.soa.count};
     case GNEISS_NODES:
         return (outputs){solid ? &gn_node_outputs : NULL, 0, 0, solid ? solid->nodes.soa.count : 0};
     case GNEISS_ELEMENTS:
@@ -48,34 +48,34 @@ gneiss_status gneiss_world_output_at(const gneiss_world *world, gneiss_record re
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(what, "what", error));
     const outputs o = find_outputs(&world->run.world, record);
-    const gn_output_field *f =
+    const gn_output_field *field =
         o.table ? gn_output_field_at(o.table, o.effects, o.asked, index) : NULL;
-    if (!f)
+    if (!field)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument index: expected less than %zu, the outputs of the record, found "
                        "%zu",
                        gneiss_world_output_count(world, record), index);
-    *what = (gneiss_view){.name = f->name,
-                          .unit = f->unit,
-                          .description = f->text,
+    *what = (gneiss_view){.name = field->name,
+                          .unit = field->unit,
+                          .description = field->text,
                           .type = GNEISS_F64,
-                          .components = (int32_t)f->components,
+                          .components = (int32_t)field->components,
                           .count = o.count,
-                          .item_stride = f->components * sizeof(double),
+                          .item_stride = field->components * sizeof(double),
                           .component_stride = sizeof(double)};
     return GNEISS_OK;
 }
 
-static gneiss_status read_particles_or_bonds(const gn_world *w, bool particles,
-                                             const gn_output_field *f, double *values,
+static gneiss_status read_particles_or_bonds(const gn_world *world, bool particles,
+                                             const gn_output_field *field, double *values,
                                              gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    gneiss_status status = gn_output_view_make(w, &seen, &view, error);
+    GN_TRY(gn_world_observe(&world->ctx, &world->dem, &world->box, &seen, error));
+    gneiss_status status = gn_output_view_make(world, &seen, &view, error);
     if (status == GNEISS_OK) {
         const gn_output_source of = particles ? gn_output_particles(&view) : gn_output_bonds(&view);
-        gn_output_read(&of, f, values);
+        gn_output_read(&of, field, values);
         gn_output_view_free(&view);
     }
     gn_observed_free(&seen);
@@ -89,19 +89,19 @@ gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_record recor
     GN_TRY(gn_api_require(values, "values", error));
     const gn_world *w = &world->run.world;
     const outputs o = find_outputs(w, record);
-    const gn_output_field *f = NULL;
-    for (size_t k = 0; o.table && (f = gn_output_field_at(o.table, o.effects, o.asked, k)); k++)
-        if (strcmp(f->name, name) == 0) break;
-    if (!f)
+    const gn_output_field *field = NULL;
+    for (size_t k = 0; o.table && (field = gn_output_field_at(o.table, o.effects, o.asked, k)); k++)
+        if (strcmp(field->name, name) == 0) break;
+    if (!field)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected an output of the record in this scene "
                        "(gneiss_world_output_at), found '%.80s'",
                        name);
-    if (count != o.count * f->components)
+    if (count != o.count * field->components)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument count: expected %zu numbers (%zu x %zu of %s), found %zu",
-                       o.count * f->components, o.count, f->components, name, count);
+                       o.count * field->components, o.count, field->components, name, count);
     if (record == GNEISS_NODES || record == GNEISS_ELEMENTS)
-        return gn_elements_read(w, 0, record == GNEISS_NODES, f, values, error);
-    return read_particles_or_bonds(w, record == GNEISS_PARTICLES, f, values, error);
+        return gn_elements_read(w, 0, record == GNEISS_NODES, field, values, error);
+    return read_particles_or_bonds(w, record == GNEISS_PARTICLES, field, values, error);
 }

@@ -1,4 +1,4 @@
-/* The public API: looking at fields, history, readings and energies of a world. */
+/* Public API: fields, history, readings and energies of a world. */
 #include "api/handles.h"
 
 #include <math.h>
@@ -21,10 +21,10 @@ static void add_name(name_list *list, const char *name) {
 /* --- fields --- */
 
 /* A record of a world and its manifest. */
-typedef struct place {
+typedef struct record_place {
     const gn_record *record;
     const gn_soa *soa;
-} place;
+} record_place;
 
 const char *gneiss_record_name(gneiss_record record) {
     static const char *const names[] = {"particles",     "bonds", "pairs",
@@ -32,30 +32,30 @@ const char *gneiss_record_name(gneiss_record record) {
     return (unsigned)record < 6 ? names[record] : NULL;
 }
 
-static place find_record(const gneiss_world *world, gneiss_record record) {
+static record_place find_record(const gneiss_world *world, gneiss_record record) {
     static const gn_fem_solid none;
-    const gn_world *w = &world->run.world;
-    const gn_fem_solid *body = w->solids.count ? &w->solids.elements[0]->solid : &none;
+    const gn_world *inner = &world->run.world;
+    const gn_fem_solid *body = inner->solids.count ? &inner->solids.elements[0]->solid : &none;
     switch (record) {
     case GNEISS_PARTICLES:
-        return (place){&gn_particle_record, &w->dem.particles.soa};
+        return (record_place){&gn_particle_record, &inner->dem.particles.soa};
     case GNEISS_BONDS:
-        return (place){&gn_contact_record, &w->dem.bonds.soa};
+        return (record_place){&gn_contact_record, &inner->dem.bonds.soa};
     case GNEISS_PAIRS:
-        gn_near_settle(&w->ctx, &w->dem);
-        return (place){&gn_contact_record, &w->dem.pairs.soa};
+        gn_near_settle(&inner->ctx, &inner->dem);
+        return (record_place){&gn_contact_record, &inner->dem.pairs.soa};
     case GNEISS_WALL_CONTACTS:
-        return (place){&gn_wall_contact_record, &w->boundary.contacts.soa};
+        return (record_place){&gn_wall_contact_record, &inner->boundary.contacts.soa};
     case GNEISS_NODES:
-        return (place){&gn_particle_record, &body->nodes.soa};
+        return (record_place){&gn_particle_record, &body->nodes.soa};
     case GNEISS_ELEMENTS:
-        return (place){&gn_element_record, &body->elements.soa};
+        return (record_place){&gn_element_record, &body->elements.soa};
     }
-    return (place){NULL, NULL};
+    return (record_place){NULL, NULL};
 }
 
-static gneiss_status require_record(const gneiss_world *world, gneiss_record record, place *out,
-                                    gneiss_error *error) {
+static gneiss_status require_record(const gneiss_world *world, gneiss_record record,
+                                    record_place *out, gneiss_error *error) {
     GN_TRY(gn_api_require(world, "world", error));
     *out = find_record(world, record);
     if (out->record) return GNEISS_OK;
@@ -63,18 +63,18 @@ static gneiss_status require_record(const gneiss_world *world, gneiss_record rec
                    (int)record);
 }
 
-/* A record that the scene has no use for is all NULL, whatever its effects say. */
-static const gn_field *active_field(place p, size_t index, size_t *count) {
+/* All fields of an unused record are NULL, whatever its effects are. */
+static const gn_field *active_field(record_place place, size_t index, size_t *count) {
     *count = 0;
-    for (size_t f = 0; f < p.record->field_count; f++) {
-        if (!gn_field_data(&p.record->fields[f], p.soa)) continue;
-        if (*count == index) return &p.record->fields[f];
+    for (size_t f = 0; f < place.record->field_count; f++) {
+        if (!gn_field_data(&place.record->fields[f], place.soa)) continue;
+        if (*count == index) return &place.record->fields[f];
         ++*count;
     }
     return NULL;
 }
 
-static void fill_view(place p, const gn_field *field, gneiss_view *view) {
+static void fill_view(record_place place, const gn_field *field, gneiss_view *view) {
     size_t size = gn_type_size(field->type), width = size * (size_t)field->components;
     bool rows = field->layout == GN_ROWS;
     *view = (gneiss_view){
@@ -83,10 +83,10 @@ static void fill_view(place p, const gn_field *field, gneiss_view *view) {
         .description = field->text,
         .type = (gneiss_type)field->type,
         .components = field->components,
-        .count = p.soa->count,
+        .count = place.soa->count,
         .item_stride = rows ? width : size,
-        .component_stride = rows ? size : size * p.soa->capacity,
-        .data = gn_field_data(field, p.soa),
+        .component_stride = rows ? size : size * place.soa->capacity,
+        .data = gn_field_data(field, place.soa),
     };
 }
 
@@ -99,7 +99,7 @@ gneiss_status gneiss_world_origin(const gneiss_world *world, double origin[3],
 }
 
 size_t gneiss_world_field_count(const gneiss_world *world, gneiss_record record) {
-    place p = world ? find_record(world, record) : (place){NULL, NULL};
+    record_place p = world ? find_record(world, record) : (record_place){NULL, NULL};
     size_t count = 0;
     if (p.record) active_field(p, SIZE_MAX, &count);
     return count;
@@ -107,7 +107,7 @@ size_t gneiss_world_field_count(const gneiss_world *world, gneiss_record record)
 
 gneiss_status gneiss_world_field_at(const gneiss_world *world, gneiss_record record, size_t index,
                                     gneiss_view *view, gneiss_error *error) {
-    place p;
+    record_place p;
     size_t count;
     GN_TRY(require_record(world, record, &p, error));
     GN_TRY(gn_api_require(view, "view", error));
@@ -122,7 +122,7 @@ gneiss_status gneiss_world_field_at(const gneiss_world *world, gneiss_record rec
 
 gneiss_status gneiss_world_field(const gneiss_world *world, gneiss_record record, const char *name,
                                  gneiss_view *view, gneiss_error *error) {
-    place p;
+    record_place p;
     name_list names = {0};
     GN_TRY(require_record(world, record, &p, error));
     GN_TRY(gn_api_require(name, "name", error));
@@ -245,9 +245,9 @@ enum { READINGS = GN_READING_COUNT, ENERGIES = GN_ENERGY_FIGURES };
 
 static gneiss_status list_readings(const gneiss_world *world, gneiss_quantity out[READINGS],
                                    gneiss_error *error) {
-    const gn_readings *r;
-    GN_TRY(gn_run_readings(&world->run, &r, error));
-#define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, r->name};
+    const gn_readings *readings;
+    GN_TRY(gn_run_readings(&world->run, &readings, error));
+#define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, readings->name};
     GN_READINGS(X)
 #undef X
     return GNEISS_OK;

@@ -320,7 +320,7 @@ static void set_motion_at_start(const gn_body_def *def, gn_rigid *b) {
 static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn_rigid *b) {
     const gn_body_def *def = &s->bodies[k];
     bool space = s->dimension == 3;
-    gn_spins spins = gn_body_spins(s, def);
+    gn_spins spins = gn_body_spin_kind(s, def);
     b->turn[0] = 1.0;
     set_axes(b);
     const double *at = def->has_reference ? def->reference
@@ -334,7 +334,7 @@ static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn
         for (int a = 0; a < (space ? 3 : 2); a++)
             if (!def->motion.velocity[a].count) b->inverse_mass[a] = 1.0 / b->mass;
         for (int a = space ? 0 : 2; a < 3; a++)
-            if (spins != GN_SPINS_LED) b->inverse_inertia[a] = 1.0 / b->inertia[a];
+            if (spins != GN_SPINS_PRESCRIBED) b->inverse_inertia[a] = 1.0 / b->inertia[a];
         for (int a = 0; spins == GN_SPINS_SOME && a < 3; a++)
             b->held[a] = def->motion.spin[a].count ? 1.0 : 0.0;
     }

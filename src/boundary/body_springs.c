@@ -17,14 +17,14 @@ static double kratio_of(const gn_scene *s, size_t place) {
 }
 
 static const gn_material *material_of(const gn_scene *s, size_t place) {
-    const char *name = gn_scene_side(s, place).material;
+    const char *name = gn_scene_surface_at(s, place).material;
     return gn_scene_hertz(s) && *name ? &s->materials[gn_scene_find_material(s, name)] : NULL;
 }
 
 /* With a material its own friction and restitution, without one those of the side and the scene. */
 static double friction_of(const gn_scene *s, size_t place) {
     const gn_material *m = material_of(s, place);
-    return m ? m->friction : gn_scene_side(s, place).friction;
+    return m ? m->friction : gn_scene_surface_at(s, place).friction;
 }
 static double damping_of(const gn_scene *s, size_t place) {
     const gn_material *m = material_of(s, place);

@@ -7,7 +7,7 @@
 #include "kernels/law.h"
 #include "world/world.h"
 
-/* Walls and bodies are counted through, as by gn_scene_side. */
+/* Walls and bodies are counted through, as by gn_scene_surface_at. */
 typedef struct gn_body_spring {
     gn_touch_side side; /* stiffness 0: they do not meet; kratio 0: no tangential spring */
     double damping;     /* of critical, of dashpots */

@@ -20,7 +20,7 @@ static inline gn_hertz_pair gn_touch_hertz(const gn_step_context *ctx, const gn_
 static inline double gn_touch_rolling(const gn_step_context *ctx, const gn_dem *dem, size_t place,
                                       int32_t material, bool twisting) {
     if (!(ctx->effects & GN_FX_ROLLING)) return 0.0;
-    gn_scene_surface s = gn_scene_side(&ctx->scene, place);
+    gn_scene_surface s = gn_scene_surface_at(&ctx->scene, place);
     if (ctx->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&ctx->scene)) {
         gn_hertz_pair pair = gn_touch_hertz(ctx, dem, place, material);
         return twisting ? pair.twisting : pair.rolling;

@@ -25,7 +25,7 @@ gneiss_status gn_body_check_cuts(const gn_scene *s, size_t index, const gn_body_
     const gn_body_def *def = &s->bodies[index];
     const double *o = s->origin;
     char path[32], place[GN_POINT_SIZE], from[GN_POINT_SIZE + 40] = "";
-    if (!gn_body_is_weighed(def)) return GNEISS_OK;
+    if (!gn_body_mass_is_from_surface(def)) return GNEISS_OK;
     double *node = gn_alloc_array(shape->vertices + 1, 3 * sizeof *node);
     int32_t *corner = gn_alloc_array(count + 1, sizeof *corner);
     gneiss_status status = node && corner ? GNEISS_OK
@@ -57,7 +57,7 @@ gneiss_status gn_body_check_cuts(const gn_scene *s, size_t index, const gn_body_
 
 size_t gn_body_cavities(const gn_scene *s, size_t index) {
     gn_body_shape shape;
-    if (!s->bodies[index].surface[0] || !gn_body_is_weighed(&s->bodies[index])) return 0;
+    if (!s->bodies[index].surface[0] || !gn_body_mass_is_from_surface(&s->bodies[index])) return 0;
     if (gn_body_shape_make(s, index, &shape, NULL) != GNEISS_OK) return 0;
     const size_t cavities = shape.cavities;
     gn_body_shape_free(&shape);

@@ -3,8 +3,8 @@
 
 #include "surfaces/body_shape.h"
 
-/* GNEISS_ERROR_INPUT where the surface of a body that is weighed (gn_body_is_weighed) cuts itself,
- * with the place. Bodies for contact alone may. */
+/* GNEISS_ERROR_INPUT where the surface of a body that is weighed (gn_body_mass_is_from_surface)
+ * cuts itself, with the place. Bodies for contact alone may. */
 gneiss_status gn_body_check_cuts(const gn_scene *scene, size_t index, const gn_body_shape *shape,
                                  gneiss_error *error);
 

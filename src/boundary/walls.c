@@ -395,7 +395,7 @@ static double servo_stiffness(const gn_step_context *ctx, const gn_dem *dem,
 double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall) {
     gn_facing f;
     double area = ctx->scene.walls[wall].servo.area;
-    if (!(area > 0.0) && gn_wall_closes_box(&ctx->scene, wall)) return gn_box_section(ctx);
+    if (!(area > 0.0) && gn_wall_covers_open_axis(&ctx->scene, wall)) return gn_box_section(ctx);
     if (area > 0.0 || !gn_facing_find(&ctx->scene, wall, &f)) return area;
     area = 1.0;
     for (size_t k = 0; k < f.count; k++) {

@@ -8,45 +8,46 @@
 
 static const gn_command commands[] = {
     {"run", "SCENE", "run a scene", true, false,
-     "Writes results.h5, summary.json and snapshots to runs/<scene name>. Ctrl-C writes a\n"
-     "checkpoint first; gneiss resume goes on from it. With --seeds, or with several values of\n"
-     "test.confinement, it is one run for each value, side by side.\n",
+     "Writes results.h5, summary.json and snapshots to runs/<scene name>. Ctrl-C writes "
+     "a\ncheckpoint first; gneiss resume continues from it. With --seeds, or with several values "
+     "of\ntest.confinement, it makes one run for each value, side by side.\n",
      "gneiss run scenes/ucs-rock.yaml\n"
      "gneiss run scenes/ucs-rock.yaml --out runs/fast --set walls.top.motion.vz=-1\n"
      "gneiss run scenes/ucs-packed.yaml --seeds 5\n"},
-    {"check", "SCENE", "read a scene and look its specimen over, run nothing", true, false,
-     "Builds the specimen, names what is wrong with it by file, line and column, and says what\n"
-     "touches what. It writes nothing.\n",
+    {"check", "SCENE", "read a scene and check its specimen, run nothing", true, false,
+     "Builds the specimen, reports problems by file, line and column, and prints contacts "
+     "and\noverlaps. It writes nothing.\n",
      "gneiss check scenes/ucs-rock.yaml\n"},
-    {"plan", "SCENE", "print what a run would compute, store and cost", true, false,
-     "With --error it looks for the cheapest settings that read the strength, or the stiffness,\n"
-     "with no larger error.\n",
+    {"plan", "SCENE", "print computation, memory and cost of a run", true, false,
+     "With --error it finds the cheapest settings that give the strength, or the stiffness,\nwith "
+     "at most this error.\n",
      "gneiss plan scenes/ucs-rock.yaml\n"
      "gneiss plan scenes/ucs-rock.yaml --error 5% --write cheaper.yaml\n"},
     {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
      true, false, "The file is a scene, or the part `specimen` of one alone.\n",
      "gneiss pack scenes/pack-uniform.yaml --out runs/pack-uniform\n"},
     {"sweep", "FILE", "run a scene with several values of its keys, side by side", true, false,
-     "The file names a scene and the values of some of its keys (docs/sweep.md). The same command\n"
-     "again goes on with what is not done.\n",
+     "The file names a scene and the values of some of its keys (docs/sweep.md). Repeating "
+     "the\ncommand completes the missing runs.\n",
      "gneiss sweep scenes/sweep-strength.yaml --dry-run\n"
      "gneiss sweep scenes/sweep-strength.yaml --jobs 2\n"},
-    {"resume", "DIR", "go on from the newest checkpoint in an output folder", true, false,
+    {"resume", "DIR", "continue from the newest checkpoint in an output folder", true, false,
      "--set takes keys of time, output and run, and ends of stages. A later time.end prolongs a\n"
      "finished run.\n",
      "gneiss resume runs/ucs-rock\n"
      "gneiss resume runs/ucs-rock --set time.end=8ms\n"},
     {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true,
-     false, "It can be made while the run goes on.\n", "gneiss report runs/ucs-rock\n"},
+     false, "It can be made during the run.\n", "gneiss report runs/ucs-rock\n"},
     {"keys", "[TEXT ...]",
-     "print the keys of a scene file, or those that hold a text (--markdown for docs)", false, true,
-     "With several words each of them must be in the path, the text or the values of a key. Words\n"
-     "of the field and of other programs are known as well: CMOD, confining, restart, vtk, clump,\n"
+     "print the keys of a scene file, or those that contain a text (--markdown for docs)", false,
+     true,
+     "Each of several words must occur in the path, the text or the values of a key. Terms of "
+     "the\nfield and of other programs are known as well: CMOD, confining, restart, vtk, clump, "
      "joint.\n",
      "gneiss keys friction\n"
      "gneiss keys bond strength\n"},
     {"info", "", "print version, instruction sets, threads", false, false, "", "gneiss info\n"},
-    {"help", "[COMMAND]", "print this, or what a command takes", false, false, "",
+    {"help", "[COMMAND]", "print this, or the options of a command", false, false, "",
      "gneiss help run\n"},
     {"version", "", "print the version, the commit and the compiler", false, false, "",
      "gneiss version\n"},
@@ -56,7 +57,7 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 #define LISTED(set, lanes, has) #set ", "
 #define SETS_LISTED             GN_INSTRUCTION_SETS(LISTED) "auto"
 
-/* Of an option: which commands take it, separated by blanks. */
+/* Text of an option, with the commands that take it, separated by blanks. */
 static const struct {
     const char *commands, *name, *text;
 } options[] = {
@@ -65,35 +66,35 @@ static const struct {
     {"run check plan pack sweep resume", "--set KEY=VALUE",
      "override a key of the scene: --set time.end=2ms, --set\nwalls.top.friction=0.2"},
     {"run check plan pack sweep resume", "--threads N", "threads (default, and 0: all cores)"},
-    {"run check plan pack sweep", "--seed N", "of every random number"},
+    {"run check plan pack sweep", "--seed N", "seed of all random numbers"},
     {"run check plan sweep", "--precision P", "double or mixed"},
     {"run check plan sweep resume", "--isa NAME",
      SETS_LISTED " (default: GNEISS_ISA, else the widest)"},
     {"run pack plan sweep", "--force",
-     "run: replace also what a finished run of more than a minute left; run,\n"
-     "pack: files that are not gneiss's; sweep: compute everything anew"},
+     "run: replace also the results of a run of more than a minute; run,\npack: files not written "
+     "by gneiss; sweep: compute everything anew"},
     {"run check plan pack sweep resume", "--allow-gmsh",
-     "let gmsh mesh a specimen that is a geometry (.geo, .step, ...), which can\n"
-     "make it execute any command: for files that you trust"},
+     "let gmsh mesh a specimen given as geometry (.geo, .step, ...), which can\nmake it execute "
+     "any command: only for trusted files"},
     {"run sweep", "--seeds N",
-     "run, sweep: with so many seeds (or these: 3,7,11); mean and 95 % interval\n"
-     "of every reading; run writes to runs/<scene name>-seeds"},
+     "run, sweep: number of seeds (or a list: 3,7,11); mean and 95 % interval\nof every reading; "
+     "run writes to runs/<scene name>-seeds"},
     {"run sweep", "--jobs N",
-     "sweep, run of several seeds or confinements: runs at a time (default: as\n"
-     "many as threads)"},
+     "sweep, run of several seeds or confinements: simultaneous runs (default:\nnumber of "
+     "threads)"},
     {"run sweep", "--dry-run",
-     "sweep, run of several: list the runs and what they may cost, run nothing"},
-    {"sweep", "--array [I/N]", "sweep: only shard I of N, or the one that Slurm's job array says"},
-    {"sweep", "--collect", "sweep: only the summary of what is there"},
+     "sweep, run of several: list the runs and their estimated cost, run nothing"},
+    {"sweep", "--array [I/N]", "sweep: only shard I of N, or that of Slurm's job array"},
+    {"sweep", "--collect", "sweep: only summarise the existing runs"},
     {"plan", "--error E",
-     "plan: the cheapest settings for an error of 5%, what causes it, and seconds"},
-    {"plan", "--reading R", "plan --error: of the strength (default) or the stiffness"},
+     "plan: the cheapest settings for an error of 5%, its causes, and seconds"},
+    {"plan", "--reading R", "plan --error: error of the strength (default) or the stiffness"},
     {"plan", "--particles any",
-     "plan --error: their number may be changed, too, and contacts calibrated\nanew"},
+     "plan --error: the number of particles may change as well, with\nrecalibrated contacts"},
     {"plan", "--write FILE",
-     "plan --error: the scene with what is proposed (--force replaces FILE)"},
+     "plan --error: write the scene with the proposed settings (--force replaces\nFILE)"},
     {"run check plan pack sweep resume", "--quiet",
-     "only what came out: no progress, no profile; readings and warnings stay"},
+     "only results: readings and warnings, no progress and no profile"},
     {"run pack sweep resume", "--log json",
      "progress and summary as JSON lines on standard output"},
     {"keys", "--markdown", "keys: as Markdown"},
@@ -118,7 +119,7 @@ static bool takes(const gn_command *command, const char *list) {
     return false;
 }
 
-/* The lines of a text, the first behind the name. */
+/* Prints the lines of a text, the first one after the name. */
 static void print_option(FILE *out, const char *name, const char *text) {
     fprintf(out, *text ? "  %-18s " : "  %s", name);
     for (; *text; text++) {
@@ -161,12 +162,10 @@ void gn_print_help(FILE *out, const gn_command *command) {
         fprintf(out, "  %-7s %-10s %s\n", commands[k].name, commands[k].arguments,
                 commands[k].text);
     print_options(out, NULL);
-    fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder "
-          "that is not\n"
-          "there, too), 3 file could not be read or written, 4 out of memory, 5 unstable run, 6 "
-          "interrupted\n"
-          "(a checkpoint was written if the run had begun)\n\n"
-          "gneiss help COMMAND: what a command takes, with an example\n",
+    fputs("\nexit codes: 0 done, 1 defect of gneiss, 2 invalid input (or a missing scene or "
+          "folder), 3 file\ncould not be read or written, 4 out of memory, 5 unstable run, 6 "
+          "interrupted (a checkpoint\nwas written if the run had begun)\n\ngneiss help COMMAND: "
+          "options of a command, with an example\n",
           out);
 }
 

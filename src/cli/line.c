@@ -36,7 +36,7 @@ static void join(const gn_line *line, char *out, size_t size) {
     }
 }
 
-/* The least important field that can still give way; NULL: none. */
+/* Returns the least important field that can still be shortened or dropped; NULL: none. */
 static gn_line_field *next_to_give_way(gn_line *line, bool by_dropping) {
     gn_line_field *found = NULL;
     for (size_t k = 0; k < line->count; k++) {
@@ -57,7 +57,7 @@ void gn_line_fit(gn_line *line, size_t width, char *out, size_t size) {
     if (width && width < size && strlen(out) > width) out[width] = '\0';
 }
 
-/* Columns of the terminal but the last, at which some go on to the next line. */
+/* Columns of the terminal less one, because some terminals wrap at the last column. */
 static size_t room(void) {
     struct winsize window = {0};
     if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_col == 0) return 79;

@@ -27,12 +27,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { LONG_RUN = 60 }; /* s of computing that are not replaced without being asked for */
+enum { LONG_RUN = 60 }; /* s of computing above which results are replaced only on request */
 
 static const char nothing_lost[] =
     "gneiss: interrupted: before the first step; there is nothing to save\n";
 
-/* JSON lines: the text without its line breaks and indentation. */
+/* Prints a JSON text without its line breaks and indentation. */
 static void print_one_line(const char *json) {
     while (*json) {
         size_t length = strcspn(json, "\n");
@@ -43,12 +43,12 @@ static void print_one_line(const char *json) {
     putchar('\n');
 }
 
-static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *error) {
+static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error *error) {
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
-    GN_TRY(gn_print_summary(o, run, error));
+    GN_TRY(gn_print_summary(options, run, error));
     GN_TRY(gn_print_warnings(run, error));
-    if (o->json) {
+    if (options->json) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
@@ -58,7 +58,7 @@ static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *erro
     return gn_run_verdict(run, error);
 }
 
-/* The bad state is kept for looking at; the message of the first error is the one that counts. */
+/* Stores the bad state for inspection; the message of the first error is kept. */
 static gneiss_status fail(gn_run *run, gneiss_error *error) {
     gneiss_error second = {0};
     gneiss_status status = error->status;
@@ -71,8 +71,9 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
     return status;
 }
 
-/* *shown: a progress line stands on the terminal, and the cursor behind it. */
-static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
+/* *shown: a progress line is on the terminal, and the cursor is at its end. */
+static gneiss_status advance(const gn_options *options, gn_run *run, bool *shown,
+                             gneiss_error *error) {
     char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     if (*gn_world_light_body(&run->world.ctx, &run->world.dem, &run->world.boundary, light,
@@ -89,42 +90,43 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         fprintf(stderr, "gneiss: warning: %s\n", light);
     if (*gn_conversion_watches(&run->world.ctx, &run->world.solids, light, sizeof light))
         fprintf(stderr, "gneiss: warning: %s\n", light);
-    GN_TRY(gn_print_start(o, run, error));
-    GN_TRY(gn_print_beginning(o, run, error));
-    GN_TRY(gn_expect_end(o, run, error));
+    GN_TRY(gn_print_start(options, run, error));
+    GN_TRY(gn_print_initial_state(options, run, error));
+    GN_TRY(gn_predict_end(options, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     while (!run->finished) {
-        double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
+        double pause = isatty(STDERR_FILENO) || options->json ? 0.5 : 5.0;
         gneiss_status status = gn_run_advance(run, pause, interrupted, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        gn_print_progress(o, run);
+        gn_print_progress(options, run);
         *shown = !run->finished;
         if (!*interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
+        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; continue with: gneiss resume %s",
                        (long long)run->world.ctx.step, run->directory);
     }
-    gneiss_status status = finish(o, run, error);
+    gneiss_status status = finish(options, run, error);
     return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
 }
 
-static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *error) {
     bool shown = false;
-    gneiss_status status = advance(o, run, &shown, error);
-    if (status != GNEISS_OK && shown) gn_leave_progress(o);
+    gneiss_status status = advance(options, run, &shown, error);
+    if (status != GNEISS_OK && shown) gn_end_progress_line(options);
     return status;
 }
 
-/* A scene on the heap: it is too large for a small stack. */
-static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_error *error) {
+/* The scene is on the heap because it is too large for a small stack. */
+static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
     *scene = calloc(1, sizeof **scene);
     if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, *scene, error);
-    (*scene)->allow_gmsh = o->allow_gmsh;
+    gneiss_status status =
+        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error);
+    (*scene)->allow_gmsh = options->allow_gmsh;
     if (status == GNEISS_OK) {
         gn_print_notes(&(*scene)->notes);
         return GNEISS_OK;
@@ -134,14 +136,14 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
     return status;
 }
 
-/* Hours of computing are not thrown away by a command repeated by mistake, nor somebody else's
- * files by a folder named by mistake; both are told before anything is computed. */
-static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
+/* A repeated command does not replace hours of computing, and a mistaken folder does not lose other
+ * files; both are refused before anything is computed. */
+static gneiss_status check_replacing(const gn_options *options, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
-    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
+    GN_TRY(gn_folder_choose(scene, options->out, folder, error));
     double seconds = 0.0;
-    if (o->force) return GNEISS_OK;
+    if (options->force) return GNEISS_OK;
     GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
     if (!(seconds > LONG_RUN)) return GNEISS_OK;
@@ -151,100 +153,103 @@ static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
                    folder, gn_format_seconds(seconds, text, sizeof text));
 }
 
-static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
-    gneiss_status status = check_replacing(o, scene, error);
-    if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
+static gneiss_status start(const gn_options *options, gn_scene *scene, gn_run *run,
+                           gneiss_error *error) {
+    gneiss_status status = check_replacing(options, scene, error);
+    if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
     if (status != GNEISS_OK) {
         gn_scene_free(scene);
         return status;
     }
-    GN_TRY(gn_run_start(scene, o->out, o->force, run, error));
-    run->cpu_start = 0.0; /* the process does nothing else: the packing made ahead counts, too */
+    GN_TRY(gn_run_start(scene, options->out, options->force, run, error));
+    run->cpu_start =
+        0.0; /* the process has done nothing else, so that the packing made before counts too */
     return GNEISS_OK;
 }
 
-static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_run(const gn_options *options, gneiss_error *error) {
     gn_scene *scene = NULL;
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(o, &scene, error);
-    if (status == GNEISS_OK) status = start(o, scene, run, error);
+    gneiss_status status = load_scene(options, &scene, error);
+    if (status == GNEISS_OK) status = start(options, scene, run, error);
     free(scene);
     if (status == GNEISS_OK) {
-        status = go(o, run, error);
+        status = go(options, run, error);
         gn_run_free(run);
     }
     free(run);
     return status;
 }
 
-static gneiss_status command_run_all(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_run_all(const gn_options *options, gneiss_error *error) {
     bool several = false;
-    GN_TRY(gn_command_several(o, &several, error));
+    GN_TRY(gn_command_several(options, &several, error));
     if (several) return GNEISS_OK;
-    if (o->jobs || o->dry_run)
+    if (options->jobs || options->dry_run)
         return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, "run",
-                       o->jobs ? "--jobs" : "--dry-run");
-    return command_run(o, error);
+                       options->jobs ? "--jobs" : "--dry-run");
+    return command_run(options, error);
 }
 
-static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_resume(const gn_options *options, gneiss_error *error) {
     char shown[GN_PATH_SIZE];
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
+    gneiss_status status =
+        gn_run_resume(options->target, options->overrides, options->override_count, run, error);
     if (status == GNEISS_OK) {
-        run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = o->allow_gmsh;
+        run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = options->allow_gmsh;
         const int64_t before = run->world.ctx.step;
-        status = go(o, run, error);
+        status = go(options, run, error);
         if (status == GNEISS_OK && run->world.ctx.step == before)
             fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
-                    gn_printable(o->target, shown, sizeof shown), run->stop_reason,
-                    !o->override_count ? ""
+                    gn_printable(options->target, shown, sizeof shown), run->stop_reason,
+                    !options->override_count ? ""
                     : run->world.outcome.halt[0]
                         ? "; the model itself ended it, which no setting changes"
-                        : "; a later time.end or a stop condition lifted goes on");
+                        : "; a later time.end or removing the stop condition continues it");
         gn_run_free(run);
     }
     free(run);
     return status;
 }
 
-/* Of several confinements in one scene each is a scene: what is wrong with one of them is told as
- * `run` would tell it. */
-static gneiss_status check_confinements(const gn_options *o, gneiss_error *error) {
+/* Each of several confinements in a scene is a scene of its own: a problem of one is reported as
+ * `run` reports it. */
+static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
     bool several = false;
     gn_sweep *sweep = calloc(1, sizeof *sweep);
     if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status =
-        gn_sweep_of_scene(o->target, o->overrides, o->override_count, NULL, sweep, &several, error);
+    gneiss_status status = gn_sweep_of_scene(options->target, options->overrides,
+                                             options->override_count, NULL, sweep, &several, error);
     if (status == GNEISS_OK && several) gn_sweep_free(sweep);
     free(sweep);
     return status;
 }
 
 /* `plan` and `check` build the world and write nothing. */
-static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *error) {
+static gneiss_status command_look(const gn_options *options, bool plan, gneiss_error *error) {
     gn_scene *scene = NULL;
     gn_world *world = calloc(1, sizeof *world);
     if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     int warnings = 0;
     char shown[GN_PATH_SIZE];
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(o, &scene, error);
+    gneiss_status status = load_scene(options, &scene, error);
     if (status == GNEISS_OK) {
-        status = check_confinements(o, error);
-        if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
+        status = check_confinements(options, error);
+        if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
         if (status != GNEISS_OK) gn_scene_free(scene);
     }
     double before = gn_process_time();
     if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
     double setup = gn_process_time() - before;
     free(scene);
-    if (status == GNEISS_OK && o->error) {
-        status = gn_plan_accuracy(o, world, setup, error);
+    if (status == GNEISS_OK && options->error) {
+        status = gn_plan_accuracy(options, world, setup, error);
         gn_world_free(world);
     } else if (status == GNEISS_OK) {
         if (!plan) status = gn_print_check(world, &warnings, error);
@@ -252,19 +257,19 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
         gn_world_free(world);
     }
     if (status == GNEISS_OK && !plan)
-        printf("%s: %s\n", gn_printable(o->target, shown, sizeof shown),
-               warnings ? "can run; mind the warnings above" : "can run");
+        printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
+               warnings ? "can run; see the warnings above" : "can run");
     free(world);
     return status;
 }
 
-/* The report is a Python script: where it was installed, in the program's source tree, or moved
- * along with the program. A folder tools beside an installed one may be anybody's. */
-static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
+/* The report is a Python script: at the place of installation, in the program's source tree, or
+ * moved along with the program. A folder `tools` beside an installed program may be unrelated. */
+static gneiss_status command_report(const gn_options *options, gneiss_error *error) {
     struct stat target;
-    if (stat(o->target, &target) == 0 && !S_ISDIR(target.st_mode))
+    if (stat(options->target, &target) == 0 && !S_ISDIR(target.st_mode))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a folder of results, found a file",
-                       o->target);
+                       options->target);
     const char *script = getenv("GNEISS_REPORT");
     char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
     if (!script) {
@@ -280,17 +285,16 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
         }
     }
     if (!script)
-        return gn_fail(
-            error, GNEISS_ERROR_IO,
-            "report.py is neither in ../share/gneiss nor in ../tools nor in tools beside "
-            "the program (GNEISS_REPORT names another place)");
-    /* By its first argument Python finds its modules: a bare name would lead to a virtual
-     * environment that is active. */
-    execl("/usr/bin/python3", "/usr/bin/python3", script, o->target, (char *)NULL);
+        return gn_fail(error, GNEISS_ERROR_IO,
+                       "report.py is neither in ../share/gneiss nor in ../tools nor in tools "
+                       "beside the program (GNEISS_REPORT gives another place)");
+    /* Python finds its modules by its first argument: a bare name would lead to an active virtual
+     * environment. */
+    execl("/usr/bin/python3", "/usr/bin/python3", script, options->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
 
-/* The linker's: where the program begins in memory, and where its machine code ends. */
+/* Symbols of the linker: the start of the program in memory, and the end of its machine code. */
 extern const char __executable_start[], etext[];
 
 static void command_info(void) {
@@ -313,14 +317,14 @@ static void command_info(void) {
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
-static gneiss_status command_help(const gn_options *o, gneiss_error *error) {
-    const gn_command *command = o->target ? gn_command_named(o->target) : NULL;
-    if (o->target && !command) return gn_no_command(o->target, error);
+static gneiss_status command_help(const gn_options *options, gneiss_error *error) {
+    const gn_command *command = options->target ? gn_command_named(options->target) : NULL;
+    if (options->target && !command) return gn_no_command(options->target, error);
     gn_print_help(stdout, command);
     return GNEISS_OK;
 }
 
-/* Why no key is about a word of the field; NULL: unknown. */
+/* Returns the reason why no key concerns a word of the field; NULL: unknown. */
 static const char *not_modelled(const char *word) {
     static const char *const words[][2] = {
         {"water", "no water or other fluid is modelled: stresses are effective ones"},
@@ -333,71 +337,72 @@ static const char *not_modelled(const char *word) {
     return NULL;
 }
 
-static gneiss_status command_keys(const gn_options *o, gneiss_error *error) {
+static gneiss_status command_keys(const gn_options *options, gneiss_error *error) {
     char nearest[256], sought[256] = "";
-    if (gn_scene_print_keys(stdout, o->markdown, (const char *const *)o->words, o->word_count) > 0)
+    if (gn_scene_print_keys(stdout, options->markdown, (const char *const *)options->words,
+                            options->word_count) > 0)
         return GNEISS_OK;
-    for (size_t k = 0, used = 0; k < o->word_count && used < sizeof sought; k++)
+    for (size_t k = 0, used = 0; k < options->word_count && used < sizeof sought; k++)
         used += (size_t)snprintf(sought + used, sizeof sought - used, "%s%s", k ? " " : "",
-                                 o->words[k]);
+                                 options->words[k]);
     const char *absent = not_modelled(sought);
     if (absent)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key is about '%s': %s", sought, absent);
-    bool meant = o->word_count == 1 && gn_scene_nearest_key(o->target, nearest, sizeof nearest);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: no key concerns '%s': %s", sought, absent);
+    bool meant =
+        options->word_count == 1 && gn_scene_nearest_key(options->target, nearest, sizeof nearest);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "keys: expected %s that a key or its description holds, found '%s'%s%s%s",
-                   o->word_count > 1 ? "words" : "a text", sought, meant ? "; did you mean '" : "",
-                   meant ? nearest : "", meant ? "'?" : "");
+                   "keys: expected %s that a key or its description contains, found '%s'%s%s%s",
+                   options->word_count > 1 ? "words" : "a text", sought,
+                   meant ? "; did you mean '" : "", meant ? nearest : "", meant ? "'?" : "");
 }
 
-static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
-    if (strcmp(o->command, "run") == 0) return command_run_all(o, error);
-    if (strcmp(o->command, "sweep") == 0) return gn_command_sweep(o, error);
-    if (strcmp(o->command, "pack") == 0) return gn_command_pack(o, error);
-    if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
-    if (strcmp(o->command, "check") == 0) return command_look(o, false, error);
-    if (strcmp(o->command, "plan") == 0) return command_look(o, true, error);
-    if (strcmp(o->command, "report") == 0) return command_report(o, error);
-    if (strcmp(o->command, "info") == 0) {
+static gneiss_status dispatch(const gn_options *options, gneiss_error *error) {
+    if (strcmp(options->command, "run") == 0) return command_run_all(options, error);
+    if (strcmp(options->command, "sweep") == 0) return gn_command_sweep(options, error);
+    if (strcmp(options->command, "pack") == 0) return gn_command_pack(options, error);
+    if (strcmp(options->command, "resume") == 0) return command_resume(options, error);
+    if (strcmp(options->command, "check") == 0) return command_look(options, false, error);
+    if (strcmp(options->command, "plan") == 0) return command_look(options, true, error);
+    if (strcmp(options->command, "report") == 0) return command_report(options, error);
+    if (strcmp(options->command, "info") == 0) {
         command_info();
         return GNEISS_OK;
     }
-    if (strcmp(o->command, "help") == 0) return command_help(o, error);
-    if (strcmp(o->command, "version") == 0) {
+    if (strcmp(options->command, "help") == 0) return command_help(options, error);
+    if (strcmp(options->command, "version") == 0) {
         gn_print_version(stdout);
         return GNEISS_OK;
     }
-    return command_keys(o, error);
+    return command_keys(options, error);
 }
 
-/* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
- * a machine that others use as well the one that spins keeps the one it waits for from running. A
- * short spin, then sleep, costs little on an idle machine. The library reads this before main,
- * hence the second start. Where threads are bound it has put this one on a core of its own by now,
- * and a second start would be left with that core alone. */
+/* Threads synchronise twice a step. By default the OpenMP library spins for long while it waits,
+ * and on a shared machine the spinning thread keeps the awaited one from running. A short spin
+ * before blocking costs little on an idle machine. The library reads this before main, hence the
+ * second start. With bound threads the library has already put this thread on one core, and a
+ * second start would inherit only that core. */
 static void spin_briefly(char **argv) {
     static const char *const given[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND",
                                         "OMP_PLACES", "GOMP_CPU_AFFINITY"};
     for (size_t k = 0; k < sizeof given / sizeof *given; k++)
         if (getenv(given[k])) return;
     setenv("GOMP_SPINCOUNT", "20000", 1);
-    execv("/proc/self/exe", argv); /* on failure the default has to do */
+    execv("/proc/self/exe", argv); /* on failure the default remains */
 }
 
-static bool finished; /* main returns: no library ends the program */
+static bool finished; /* set when main returns: no library ended the program */
 
-/* Libraries that lack memory may end the program by themselves: the scanner of UDUNITS-2 by
- * exit(2), which would be called an input error, the OpenMP library by exit(1). They have said why.
- */
-static void name_the_end(void) {
+/* Libraries that lack memory may exit: the scanner of UDUNITS-2 by exit(2), which would count as an
+ * input error, the OpenMP library by exit(1). They have printed the reason. */
+static void report_library_exit(void) {
     if (finished) return;
     fputs("gneiss: out of memory: a library ended the program\n", stderr);
     _exit(GNEISS_ERROR_MEMORY);
 }
 
-/* What is large goes back to the system when it is freed. By default the allocator of glibc keeps
- * blocks of up to 32 MB once some were freed, and files that are formed in memory leave holes: the
- * same run took 118 or 268 MB. */
+/* Large blocks are returned to the system when they are freed. By default the allocator of glibc
+ * keeps blocks of up to 32 MB after some were freed, and files that are formed in memory leave
+ * holes: the same run took 118 or 268 MB. */
 static void give_back_large_blocks(void) {
 #ifdef __GLIBC__
     (void)mallopt(M_MMAP_THRESHOLD, 4 << 20);
@@ -407,26 +412,25 @@ static void give_back_large_blocks(void) {
 int main(int argc, char **argv) {
     spin_briefly(argv);
     give_back_large_blocks();
-    (void)atexit(name_the_end);
-    omp_set_dynamic(
-        0); /* no result depends on it, but the speed does: OMP_DYNAMIC is not followed */
+    (void)atexit(report_library_exit);
+    omp_set_dynamic(0); /* no result depends on it, but the speed does: OMP_DYNAMIC is ignored */
     gneiss_error error = {0};
     gn_options options;
     bool done = false;
-    signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
+    signal(SIGXFSZ, SIG_IGN); /* a file size limit is a write error and does not end the program */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) {
         status = dispatch(&options, &error);
         if (status == GNEISS_ERROR_INPUT) gn_name_wrong_file(&options, &error);
     }
-    /* An earlier flush may have met the error, and nothing be left to write now. */
+    /* An earlier flush may have failed with nothing left to write now. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
     finished = true;
-    /* HDF5 may hold files that it could not close without memory; its clean-up would trip over
+    /* HDF5 may hold files that it could not close for lack of memory; its clean-up would fail on
      * them. */
     if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
     return (int)status;

@@ -9,28 +9,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gneiss_status add_override(gn_options *o, const char *key, const char *value,
+static gneiss_status add_override(gn_options *options, const char *key, const char *value,
                                   gneiss_error *error) {
-    if (o->override_count == GN_MAX_OVERRIDES)
+    if (options->override_count == GN_MAX_OVERRIDES)
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d overrides",
                        GN_MAX_OVERRIDES);
-    o->overrides[o->override_count++] = (gn_override){key, value};
+    options->overrides[options->override_count++] = (gn_override){key, value};
     return GNEISS_OK;
 }
 
-/* "key=value" */
-static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *error) {
+/* Adds an override "key=value". */
+static gneiss_status add_set(gn_options *options, const char *text, gneiss_error *error) {
     const char *equals = strchr(text, '=');
     if (!equals || equals == text)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected KEY=VALUE, found '%s'", text);
     char *key = strndup(text, (size_t)(equals - text));
     if (!key) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set: no memory");
-    if (o->held_count == GN_MAX_OVERRIDES) {
+    if (options->held_count == GN_MAX_OVERRIDES) {
         free(key);
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: too many overrides");
     }
-    o->held[o->held_count++] = key;
-    return add_override(o, key, equals + 1, error);
+    options->held[options->held_count++] = key;
+    return add_override(options, key, equals + 1, error);
 }
 
 gneiss_status gn_no_command(const char *name, gneiss_error *error) {
@@ -42,75 +42,76 @@ gneiss_status gn_no_command(const char *name, gneiss_error *error) {
                    name, advice);
 }
 
-/* Options that only sweeps have. */
-static gneiss_status check_sweep_options(const gn_options *o, const gn_command *c,
+/* Refuses options of sweeps for other commands. */
+static gneiss_status check_sweep_options(const gn_options *options, const gn_command *command,
                                          gneiss_error *error) {
-    bool sweep = strcmp(c->name, "sweep") == 0, run = strcmp(c->name, "run") == 0;
-    bool several = sweep || run; /* of a run the scene says: gn_command_several */
-    const char *only_sweep = o->array     ? "--array"
-                             : o->collect ? "--collect"
-                                          : NULL,
-               *only_several = o->jobs      ? "--jobs"
-                               : o->dry_run ? "--dry-run"
-                                            : NULL;
+    bool sweep = strcmp(command->name, "sweep") == 0, run = strcmp(command->name, "run") == 0;
+    bool several = sweep || run; /* for a run the scene decides: gn_command_several */
+    const char *only_sweep = options->array     ? "--array"
+                             : options->collect ? "--collect"
+                                                : NULL,
+               *only_several = options->jobs      ? "--jobs"
+                               : options->dry_run ? "--dry-run"
+                                                  : NULL;
     if (only_sweep && !sweep)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss sweep", c->name,
-                       only_sweep);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss sweep",
+                       command->name, only_sweep);
     if (only_several && !several)
-        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, c->name, only_several);
-    if (o->seeds && !several)
+        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, command->name, only_several);
+    if (options->seeds && !several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: --seeds is for gneiss sweep and gneiss run", c->name);
-    if (o->array && o->collect)
+                       "gneiss %s: --seeds is for gneiss sweep and gneiss run", command->name);
+    if (options->array && options->collect)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss sweep: expected --array or --collect, found both");
     return GNEISS_OK;
 }
 
-/* Options of `plan --error`. */
-static gneiss_status check_plan_options(const gn_options *o, const gn_command *c,
+/* Refuses options of `plan --error` without it. */
+static gneiss_status check_plan_options(const gn_options *options, const gn_command *command,
                                         gneiss_error *error) {
-    const char *given = o->error           ? "--error"
-                        : o->reading       ? "--reading"
-                        : o->write         ? "--write"
-                        : o->any_particles ? "--particles"
-                                           : NULL;
-    if (given && strcmp(c->name, "plan") != 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan", c->name,
+    const char *given = options->error           ? "--error"
+                        : options->reading       ? "--reading"
+                        : options->write         ? "--write"
+                        : options->any_particles ? "--particles"
+                                                 : NULL;
+    if (given && strcmp(command->name, "plan") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan", command->name,
                        given);
-    if (given && !o->error)
+    if (given && !options->error)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss plan: %s: expected --error beside it",
                        given);
     return GNEISS_OK;
 }
 
-static bool reads_scenes(const gn_command *c) {
+static bool reads_scenes(const gn_command *command) {
     static const char *const without[] = {"report", "keys", "info"};
     for (size_t k = 0; k < sizeof without / sizeof *without; k++)
-        if (strcmp(c->name, without[k]) == 0) return false;
+        if (strcmp(command->name, without[k]) == 0) return false;
     return true;
 }
 
-static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
+static gneiss_status check_target(const gn_options *options, int argc, char **argv, int first,
                                   gneiss_error *error) {
-    const gn_command *c = gn_command_named(o->command);
-    if (!c) return gn_no_command(o->command, error);
-    if (c->needs_target && !o->target)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
-    if (!*c->arguments && o->target)
+    const gn_command *command = gn_command_named(options->command);
+    if (!command) return gn_no_command(options->command, error);
+    if (command->needs_target && !options->target)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", command->name,
+                       command->arguments);
+    if (!*command->arguments && options->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected no argument, found '%s'",
-                       c->name, o->target);
-    if (o->out && strcmp(c->name, "resume") == 0)
+                       command->name, options->target);
+    if (options->out && strcmp(command->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss resume: --out: a resumed run stays in its folder");
-    if (o->allow_gmsh && !reads_scenes(c))
+    if (options->allow_gmsh && !reads_scenes(command))
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: --allow-gmsh is for commands that read a scene", c->name);
-    GN_TRY(check_sweep_options(o, c, error));
-    GN_TRY(check_plan_options(o, c, error));
-    if (first + 1 < argc && !c->several)
+                       "gneiss %s: --allow-gmsh is for commands that read a scene", command->name);
+    GN_TRY(check_sweep_options(options, command, error));
+    GN_TRY(check_plan_options(options, command, error));
+    if (first + 1 < argc && !command->several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: expected one argument, found also '%s'", c->name,
+                       "gneiss %s: expected one argument, found also '%s'", command->name,
                        argv[first + 1]);
     return GNEISS_OK;
 }
@@ -166,17 +167,17 @@ static const struct option long_options[] = {
     {0, 0, 0, 0},
 };
 
-static gneiss_status apply_to_plan(gn_options *o, int option, const char *value,
+static gneiss_status apply_to_plan(gn_options *options, int option, const char *value,
                                    gneiss_error *error) {
     switch (option) {
     case OPT_ERROR:
-        o->error = value;
+        options->error = value;
         return GNEISS_OK;
     case OPT_READING:
         if (strcmp(value, "strength") != 0 && strcmp(value, "stiffness") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "--reading: expected strength or stiffness, found '%s'", value);
-        o->reading = value;
+        options->reading = value;
         return GNEISS_OK;
     case OPT_PARTICLES:
         if (strcmp(value, "any") != 0)
@@ -184,89 +185,90 @@ static gneiss_status apply_to_plan(gn_options *o, int option, const char *value,
                            "--particles: expected any (a number is given with --set "
                            "specimen.particles=), found '%s'",
                            value);
-        o->any_particles = true;
+        options->any_particles = true;
         return GNEISS_OK;
     case OPT_WRITE:
         if (!*value)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--write: expected a file, found ''");
-        o->write = value;
+        options->write = value;
         return GNEISS_OK;
     default:
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
     }
 }
 
-static gneiss_status apply_to_sweep(gn_options *o, int option, const char *value,
+static gneiss_status apply_to_sweep(gn_options *options, int option, const char *value,
                                     gneiss_error *error) {
     switch (option) {
     case OPT_SEEDS:
-        o->seeds = value;
+        options->seeds = value;
         return GNEISS_OK;
     case OPT_JOBS:
-        o->jobs = value;
+        options->jobs = value;
         return GNEISS_OK;
     case OPT_DRY_RUN:
-        o->dry_run = true;
+        options->dry_run = true;
         return GNEISS_OK;
     case OPT_ARRAY:
-        o->array = value ? value : "";
+        options->array = value ? value : "";
         return GNEISS_OK;
     case OPT_COLLECT:
-        o->collect = true;
+        options->collect = true;
         return GNEISS_OK;
     default:
-        return apply_to_plan(o, option, value, error);
+        return apply_to_plan(options, option, value, error);
     }
 }
 
-static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
+static gneiss_status apply(gn_options *options, int option, const char *value,
+                           gneiss_error *error) {
     switch (option) {
     case OPT_OUT:
         if (!*value)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--out: expected a folder, found ''");
-        o->out = value;
+        options->out = value;
         return GNEISS_OK;
     case OPT_SET:
-        return add_set(o, value, error);
+        return add_set(options, value, error);
     case OPT_THREADS:
-        return add_override(o, "run.threads", value, error);
+        return add_override(options, "run.threads", value, error);
     case OPT_SEED:
-        return add_override(o, "run.seed", value, error);
+        return add_override(options, "run.seed", value, error);
     case OPT_PRECISION:
-        return add_override(o, "run.precision", value, error);
+        return add_override(options, "run.precision", value, error);
     case OPT_ISA:
-        return add_override(o, "run.isa", value, error);
+        return add_override(options, "run.isa", value, error);
     case OPT_FORCE:
-        o->force = true;
+        options->force = true;
         return GNEISS_OK;
     case OPT_ALLOW_GMSH:
-        o->allow_gmsh = true;
+        options->allow_gmsh = true;
         return GNEISS_OK;
     case OPT_QUIET:
-        o->quiet = true;
+        options->quiet = true;
         return GNEISS_OK;
     case OPT_MARKDOWN:
-        o->markdown = true;
+        options->markdown = true;
         return GNEISS_OK;
     case OPT_LOG:
         if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
                            value);
-        o->json = strcmp(value, "json") == 0;
+        options->json = strcmp(value, "json") == 0;
         return GNEISS_OK;
     default:
-        return apply_to_sweep(o, option, value, error);
+        return apply_to_sweep(options, option, value, error);
     }
 }
 
-/* What getopt stopped at, and what may have been meant. */
+/* Reports the option at which getopt stopped, and the one that was probably intended. */
 static gneiss_status no_option(char **argv, gneiss_error *error) {
     const char *given = argv[optind - 1];
     char name[96], advice[GN_ADVICE_SIZE] = "";
-    if (optopt >= OPT_OUT) /* one of the list: it was given a value */
+    if (optopt >= OPT_OUT) /* a long option without a value: it was given one */
         return gn_fail(error, GNEISS_ERROR_INPUT, "%.*s: expected no value, found '%.200s'",
                        (int)strcspn(given, "="), given, given + strcspn(given, "=") + 1);
-    if (optopt) /* a letter, perhaps one of several */
+    if (optopt) /* a short option, perhaps one of several */
         return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option '-%c' (gneiss --help lists them)",
                        optopt);
     snprintf(name, sizeof name, "%.*s", (int)strcspn(given + 2, "="), given + 2);
@@ -277,16 +279,16 @@ static gneiss_status no_option(char **argv, gneiss_error *error) {
                    name, advice);
 }
 
-/* The first argument that is a command; NULL: none. */
+/* Returns the first argument that is a command; NULL: none. */
 static const gn_command *command_among(int argc, char **argv) {
     for (int k = 1; k < argc; k++)
         if (gn_command_named(argv[k])) return gn_command_named(argv[k]);
     return NULL;
 }
 
-gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
+gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool *done,
                                gneiss_error *error) {
-    memset(o, 0, sizeof *o);
+    memset(options, 0, sizeof *options);
     *done = false;
     opterr = 0;
     for (;;) {
@@ -304,21 +306,21 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a value (gneiss --help)",
                            argv[optind - 1]);
         if (option == '?') return no_option(argv, error);
-        /* A value that may be left out counts as one only behind "=" to getopt. */
+        /* getopt accepts an optional value only after "=". */
         bool shard = option == OPT_ARRAY && !optarg && optind < argc && argv[optind][0] &&
                      strspn(argv[optind], "0123456789/") == strlen(argv[optind]);
-        GN_TRY(apply(o, option, shard ? argv[optind++] : optarg, error));
+        GN_TRY(apply(options, option, shard ? argv[optind++] : optarg, error));
     }
     if (optind == argc)
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected a command (gneiss --help lists them)");
-    o->command = argv[optind];
+    options->command = argv[optind];
     int first = optind + 1;
-    o->target = first < argc ? argv[first] : NULL;
-    o->words = first < argc ? argv + first : NULL;
-    o->word_count = (size_t)(argc - first);
-    return check_target(o, argc, argv, first, error);
+    options->target = first < argc ? argv[first] : NULL;
+    options->words = first < argc ? argv + first : NULL;
+    options->word_count = (size_t)(argc - first);
+    return check_target(options, argc, argv, first, error);
 }
 
-void gn_options_free(gn_options *o) {
-    for (size_t k = 0; k < o->held_count; k++) free(o->held[k]);
+void gn_options_free(gn_options *options) {
+    for (size_t k = 0; k < options->held_count; k++) free(options->held[k]);
 }

@@ -1,10 +1,10 @@
-/* Command line: what every command understands. */
+/* Parsing of the command line of all commands. */
 #ifndef GN_CLI_OPTIONS_H
 #define GN_CLI_OPTIONS_H
 
 #include "scene/scene.h"
 
-/* Of what only several runs side by side have: command, option. */
+/* Options that only several runs side by side read: command, option. */
 #define GN_ONLY_SEVERAL                                                                            \
     "gneiss %s: %s is for gneiss sweep and gneiss run --seeds, or of a test.confinement"
 
@@ -13,14 +13,14 @@ enum { GN_MAX_OVERRIDES = 64 };
 typedef struct gn_options {
     const char *command;
     const char *target; /* scene file or output folder; NULL when not given */
-    char **words;       /* [word_count] all that stands behind the command */
+    char **words;       /* [word_count] all words after the command */
     size_t word_count;
     const char *out;  /* --out */
     bool quiet, json; /* --quiet, --log json */
-    bool force;       /* run: replace a finished long run */
+    bool force;       /* run: replaces a finished long run */
     bool markdown;    /* keys --markdown */
     bool allow_gmsh;  /* --allow-gmsh: a geometry may be meshed, which may execute commands */
-    /* sweep; the first also run: --seeds, --jobs, --array ("": as Slurm says); NULL: not given */
+    /* sweep; the first also run: --seeds, --jobs, --array ("": from Slurm); NULL: not given */
     const char *seeds, *jobs, *array;
     bool dry_run, collect; /* sweep */
     /* plan: --error, --reading, --write; NULL: not given */
@@ -32,12 +32,12 @@ typedef struct gn_options {
     size_t held_count;
 } gn_options;
 
-/* *exit_code is set when there is nothing more to do (--help, --version). */
+/* Parses the arguments. *exit_code is set when there is nothing more to do (--help, --version). */
 gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool *done,
                                gneiss_error *error);
 void gn_options_free(gn_options *options);
 
-/* GNEISS_ERROR_INPUT, with the command that may have been meant. */
+/* Fails with GNEISS_ERROR_INPUT and the command that was probably intended. */
 gneiss_status gn_no_command(const char *name, gneiss_error *error);
 
 #endif

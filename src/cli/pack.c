@@ -22,87 +22,89 @@
 
 /* ---- progress ---- */
 
-typedef struct display {
+typedef struct pack_display {
     const gn_options *options;
     double start, next; /* s */
     bool shown;
-} display;
+} pack_display;
 
-static void print_line(const display *d, const gn_pack_progress *p) {
+static void print_line(const pack_display *display, const gn_pack_progress *progress) {
     char eta[32], pairs[32];
-    double seconds = gn_now() - d->start;
+    double seconds = gn_now() - display->start;
     gn_line line = {0};
-    gn_line_brief(gn_line_add(&line, 0, "packing %zu particles:", p->particles), "packing:");
-    gn_line_add(&line, 0, "%-10s", gn_pack_stage_name(p->stage));
-    gn_line_brief(gn_line_add(&line, 1, "iteration %d", p->state.iteration), "iter. %d",
-                  p->state.iteration);
-    gn_line_add(&line, 3, "gap %.2e", p->state.gap_rms);
-    gn_line_brief(gn_line_add(&line, 2, "largest overlap %.2f %%", 100.0 * p->state.overlap_max),
-                  "overlap %.2f %%", 100.0 * p->state.overlap_max);
-    gn_line_add(&line, 4, "%s pairs", gn_format_count((double)p->state.pairs, pairs, sizeof pairs));
+    gn_line_brief(gn_line_add(&line, 0, "packing %zu particles:", progress->particles), "packing:");
+    gn_line_add(&line, 0, "%-10s", gn_pack_stage_name(progress->stage));
+    gn_line_brief(gn_line_add(&line, 1, "iteration %d", progress->state.iteration), "iter. %d",
+                  progress->state.iteration);
+    gn_line_add(&line, 3, "gap %.2e", progress->state.gap_rms);
+    gn_line_brief(
+        gn_line_add(&line, 2, "largest overlap %.2f %%", 100.0 * progress->state.overlap_max),
+        "overlap %.2f %%", 100.0 * progress->state.overlap_max);
+    gn_line_add(&line, 4, "%s pairs",
+                gn_format_count((double)progress->state.pairs, pairs, sizeof pairs));
     gn_line_add(&line, 1, "at most %s more",
-                gn_format_seconds(seconds / p->fraction - seconds, eta, sizeof eta));
+                gn_format_seconds(seconds / progress->fraction - seconds, eta, sizeof eta));
     gn_line_show(&line, false);
 }
 
-static void print_json(const gn_pack_progress *p) {
-    gn_json *j = gn_json_begin();
-    gn_json_text(j, "packing", gn_pack_stage_name(p->stage));
-    gn_json_integer(j, "particles", (int64_t)p->particles);
-    gn_json_integer(j, "iteration", p->state.iteration);
-    gn_json_number(j, "fraction", p->fraction);
-    gn_json_number(j, "gap_rms", p->state.gap_rms);
-    gn_json_number(j, "overlap_max", p->state.overlap_max);
-    char *text = gn_json_finish(j, false);
+static void print_json(const gn_pack_progress *progress) {
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "packing", gn_pack_stage_name(progress->stage));
+    gn_json_integer(json, "particles", (int64_t)progress->particles);
+    gn_json_integer(json, "iteration", progress->state.iteration);
+    gn_json_number(json, "fraction", progress->fraction);
+    gn_json_number(json, "gap_rms", progress->state.gap_rms);
+    gn_json_number(json, "overlap_max", progress->state.overlap_max);
+    char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
     fflush(stdout);
 }
 
-static bool show(void *context, const gn_pack_progress *p) {
-    display *d = context;
-    if (d->options->quiet || gn_now() < d->next) return true;
-    d->next = gn_now() + (isatty(STDERR_FILENO) || d->options->json ? 0.5 : 5.0);
-    d->shown = true;
-    if (d->options->json)
-        print_json(p);
+static bool show(void *context, const gn_pack_progress *progress) {
+    pack_display *display = context;
+    if (display->options->quiet || gn_now() < display->next) return true;
+    display->next = gn_now() + (isatty(STDERR_FILENO) || display->options->json ? 0.5 : 5.0);
+    display->shown = true;
+    if (display->options->json)
+        print_json(progress);
     else
-        print_line(d, p);
+        print_line(display, progress);
     return true;
 }
 
-static gneiss_status obtain(const gn_options *o, const gn_scene *scene, gn_pack_result *result,
-                            gneiss_error *error) {
+static gneiss_status obtain(const gn_options *options, const gn_scene *scene,
+                            gn_pack_result *result, gneiss_error *error) {
     char note[512];
-    display d = {.options = o, .start = gn_now()};
+    pack_display d = {.options = options, .start = gn_now()};
     d.next = d.start + 0.5;
     gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
-    if (d.shown && !o->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+    if (d.shown && !options->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
     if (*note) fprintf(stderr, "gneiss: warning: %s\n", note);
     return status;
 }
 
-/* The scene as a world would see it: the same packing whatever the origin. */
-static gneiss_status obtain_shifted(const gn_options *o, gn_scene *scene, gn_scene *shifted,
+/* Packs the scene relative to its origin, so that the packing does not depend on the origin. */
+static gneiss_status obtain_shifted(const gn_options *options, gn_scene *scene, gn_scene *shifted,
                                     gn_pack_result *result, gneiss_error *error) {
     GN_TRY(gn_origin_choose(scene, NULL, error));
     GN_TRY(gn_scene_copy(scene, shifted, error));
     gn_scene_shift(shifted);
-    gneiss_status status = obtain(o, shifted, result, error);
+    gneiss_status status = obtain(options, shifted, result, error);
     if (status != GNEISS_OK) gn_scene_free(shifted);
     return status;
 }
 
-gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene, gneiss_error *error) {
+gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
     gn_scene *shifted = gn_alloc(sizeof *shifted);
     if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = obtain_shifted(o, scene, shifted, &result, error);
+    gneiss_status status = obtain_shifted(options, scene, shifted, &result, error);
     if (status == GNEISS_OK) gn_scene_free(shifted);
     gn_free(shifted);
     GN_TRY(status);
-    if (!o->quiet && !o->json)
+    if (!options->quiet && !options->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
     scene->specimen.packed = result.packing.sphere;
@@ -117,56 +119,59 @@ gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene, gneiss_error *
 
 static const char interrupted[] = "gneiss: interrupted: packing interrupted\n";
 
-static void print_quality(const gn_scene *scene, const gn_pack_result *r,
-                          const gn_pack_quality *q) {
+static void print_quality(const gn_scene *scene, const gn_pack_result *result,
+                          const gn_pack_quality *quality) {
     const bool plane = scene->dimension == 2;
     const char *who = plane ? "discs" : "spheres";
-    printf("%zu %s in %.6g %s, %s %.1f s, %zu iterations%s\n", r->packing.count, who, r->volume,
-           plane ? "m2" : "m3", r->from_cache ? "from the cache; made in" : "packed in", r->seconds,
-           r->trace_count,
-           r->in_time ? "" : " (cut short by packing.time: depends on the machine)");
+    printf("%zu %s in %.6g %s, %s %.1f s, %zu iterations%s\n", result->packing.count, who,
+           result->volume, plane ? "m2" : "m3",
+           result->from_cache ? "from the cache; made in" : "packed in", result->seconds,
+           result->trace_count,
+           result->in_time ? "" : " (cut short by packing.time: depends on the machine)");
     printf("  porosity         %.2f %% (overlaps counted twice), %.2f %% (once)\n",
-           100.0 * q->porosity, 100.0 * q->porosity_net);
+           100.0 * quality->porosity, 100.0 * quality->porosity_net);
     printf("  coordination     %.2f at gaps up to 0.1 %% of r_i + r_j, %.2f up to 1 %%, %.2f up to "
            "5 %%\n",
-           q->coordination_01, q->coordination_1, q->coordination_5);
+           quality->coordination_01, quality->coordination_1, quality->coordination_5);
     printf("  floating         %.2f %% of the particles have fewer than %d contacts\n",
-           100.0 * q->floating, plane ? 3 : 4);
+           100.0 * quality->floating, plane ? 3 : 4);
     printf("  radii            %.4g to %.4g m, mean %.4g m, ratio %.2f (%.2f without the outer "
            "1 %%), variation %.3f\n",
-           q->radius_min, q->radius_max, q->radius_mean, q->radius_ratio, q->radius_ratio_98,
-           q->radius_variation);
+           quality->radius_min, quality->radius_max, quality->radius_mean, quality->radius_ratio,
+           quality->radius_ratio_98, quality->radius_variation);
     if (plane)
-        printf("  fabric           xx %.4f yy %.4f xy %.4f", q->fabric[0], q->fabric[4],
-               q->fabric[1]);
+        printf("  fabric           xx %.4f yy %.4f xy %.4f", quality->fabric[0], quality->fabric[4],
+               quality->fabric[1]);
     else
-        printf("  fabric           xx %.4f yy %.4f zz %.4f", q->fabric[0], q->fabric[4],
-               q->fabric[8]);
-    printf("; eigenvalues within %.2f %% of isotropic\n", 100.0 * q->anisotropy);
+        printf("  fabric           xx %.4f yy %.4f zz %.4f", quality->fabric[0], quality->fabric[4],
+               quality->fabric[8]);
+    printf("; eigenvalues within %.2f %% of isotropic\n", 100.0 * quality->anisotropy);
     printf("  overlaps         median %.2f %%, largest %.2f %% of r_i + r_j, %.2f per particle\n",
-           100.0 * q->overlap_median, 100.0 * q->overlap_max, q->overlaps);
+           100.0 * quality->overlap_median, 100.0 * quality->overlap_max, quality->overlaps);
     printf("  boundary         %.1f %% of the particles touch it (gap %.2f %% of the radius rms), "
            "largest protrusion %.2f %%\n",
-           100.0 * q->wall_contacts, 100.0 * q->wall_gap_rms, 100.0 * q->wall_protrusion);
+           100.0 * quality->wall_contacts, 100.0 * quality->wall_gap_rms,
+           100.0 * quality->wall_protrusion);
 }
 
-/* What was asked for beside what there is. Refined, or on a mesh, sizes differ from place to place.
- */
-static void print_sizes(const gn_scene *scene, const gn_pack_result *r, const gn_pack_quality *q) {
+/* Prints the requested and the actual sizes. In a refined packing, or on a mesh, sizes vary in
+ * space. */
+static void print_sizes(const gn_scene *scene, const gn_pack_result *result,
+                        const gn_pack_quality *quality) {
     const gn_pack_def *def = &scene->specimen.pack;
     const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
                             def->sieve_count, def->sieve,      (int)scene->dimension};
     double least, most, at = 0.0, *radius = NULL;
     if (def->sizes == GN_SIZES_FITTED) return;
     gn_sizes_range(&sizes, &least, &most);
-    printf("  sizes            asked for 1 to %.4g, found 1 to %.4g", most / least,
-           q->radius_ratio);
+    printf("  sizes            requested 1 to %.4g, found 1 to %.4g", most / least,
+           quality->radius_ratio);
     if (!def->refinement_count && def->shape != GN_SHAPE_MESH)
-        radius = gn_alloc_array(r->packing.count, sizeof *radius);
-    for (size_t k = 0; radius && k < r->packing.count; k++)
-        radius[k] = r->packing.sphere[4 * k + 3];
+        radius = gn_alloc_array(result->packing.count, sizeof *radius);
+    for (size_t k = 0; radius && k < result->packing.count; k++)
+        radius[k] = result->packing.sphere[4 * k + 3];
     if (radius) {
-        const double off = gn_sizes_off(&sizes, radius, r->packing.count, &at);
+        const double off = gn_sizes_off(&sizes, radius, result->packing.count, &at);
         printf("; shares by %s off by at most %.1f %%, at %.2f of the largest",
                def->sizes == GN_SIZES_SIEVE ? "mass" : "number", 100.0 * off, at);
     }
@@ -174,30 +179,31 @@ static void print_sizes(const gn_scene *scene, const gn_pack_result *r, const gn
     gn_free(radius);
 }
 
-static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *r,
-                          const gn_pack_quality *q) {
+static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *result,
+                          const gn_pack_quality *quality) {
     char text[GNEISS_MESSAGE_SIZE];
-    if (gn_pack_is_narrow(scene, q->radius_min, q->radius_max, r->packing.count, text, sizeof text))
+    if (gn_pack_is_narrow(scene, quality->radius_min, quality->radius_max, result->packing.count,
+                          text, sizeof text))
         fprintf(stderr, "gneiss: warning: %s\n", text);
 }
 
-static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q) {
-    gn_json *j = gn_json_begin();
-    gn_json_integer(j, "particles", (int64_t)r->packing.count);
-    gn_json_number(j, "volume", r->volume);
-    gn_json_number(j, "seconds", r->seconds);
-    gn_json_bool(j, "from_cache", r->from_cache);
-    gn_json_bool(j, "in_time", r->in_time);
-    gn_json_integer(j, "iterations", (int64_t)r->trace_count);
-#define PUT(name, unit, text) gn_json_number(j, #name, q->name);
+static void print_quality_json(const gn_pack_result *result, const gn_pack_quality *quality) {
+    gn_json *json = gn_json_begin();
+    gn_json_integer(json, "particles", (int64_t)result->packing.count);
+    gn_json_number(json, "volume", result->volume);
+    gn_json_number(json, "seconds", result->seconds);
+    gn_json_bool(json, "from_cache", result->from_cache);
+    gn_json_bool(json, "in_time", result->in_time);
+    gn_json_integer(json, "iterations", (int64_t)result->trace_count);
+#define PUT(name, unit, text) gn_json_number(json, #name, quality->name);
     GN_PACK_FIGURES(PUT)
 #undef PUT
-    char *text = gn_json_finish(j, false);
+    char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
 }
 
-/* A packing from the cache comes without its body, which is then made again. */
+/* A packing from the cache has no body, which is made again here. */
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
     gn_pack_shape body = {0};
@@ -231,42 +237,43 @@ static gneiss_status check_folder(const char *folder, gneiss_error *error) {
                    folder, results ? "results" : "checkpoints");
 }
 
-/* Particles as the user sees them, for files. */
+/* Shifts particles to the user's coordinates, for files. */
 static void move_out(const gn_scene *scene, gn_packing *packing) {
     for (size_t k = 0; k < packing->count; k++)
         for (size_t a = 0; a < 3; a++)
             packing->sphere[4 * k + a] = gn_point_out(scene->origin[a], packing->sphere[4 * k + a]);
 }
 
-/* A request says nothing of speeds and densities: only the size speaks. */
-static void note_scale(const gn_scene *scene, const gn_pack_result *r) {
+/* Checks the scale by the size alone, because a packing has no velocities and densities. */
+static void note_scale(const gn_scene *scene, const gn_pack_result *result) {
     const double large = 5.0; /* m */
-    const gn_specimen *s = &scene->specimen;
-    const bool surface = s->pack.shape == GN_SHAPE_SURFACE;
+    const gn_specimen *specimen = &scene->specimen;
+    const bool surface = specimen->pack.shape == GN_SHAPE_SURFACE;
     double longest = 0.0;
-    if (s->scale_given || !(surface || s->pack.shape == GN_SHAPE_MESH)) return;
+    if (specimen->scale_given || !(surface || specimen->pack.shape == GN_SHAPE_MESH)) return;
     for (size_t a = 0; a < (size_t)scene->dimension; a++) {
         double low = INFINITY, high = -INFINITY;
-        for (size_t k = 0; k < r->packing.count; k++) {
-            low = fmin(low, r->packing.sphere[4 * k + a] - r->packing.sphere[4 * k + 3]);
-            high = fmax(high, r->packing.sphere[4 * k + a] + r->packing.sphere[4 * k + 3]);
+        for (size_t k = 0; k < result->packing.count; k++) {
+            low = fmin(low, result->packing.sphere[4 * k + a] - result->packing.sphere[4 * k + 3]);
+            high =
+                fmax(high, result->packing.sphere[4 * k + a] + result->packing.sphere[4 * k + 3]);
         }
         longest = fmax(longest, high - low);
     }
     if (longest >= large)
-        printf("note: %s: %.4g m long without a scale, which takes the file's lengths for metres; "
-               "scale: 0.001 if they are millimetres, scale: 1 if they are metres\n",
+        printf("note: %s: %.4g m long with lengths of the file taken as metres, as no scale is "
+               "given; scale: 0.001 if they are millimetres, scale: 1 if they are metres\n",
                surface ? "specimen.surface" : "specimen.mesh", longest);
 }
 
-static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char *folder,
+static gneiss_status pack_into(const gn_options *options, gn_scene *scene, const char *folder,
                                gneiss_error *error) {
     char shown[GN_PATH_SIZE];
     gn_pack_result result;
     gn_pack_quality quality;
     gn_scene *shifted = gn_alloc(sizeof *shifted);
     if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = obtain_shifted(o, scene, shifted, &result, error);
+    gneiss_status status = obtain_shifted(options, scene, shifted, &result, error);
     bool obtained = status == GNEISS_OK;
     if (obtained) status = measure(shifted, &result, &quality, error);
     if (obtained) gn_scene_free(shifted);
@@ -274,16 +281,16 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
     if (!obtained) return status;
     move_out(scene, &result.packing);
     if (status == GNEISS_OK) {
-        (void)gn_signals_set_flag(); /* writing is short and is not left half done */
+        (void)gn_signals_set_flag(); /* writing is short and is completed */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK) warn_of_sizes(scene, &result, &quality);
-        if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
-        if (status == GNEISS_OK && !o->json) {
+        if (status == GNEISS_OK && options->json) print_quality_json(&result, &quality);
+        if (status == GNEISS_OK && !options->json) {
             print_quality(scene, &result, &quality);
             print_sizes(scene, &result, &quality);
             note_scale(scene, &result);
         }
-        if (status == GNEISS_OK && !o->json && !o->quiet)
+        if (status == GNEISS_OK && !options->json && !options->quiet)
             printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n",
                    gn_printable(folder, shown, sizeof shown));
         gn_pack_quality_free(&quality);
@@ -292,34 +299,34 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
     return status;
 }
 
-/* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
- * again when nothing came into it. */
-static gneiss_status pack_scene(const gn_options *o, gn_scene *scene, gneiss_error *error) {
+/* The folder is created first, so that an unwritable one fails before packing; a new folder is
+ * removed if it stays empty. */
+static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
-    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
+    GN_TRY(gn_folder_choose(scene, options->out, folder, error));
     bool there = access(folder, F_OK) == 0;
     GN_TRY(gn_make_directory(folder, error));
     GN_TRY(gn_folder_lock(folder, &lock, error));
     gneiss_status status = check_folder(folder, error);
-    if (status == GNEISS_OK && !o->force) status = gn_folder_check_packing(folder, error);
+    if (status == GNEISS_OK && !options->force) status = gn_folder_check_packing(folder, error);
     gn_signals_end_at_once(interrupted, there ? NULL : folder);
-    if (status == GNEISS_OK) status = pack_into(o, scene, folder, error);
+    if (status == GNEISS_OK) status = pack_into(options, scene, folder, error);
     gn_signals_end_at_once(interrupted, NULL);
     if (status != GNEISS_OK && !there) rmdir(folder);
     if (lock > 0) close(lock);
     return status;
 }
 
-gneiss_status gn_command_pack(const gn_options *o, gneiss_error *error) {
+gneiss_status gn_command_pack(const gn_options *options, gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene); /* too large for a small stack */
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_signals_end_at_once(interrupted, NULL);
-    gneiss_status status =
-        gn_scene_load_specimen(o->target, o->overrides, o->override_count, scene, error);
+    gneiss_status status = gn_scene_load_specimen(options->target, options->overrides,
+                                                  options->override_count, scene, error);
     if (status == GNEISS_OK) {
-        scene->allow_gmsh = o->allow_gmsh;
-        status = pack_scene(o, scene, error);
+        scene->allow_gmsh = options->allow_gmsh;
+        status = pack_scene(options, scene, error);
         gn_scene_free(scene);
     }
     free(scene);

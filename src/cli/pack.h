@@ -1,4 +1,4 @@
-/* `gneiss pack`, and packing the specimen of a run before it starts. */
+/* The command `gneiss pack`, and packing of the specimen of a run before it starts. */
 #ifndef GN_CLI_PACK_H
 #define GN_CLI_PACK_H
 
@@ -7,7 +7,7 @@
 /* Packs the specimen of a scene file into an output folder and prints its quality. */
 gneiss_status gn_command_pack(const gn_options *options, gneiss_error *error);
 
-/* With a progress line; the particles are left in scene->specimen.packed. Nothing to do when the
+/* Packs with a progress line; the particles are left in scene->specimen.packed. Does nothing if the
  * specimen is no shape. */
 gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene, gneiss_error *error);
 

@@ -28,49 +28,54 @@ gneiss_status gn_plan_read_error(const char *text, double *wanted, gneiss_error 
 
 /* --- words --- */
 
-static void print_estimate(const gn_plan *plan, const gn_world *w) {
-    const gn_estimate *e = &plan->estimate;
-    printf("estimated from the specimen, by the study's case '%s'\n", e->study);
-    if (e->elements) {
-        printf("  closing          %.4g m/s over %.3g %% of strain\n", e->closing, 100.0 * e->path);
+static void print_estimate(const gn_plan *plan, const gn_world *world) {
+    const gn_estimate *estimate = &plan->estimate;
+    printf("estimated from the specimen, by the study's case '%s'\n", estimate->study);
+    if (estimate->elements) {
+        printf("  closing          %.4g m/s over %.3g %% of strain\n", estimate->closing_velocity,
+               100.0 * estimate->path_strain);
         return;
     }
     printf("  E                %.4g GPa (%.4g in uniform strain), wave speed %.4g m/s\n",
-           e->modulus / 1e9, e->uniform / 1e9, e->wave);
-    if (isfinite(e->strain))
-        printf("  peak             %.4g MPa at %.3g %% between the ends\n", e->strength / 1e6,
-               100.0 * e->strain);
+           estimate->modulus / 1e9, estimate->uniform_modulus / 1e9, estimate->wave_speed);
+    if (isfinite(estimate->strain))
+        printf("  peak             %.4g MPa at %.3g %% between the ends\n",
+               estimate->strength / 1e6, 100.0 * estimate->strain);
     else
-        printf("  peak             none: nothing can break\n");
-    printf("  closing          %.4g m/s, over wave speed and strain: %.2g\n", e->closing, e->speed);
-    printf("  across           %.3g of %zu particles\n", e->across, w->dem.particles.soa.count);
+        printf("  peak             none: there are no breakable bonds\n");
+    printf("  closing          %.4g m/s, over wave speed and strain: %.2g\n",
+           estimate->closing_velocity, estimate->speed);
+    printf("  across           %.3g of %zu particles\n", estimate->across,
+           world->dem.particles.soa.count);
 }
 
-static void print_settings(const gn_plan *plan, const gn_proposal *p) {
-    double closing = plan->estimate.closing * p->pace;
-    printf("  loading          %.4g m/s, both ends together", closing);
-    if (p->pace != 1.0) printf(" (%.3g of the scene's)", p->pace);
+static void print_settings(const gn_plan *plan, const gn_proposal *proposal) {
+    double closing = plan->estimate.closing_velocity * proposal->pace;
+    printf("  loading          %.4g m/s, sum of both ends", closing);
+    if (proposal->pace != 1.0) printf(" (%.3g of the scene's)", proposal->pace);
     printf("\n");
     if (plan->groups.mesh)
-        printf("  cells            %.3g of the scene's\n", p->cell);
+        printf("  cells            %.3g of the scene's\n", proposal->cell);
     else
-        printf("  particles        %.0f%s\n", p->particles,
-               p->particles == plan->groups.particles ? "" : ", with contacts calibrated for them");
-    if (p->packings > 1)
-        printf("  packings         %d, and the mean of them (gneiss run --seeds %d)\n", p->packings,
-               p->packings);
-    printf("  safety           %.3g\n", p->safety);
-    printf("  precision        %s\n", p->mixed ? "mixed" : "double");
+        printf("  particles        %.0f%s\n", proposal->particles,
+               proposal->particles == plan->groups.particles
+                   ? ""
+                   : ", with contacts calibrated for them");
+    if (proposal->packings > 1)
+        printf("  packings         %d, of which the mean is taken (gneiss run --seeds %d)\n",
+               proposal->packings, proposal->packings);
+    printf("  safety           %.3g\n", proposal->safety);
+    printf("  precision        %s\n", proposal->mixed ? "mixed" : "double");
     if (!plan->groups.mesh) {
-        printf("  start            %s\n", p->first_break ? "first_break" : "rest");
-        printf("  mass scaling     %s", p->masses > 1.0 ? "" : "none\n");
-        if (p->masses > 1.0)
-            printf("%.3g of the step without, %.6g %% more mass\n", p->masses,
-                   gn_two_digits(100.0 * p->added));
+        printf("  start            %s\n", proposal->first_break ? "first_break" : "rest");
+        printf("  mass scaling     %s", proposal->step_ratio > 1.0 ? "" : "none\n");
+        if (proposal->step_ratio > 1.0)
+            printf("%.3g of the step without, %.6g %% more mass\n", proposal->step_ratio,
+                   gn_two_digits(100.0 * proposal->added_mass));
     }
 }
 
-/* A law that is followed to where nothing is left of the reading has no number to give. */
+/* A scaling law extrapolated to a reading of zero gives no number. */
 static const char *percent(double error, char *text, size_t size) {
     if (error > 1.0)
         snprintf(text, size, "above 100");
@@ -79,199 +84,205 @@ static const char *percent(double error, char *text, size_t size) {
     return text;
 }
 
-static void print_causes(const gn_proposal *p) {
+static void print_causes(const gn_proposal *proposal) {
     char text[32];
-    printf("  error            %s %%", percent(p->error, text, sizeof text));
-    for (size_t k = 0; k < p->causes.count; k++)
-        printf("%s%s %s", k ? ", " : ": ", p->causes.cause[k].name,
-               percent(p->causes.cause[k].error, text, sizeof text));
+    printf("  error            %s %%", percent(proposal->error, text, sizeof text));
+    for (size_t k = 0; k < proposal->causes.count; k++)
+        printf("%s%s %s", k ? ", " : ": ", proposal->causes.cause[k].name,
+               percent(proposal->causes.cause[k].error, text, sizeof text));
     printf("\n");
-    for (size_t k = 0; k < p->causes.note_count; k++) printf("  note: %s\n", p->causes.note[k]);
+    for (size_t k = 0; k < proposal->causes.note_count; k++)
+        printf("  note: %s\n", proposal->causes.note[k]);
 }
 
-static void print_seconds(const gn_proposal *p) {
+static void print_seconds(const gn_proposal *proposal) {
     char text[32];
-    printf("  steps            %.0f%s\n", p->steps, p->packings > 1 ? " in each run" : "");
+    printf("  steps            %.0f%s\n", proposal->steps,
+           proposal->packings > 1 ? " in each run" : "");
     printf("  seconds          %s of one processor\n",
-           gn_format_seconds(p->seconds, text, sizeof text));
+           gn_format_seconds(proposal->seconds, text, sizeof text));
 }
 
-static void print_proposal(const char *title, const gn_plan *plan, const gn_proposal *p) {
+static void print_proposal(const char *title, const gn_plan *plan, const gn_proposal *proposal) {
     printf("%s\n", title);
-    print_settings(plan, p);
-    print_causes(p);
-    print_seconds(p);
+    print_settings(plan, proposal);
+    print_causes(proposal);
+    print_seconds(proposal);
 }
 
-/* What keeps the error up when nothing else is in the way. */
-static void print_floor(const gn_plan *plan, const gn_world *w) {
+/* Prints the cause that dominates the remaining error. */
+static void print_floor(const gn_plan *plan, const gn_world *world) {
     const gn_error_cause *most = plan->best.causes.cause;
     for (size_t k = 0; k < plan->best.causes.count; k++)
         if (plan->best.causes.cause[k].error > most->error) most = &plan->best.causes.cause[k];
     char text[32];
-    printf("%.3g %% cannot be reached: the least is about %s %%, most of it by %s\n",
+    printf("%.3g %% cannot be reached: the least is about %s %%, mostly from %s\n",
            100.0 * plan->wanted.error, percent(plan->best.error / 1.1, text, sizeof text),
            most->name);
-    bool shape = w->ctx.given.specimen.pack.shape != GN_SHAPE_NONE;
+    bool shape = world->ctx.given.specimen.pack.shape != GN_SHAPE_NONE;
     if (strcmp(most->name, "packing") != 0 || shape) return;
     double packings = ceil(pow(most->error / plan->wanted.error, 2.0) * 1.2);
-    printf(
-        "  one packing is one specimen: about %.0f of them (a shape instead of specimen.file, and "
-        "run --seeds) would have their mean within it\n",
-        packings);
+    printf("  one packing is one specimen: the mean of about %.0f of them (a shape instead of "
+           "specimen.file, and run --seeds) would be within it\n",
+           packings);
 }
 
-static void print_plan(const gn_plan *plan, const gn_world *w) {
-    print_estimate(plan, w);
-    print_proposal("as the scene is", plan, &plan->as_is);
-    if (!plan->reached) print_floor(plan, w);
+static void print_plan(const gn_plan *plan, const gn_world *world) {
+    print_estimate(plan, world);
+    print_proposal("as the scene is", plan, &plan->current);
+    if (!plan->reached) print_floor(plan, world);
     char title[96];
-    snprintf(title, sizeof title, "proposed for the %s within %.3g %%, 95 times of 100",
+    snprintf(title, sizeof title, "proposed for the %s within %.3g %%, at 95 %% confidence",
              plan->wanted.reading, 100.0 * (plan->reached ? plan->wanted.error : plan->best.error));
     if (plan->best.error <= 1.0) print_proposal(title, plan, &plan->best);
-    if (plan->no_statics && !plan->groups.mesh)
-        printf("  note: start: first_break expects %s\n", plan->no_statics);
+    if (plan->statics_refusal && !plan->groups.mesh)
+        printf("  note: start: first_break expects %s\n", plan->statics_refusal);
 }
 
 /* --- JSON --- */
 
-static void json_proposal(gn_json *j, const char *key, const gn_plan *plan, const gn_proposal *p) {
-    gn_json_object(j, key);
-    gn_json_number(j, "pace", p->pace);
-    gn_json_number(j, "closing", plan->estimate.closing * p->pace);
-    if (!plan->groups.mesh) gn_json_number(j, "particles", p->particles);
-    gn_json_integer(j, "packings", p->packings);
-    if (plan->groups.mesh) gn_json_number(j, "cell", p->cell);
-    gn_json_number(j, "safety", p->safety);
-    gn_json_text(j, "precision", p->mixed ? "mixed" : "double");
-    gn_json_text(j, "start", p->first_break ? "first_break" : "rest");
-    gn_json_number(j, "mass_scaling", p->masses);
-    gn_json_number(j, "added_mass", p->added);
-    gn_json_number(j, "error", p->error);
-    gn_json_object(j, "causes");
-    for (size_t k = 0; k < p->causes.count; k++)
-        gn_json_number(j, p->causes.cause[k].name, p->causes.cause[k].error);
-    gn_json_end(j);
-    gn_json_array(j, "notes");
-    for (size_t k = 0; k < p->causes.note_count; k++) gn_json_text(j, NULL, p->causes.note[k]);
-    gn_json_end(j);
-    gn_json_number(j, "steps", p->steps);
-    gn_json_number(j, "seconds", p->seconds);
-    gn_json_end(j);
+static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
+                          const gn_proposal *proposal) {
+    gn_json_object(json, key);
+    gn_json_number(json, "pace", proposal->pace);
+    gn_json_number(json, "closing", plan->estimate.closing_velocity * proposal->pace);
+    if (!plan->groups.mesh) gn_json_number(json, "particles", proposal->particles);
+    gn_json_integer(json, "packings", proposal->packings);
+    if (plan->groups.mesh) gn_json_number(json, "cell", proposal->cell);
+    gn_json_number(json, "safety", proposal->safety);
+    gn_json_text(json, "precision", proposal->mixed ? "mixed" : "double");
+    gn_json_text(json, "start", proposal->first_break ? "first_break" : "rest");
+    gn_json_number(json, "mass_scaling", proposal->step_ratio);
+    gn_json_number(json, "added_mass", proposal->added_mass);
+    gn_json_number(json, "error", proposal->error);
+    gn_json_object(json, "causes");
+    for (size_t k = 0; k < proposal->causes.count; k++)
+        gn_json_number(json, proposal->causes.cause[k].name, proposal->causes.cause[k].error);
+    gn_json_end(json);
+    gn_json_array(json, "notes");
+    for (size_t k = 0; k < proposal->causes.note_count; k++)
+        gn_json_text(json, NULL, proposal->causes.note[k]);
+    gn_json_end(json);
+    gn_json_number(json, "steps", proposal->steps);
+    gn_json_number(json, "seconds", proposal->seconds);
+    gn_json_end(json);
 }
 
-static void json_estimate(gn_json *j, const gn_estimate *e) {
-    gn_json_object(j, "estimate");
-    gn_json_text(j, "study", e->study);
-    gn_json_number(j, "closing", e->closing);
-    gn_json_number(j, "path", e->path);
-    gn_json_number(j, "end", e->end);
-    gn_json_number(j, "uniform_modulus", e->uniform);
-    gn_json_number(j, "uniform_poisson", e->poisson);
-    gn_json_number(j, "breaking_strain", e->breaking);
-    gn_json_number(j, "modulus", e->modulus);
-    gn_json_number(j, "wave", e->wave);
-    gn_json_number(j, "strength", e->strength);
-    gn_json_number(j, "strain", e->strain);
-    gn_json_number(j, "compliance", e->compliance);
-    gn_json_number(j, "speed", e->speed);
-    gn_json_number(j, "across", e->across);
-    gn_json_end(j);
+static void json_estimate(gn_json *json, const gn_estimate *estimate) {
+    gn_json_object(json, "estimate");
+    gn_json_text(json, "study", estimate->study);
+    gn_json_number(json, "closing", estimate->closing_velocity);
+    gn_json_number(json, "path", estimate->path_strain);
+    gn_json_number(json, "end", estimate->end_strain);
+    gn_json_number(json, "uniform_modulus", estimate->uniform_modulus);
+    gn_json_number(json, "uniform_poisson", estimate->poisson);
+    gn_json_number(json, "breaking_strain", estimate->breaking_strain);
+    gn_json_number(json, "modulus", estimate->modulus);
+    gn_json_number(json, "wave", estimate->wave_speed);
+    gn_json_number(json, "strength", estimate->strength);
+    gn_json_number(json, "strain", estimate->strain);
+    gn_json_number(json, "compliance", estimate->compliance);
+    gn_json_number(json, "speed", estimate->speed);
+    gn_json_number(json, "across", estimate->across);
+    gn_json_end(json);
 }
 
-static void json_plan(const gn_plan *plan, const gn_world *w) {
-    gn_json *j = gn_json_begin();
-    gn_json_number(j, "wanted", plan->wanted.error);
-    gn_json_text(j, "reading", plan->wanted.reading);
-    gn_json_bool(j, "reached", plan->reached);
-    gn_json_number(j, "dt", w->ctx.dt);
-    gn_json_integer(j, "particles", (int64_t)w->dem.particles.soa.count);
-    gn_json_integer(j, "contacts", (int64_t)(w->dem.bonds.soa.count + w->dem.pairs.soa.count));
-    gn_json_object(j, "cost");
-    gn_json_number(j, "particle", plan->cost[0].particle);
-    gn_json_number(j, "contact", plan->cost[0].contact);
-    gn_json_number(j, "element", plan->cost[0].element);
-    gn_json_number(j, "row", plan->cost[0].row);
-    gn_json_number(j, "setup", plan->setup);
-    gn_json_end(j);
-    json_estimate(j, &plan->estimate);
-    json_proposal(j, "as_is", plan, &plan->as_is);
-    json_proposal(j, "proposed", plan, &plan->best);
-    char *text = gn_json_finish(j, false);
+static void json_plan(const gn_plan *plan, const gn_world *world) {
+    gn_json *json = gn_json_begin();
+    gn_json_number(json, "wanted", plan->wanted.error);
+    gn_json_text(json, "reading", plan->wanted.reading);
+    gn_json_bool(json, "reached", plan->reached);
+    gn_json_number(json, "dt", world->ctx.dt);
+    gn_json_integer(json, "particles", (int64_t)world->dem.particles.soa.count);
+    gn_json_integer(json, "contacts",
+                    (int64_t)(world->dem.bonds.soa.count + world->dem.pairs.soa.count));
+    gn_json_object(json, "cost");
+    gn_json_number(json, "particle", plan->cost[0].particle);
+    gn_json_number(json, "contact", plan->cost[0].contact);
+    gn_json_number(json, "element", plan->cost[0].element);
+    gn_json_number(json, "row", plan->cost[0].row);
+    gn_json_number(json, "setup", plan->setup);
+    gn_json_end(json);
+    json_estimate(json, &plan->estimate);
+    json_proposal(json, "as_is", plan, &plan->current);
+    json_proposal(json, "proposed", plan, &plan->best);
+    char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
 }
 
 /* --- the scene --- */
 
-/* What the command line overrides is in the new scene as well, before what is proposed. */
-static gneiss_status all_settings(const gn_options *o, const gn_plan *plan, const gn_world *w,
-                                  gn_settings *settings, gneiss_error *error) {
-    for (size_t k = 0; k < o->override_count; k++)
-        GN_TRY(gn_settings_add(settings, o->overrides[k].key, o->overrides[k].value, error));
-    return gn_settings_make(&w->ctx, plan, &plan->best, settings, error);
+/* Overrides of the command line go into the new scene too, before the proposed settings. */
+static gneiss_status all_settings(const gn_options *options, const gn_plan *plan,
+                                  const gn_world *world, gn_settings *settings,
+                                  gneiss_error *error) {
+    for (size_t k = 0; k < options->override_count; k++)
+        GN_TRY(gn_settings_add(settings, options->overrides[k].key, options->overrides[k].value,
+                               error));
+    return gn_settings_make(&world->ctx, plan, &plan->best, settings, error);
 }
 
-/* How many cells there are, and which step they take, is seen by making them. */
-static gneiss_status correct(const gn_options *o, const gn_settings *settings, gn_plan *plan,
+/* The number of cells and the step they allow are found by making them. */
+static gneiss_status correct(const gn_options *options, const gn_settings *settings, gn_plan *plan,
                              gneiss_error *error) {
     if (!plan->groups.mesh) return GNEISS_OK;
     gn_scene *scene = gn_alloc(sizeof *scene);
-    gn_world *w = gn_alloc(sizeof *w);
+    gn_world *world = gn_alloc(sizeof *world);
     gneiss_status status =
-        scene && w ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+        scene && world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     if (status == GNEISS_OK)
-        status = gn_scene_load(o->target, settings->setting, settings->count, scene, error);
-    if (status == GNEISS_OK) scene->allow_gmsh = o->allow_gmsh;
-    if (status == GNEISS_OK) status = gn_world_create(scene, w, error);
+        status = gn_scene_load(options->target, settings->setting, settings->count, scene, error);
+    if (status == GNEISS_OK) scene->allow_gmsh = options->allow_gmsh;
+    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
     if (status == GNEISS_OK) {
-        gn_plan_correct(&w->ctx, &w->solids, plan, &plan->best);
-        gn_world_free(w);
+        gn_plan_correct(&world->ctx, &world->solids, plan, &plan->best);
+        gn_world_free(world);
     }
     gn_free(scene);
-    gn_free(w);
+    gn_free(world);
     return status;
 }
 
-static gneiss_status write_scene(const gn_options *o, const gn_settings *settings,
+static gneiss_status write_scene(const gn_options *options, const gn_settings *settings,
                                  gneiss_error *error) {
     bool plain = false;
-    if (!o->write) return GNEISS_OK;
-    GN_TRY(gn_scene_rewrite(o->target, settings->setting, settings->count, o->write, o->force,
-                            &plain, error));
-    if (!o->json)
-        printf("written: %s%s\n", o->write,
-               plain ? " (resolved, without comments: the way the scene is written cannot be kept)"
+    if (!options->write) return GNEISS_OK;
+    GN_TRY(gn_scene_rewrite(options->target, settings->setting, settings->count, options->write,
+                            options->force, &plain, error));
+    if (!options->json)
+        printf("written: %s%s\n", options->write,
+               plain ? " (resolved, without comments: the form of the scene file could not be kept)"
                      : "");
     return GNEISS_OK;
 }
 
-static gneiss_status tell(const gn_options *o, const gn_world *w, gn_plan *plan,
+static gneiss_status tell(const gn_options *options, const gn_world *world, gn_plan *plan,
                           gneiss_error *error) {
     gn_settings settings = {0};
-    gneiss_status status = all_settings(o, plan, w, &settings, error);
-    if (status == GNEISS_OK) status = correct(o, &settings, plan, error);
-    if (status == GNEISS_OK && o->json) json_plan(plan, w);
-    if (status == GNEISS_OK && !o->json) print_plan(plan, w);
-    if (status == GNEISS_OK) status = write_scene(o, &settings, error);
+    gneiss_status status = all_settings(options, plan, world, &settings, error);
+    if (status == GNEISS_OK) status = correct(options, &settings, plan, error);
+    if (status == GNEISS_OK && options->json) json_plan(plan, world);
+    if (status == GNEISS_OK && !options->json) print_plan(plan, world);
+    if (status == GNEISS_OK) status = write_scene(options, &settings, error);
     gn_settings_free(&settings);
     return status;
 }
 
-gneiss_status gn_plan_accuracy(const gn_options *o, const gn_world *w, double setup,
+gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                gneiss_error *error) {
     gn_plan *plan = gn_alloc(sizeof *plan);
     if (!plan) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gn_wanted wanted = {.reading = o->reading ? o->reading : "strength"};
-    wanted.any_particles = o->any_particles;
-    gneiss_status status = gn_plan_read_error(o->error, &wanted.error, error);
-    if (status == GNEISS_OK && !w->ctx.scene.has_specimen && !o->reading)
+    gn_wanted wanted = {.reading = options->reading ? options->reading : "strength"};
+    wanted.any_particles = options->any_particles;
+    gneiss_status status = gn_plan_read_error(options->error, &wanted.error, error);
+    if (status == GNEISS_OK && !world->ctx.scene.has_specimen && !options->reading)
         wanted.reading = "stiffness";
-    if (status == GNEISS_OK) status = gn_plan_make(w, &wanted, setup, plan, error);
+    if (status == GNEISS_OK) status = gn_plan_make(world, &wanted, setup, plan, error);
     if (status == GNEISS_OK && plan->absent)
-        status =
-            gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", o->target, plan->absent);
-    if (status == GNEISS_OK) status = tell(o, w, plan, error);
+        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
+                         plan->absent);
+    if (status == GNEISS_OK) status = tell(options, world, plan, error);
     gn_free(plan);
     return status;
 }

@@ -1,15 +1,16 @@
-/* `gneiss plan SCENE --error 5%`: the cheapest settings for an error, and the scene with them. */
+/* The command `gneiss plan SCENE --error 5%`: the cheapest settings for an error, and the scene
+ * with them. */
 #ifndef GN_CLI_PLAN_ACCURACY_H
 #define GN_CLI_PLAN_ACCURACY_H
 
 #include "cli/options.h"
 #include "world/world.h"
 
-/* `setup`: s of a processor that making the world took. */
+/* `setup`: processor time, s, for making the world. */
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                gneiss_error *error);
 
-/* "5%", "5 %" or "0.05". */
+/* Reads "5%", "5 %" or "0.05". */
 gneiss_status gn_plan_read_error(const char *text, double *error_wanted, gneiss_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* What `plan` and `check` print of finite elements; nothing without them. */
+/* Output of `plan` and `check` on finite elements; without elements nothing is printed. */
 #ifndef GN_CLI_PLAN_ELEMENTS_H
 #define GN_CLI_PLAN_ELEMENTS_H
 
@@ -6,7 +6,7 @@
 
 void gn_print_element_kernels(const gn_world *world);
 void gn_print_element_limits(const gn_world *world);
-/* Unused nodes and turned elements; `indent` before each line. */
+/* Prints unused nodes and reoriented elements; `indent` precedes each line. */
 void gn_print_element_notes(const gn_world *world, const char *indent);
 void gn_print_element_check(const gn_world *world, int *warnings);
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Least, mean and largest value of a column over the bonds. */
+/* Prints the least, mean and largest value of a column over the bonds. */
 static void print_range(const char *name, const double *column, const gn_contacts *bonds,
                         const char *unit) {
     double least = INFINITY, most = 0.0, sum = 0.0;
@@ -20,31 +20,32 @@ static void print_range(const char *name, const double *column, const gn_contact
     printf("  %-16s %.6g to %.6g, mean %.6g %s\n", name, least, most, sum / (double)count, unit);
 }
 
-static void print_area(const gn_world *w, const gn_area_check *check) {
-    bool polyhedron = w->ctx.scene.stiffness == GN_STIFFNESS_POLYHEDRON;
-    int d = (int)w->ctx.scene.dimension;
-    print_range("section A", w->dem.bonds.area, &w->dem.bonds, d == 3 ? "m2" : "m2 (1 m thick)");
+static void print_area(const gn_world *world, const gn_area_check *check) {
+    bool polyhedron = world->ctx.scene.stiffness == GN_STIFFNESS_POLYHEDRON;
+    int d = (int)world->ctx.scene.dimension;
+    print_range("section A", world->dem.bonds.area, &world->dem.bonds,
+                d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
         printf(", %.4f with the free faces of %zu particles that have some",
                check->filled + check->free, check->open);
-    printf("\n  gamma            %.4g%s%s", w->dem.derived.gamma,
-           w->ctx.scene.gamma > 0.0                       ? " (given)"
-           : w->ctx.scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
-                                                          : " fills it with Dempack's sections",
-           polyhedron ? ", for pairs that meet later" : "");
-    if (w->ctx.scene.gamma > 0.0 || w->ctx.scene.gamma_rule == GN_GAMMA_VOLUME)
+    printf("\n  gamma            %.4g%s%s", world->dem.derived.gamma,
+           world->ctx.scene.gamma > 0.0                       ? " (given)"
+           : world->ctx.scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
+                                                              : " fills it with Dempack's sections",
+           polyhedron ? ", for pairs that come into contact later" : "");
+    if (world->ctx.scene.gamma > 0.0 || world->ctx.scene.gamma_rule == GN_GAMMA_VOLUME)
         printf("; 40 e/n_c would be %.4g", check->dempack_gamma);
     printf("\n");
 }
 
-/* Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing whose
- * sections fill it: see docs/physics.md. */
-static void print_body(const gn_world *w, const gn_area_check *check) {
-    const gn_material *m = &w->ctx.scene.materials[0];
-    double rho = m->beta / m->alpha / (2.0 * (1.0 + m->poisson)), e, nu;
-    bool space = w->ctx.scene.dimension == 3;
-    if (w->ctx.scene.material_count > 1) return;
+/* Prints Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing
+ * whose sections fill it: see docs/physics.md. */
+static void print_body(const gn_world *world, const gn_area_check *check) {
+    const gn_material *material = &world->ctx.scene.materials[0];
+    double rho = material->beta / material->alpha / (2.0 * (1.0 + material->poisson)), e, nu;
+    bool space = world->ctx.scene.dimension == 3;
+    if (world->ctx.scene.material_count > 1) return;
     if (space) {
         e = (2.0 + 3.0 * rho) / (4.0 + rho);
         nu = (1.0 - rho) / (4.0 + rho);
@@ -53,44 +54,44 @@ static void print_body(const gn_world *w, const gn_area_check *check) {
         nu = (1.0 - rho) / (3.0 + rho);
     }
     printf("  uniform strain   E%s %.6g Pa, nu%s %.4f, of an isotropic packing filled so far\n",
-           space ? "" : "'", e * m->alpha * m->young * check->filled, space ? "" : "'", nu);
+           space ? "" : "'", e * material->alpha * material->young * check->filled,
+           space ? "" : "'", nu);
 }
 
-/* A cubic lattice has 1.3, at its skin some half more. */
+/* A cubic lattice has 1.3, at its surface about half more. */
 static const double gamma_most = 3.0;
 
-gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error) {
-    const gn_contacts *b = &w->dem.bonds;
+gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
+    const gn_contacts *b = &world->dem.bonds;
     size_t n = b->soa.count;
     gn_area_check check;
     if (!n) return GNEISS_OK;
-    if (gn_scene_by_area(&w->ctx.scene)) {
-        GN_TRY(gn_areas_check(&w->ctx, &w->dem, &w->boundary, &w->solids, &check, error));
-        print_area(w, &check);
-        print_body(w, &check);
+    if (gn_scene_by_area(&world->ctx.scene)) {
+        GN_TRY(gn_areas_check(&world->ctx, &world->dem, &world->boundary, &world->solids, &check,
+                              error));
+        print_area(world, &check);
+        print_body(world, &check);
     }
     print_range("k_n of bonds", b->kn, b, "N/m");
     print_range("k_t", b->kt, b, "N/m");
     print_range("R_n", b->rn, b, "N");
     print_range("R_t", b->rt, b, "N");
-    if (w->ctx.scene.softening == GN_SOFTENING_ENERGY)
-        printf(
-            "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",
-            gn_law_cut(&w->ctx, &w->dem),
-            w->ctx.scene.fracture_energy_of == GN_FRACTURE_BODY
-                ? "the body, and contacts have so much less"
-                : "contacts, and the body has so much more");
-    if (!gn_scene_by_area(&w->ctx.scene)) return GNEISS_OK;
-    if (w->ctx.scene.gamma == 0.0 && w->dem.derived.gamma > gamma_most) {
-        printf(
-            "  warning: gamma is %.3g: the volume holds more than the bonds join (law.gamma says "
-            "what it is)\n",
-            w->dem.derived.gamma);
+    if (world->ctx.scene.softening == GN_SOFTENING_ENERGY)
+        printf("  plane cuts       %.4f of its section in bonds: fracture energies refer to %s\n",
+               gn_law_cut(&world->ctx, &world->dem),
+               world->ctx.scene.fracture_energy_of == GN_FRACTURE_BODY
+                   ? "the body, and those of contacts are lower by this factor"
+                   : "contacts, and that of the body is higher by this factor");
+    if (!gn_scene_by_area(&world->ctx.scene)) return GNEISS_OK;
+    if (world->ctx.scene.gamma == 0.0 && world->dem.derived.gamma > gamma_most) {
+        printf("  warning: gamma is %.3g: the volume contains more than the bonded particles (set "
+               "law.gamma)\n",
+               world->dem.derived.gamma);
         (*warnings)++;
     }
     if (fabs(check.filled + check.free - 1.0) <= 0.1) return GNEISS_OK;
-    printf("  warning: sections fill %.3g of the body, 1 is wanted: stiffness and strength are off "
-           "by about that factor\n",
+    printf("  warning: sections fill %.3g of the body instead of 1: stiffness and strength deviate "
+           "by about this factor\n",
            check.filled + check.free);
     (*warnings)++;
     return GNEISS_OK;

@@ -1,4 +1,4 @@
-/* What contact parameters the materials of a scene give, for `gneiss check`. */
+/* Contact parameters from the materials of a scene, for `gneiss check`. */
 #ifndef GN_CLI_PLAN_LAW_H
 #define GN_CLI_PLAN_LAW_H
 

@@ -1,7 +1,7 @@
-/* `plan` makes the world as a run makes it: the packing, lists, limit and strain gauge take the
- * same memory. So the peak is read from the system, and nothing that libraries take is left out.
- * What is added is what a run holds beside the world when it writes: each file is formed in memory,
- * and so are the arrays of one kind of item. */
+/* `plan` makes the world as a run makes it: packing, lists, limit and strain gauge take the same
+ * memory. The peak is therefore read from the system and includes the memory of libraries. Added to
+ * it is the memory that a run holds beside the world when it writes: each file, and the arrays of
+ * one kind of item, are formed in memory. */
 #include "cli/plan_memory.h"
 
 #include "base/resident.h"
@@ -19,74 +19,75 @@ static double saved(const gn_record *record, const gn_soa *soa) {
 
 /* Bytes of the history: its columns, grown to a power of two of rows from columns of half that
  * length, whose place is lost, and once more where it stands in a file. */
-static double bytes_of_history(const gn_world *w, double growth) {
-    const double rows = growth * gn_run_rows_expected(w);
+static double bytes_of_history(const gn_world *world, double growth) {
+    const double rows = growth * gn_run_rows_expected(world);
     gn_history columns;
     double bytes = 0.0, capacity = 256.0;
     while (capacity < rows) capacity *= 2.0;
-    if (gn_history_begin(w, &columns, NULL) == GNEISS_OK)
+    if (gn_history_begin(world, &columns, NULL) == GNEISS_OK)
         bytes = (double)columns.column_count * (8.0 * (1.5 * capacity + rows) + sizeof(gn_column));
     gn_history_free(&columns);
-    return w->ctx.scene.history_rows > 0 ? bytes : 0.0;
+    return world->ctx.scene.history_rows > 0 ? bytes : 0.0;
 }
 
 /* Bytes of what follows the failure of a specimen: events, and contacts between what had bonds.
  * Measured per broken bond; a share of the bonds that tests have broken behind their peak (a tenth
  * to four tenths). */
-static double bytes_of_failure(const gn_world *w) {
+static double bytes_of_failure(const gn_world *world) {
     static const double broken = 330.0, share = 0.2;
-    const gn_test_descriptor *test = gn_scene_test(&w->ctx.scene);
+    const gn_test_descriptor *test = gn_scene_test(&world->ctx.scene);
     const bool crushed = test->prism && test->sign < 0 && !test->sides_stand;
     const bool fails = crushed || test->confined || test->disc || test->sheared;
-    return fails ? share * broken * (double)w->dem.bonds.soa.count : 0.0;
+    return fails ? share * broken * (double)world->dem.bonds.soa.count : 0.0;
 }
 
-/* Bytes that a run holds beside the world when it writes. The numbers are those of the fields of
- * a snapshot, for each particle, contact and element, and of HDF5 itself, all measured. */
-static double bytes_of_writing(const gn_world *w, const gn_plan_growth *growth) {
+/* Returns the bytes that a run holds beside the world when it writes. The numbers are those of the
+ * fields of a snapshot, for each particle, contact and element, and of HDF5 itself, all measured.
+ */
+static double bytes_of_writing(const gn_world *world, const gn_plan_growth *growth) {
     static const double particle = 280.0, contact = 240.0, shown = 420.0, element = 290.0,
                         library = 4e6, listed = 3.0;
-    const gn_dem *d = &w->dem;
+    const gn_dem *d = &world->dem;
     const double particles = (double)d->particles.soa.count,
                  contacts = (double)(d->bonds.soa.count + d->pairs.soa.count);
     double file = saved(&gn_particle_record, &d->particles.soa) +
                   saved(&gn_contact_record, &d->bonds.soa) +
                   saved(&gn_contact_record, &d->pairs.soa) +
-                  saved(&gn_wall_contact_record, &w->boundary.contacts.soa);
+                  saved(&gn_wall_contact_record, &world->boundary.contacts.soa);
     double arrays = fmax(particle * particles, contact * contacts);
-    if (w->ctx.scene.contact_rows == GN_SWITCH_ON)
+    if (world->ctx.scene.contact_rows == GN_SWITCH_ON)
         arrays = fmax(arrays, 0.5 * particle * particles + shown * contacts);
-    for (size_t k = 0; k < w->solids.count; k++) {
-        const gn_fem_solid *b = &w->solids.elements[k]->solid;
-        file +=
-            saved(&gn_particle_record, &b->nodes.soa) + saved(&gn_element_record, &b->elements.soa);
-        arrays = fmax(arrays, element * (double)b->elements.soa.count);
+    for (size_t k = 0; k < world->solids.count; k++) {
+        const gn_fem_solid *solid = &world->solids.elements[k]->solid;
+        file += saved(&gn_particle_record, &solid->nodes.soa) +
+                saved(&gn_element_record, &solid->elements.soa);
+        arrays = fmax(arrays, element * (double)solid->elements.soa.count);
     }
     const double come =
-        particle + 2.0 * (double)gn_record_bytes(&gn_particle_record, w->ctx.effects) +
+        particle + 2.0 * (double)gn_record_bytes(&gn_particle_record, world->ctx.effects) +
         listed *
             (contact + 2.0 * (double)gn_record_bytes(&gn_contact_record, d->pairs.soa.effects));
-    return file + arrays + library + bytes_of_history(w, growth->rows) + bytes_of_failure(w) +
-           growth->particles * come;
+    return file + arrays + library + bytes_of_history(world, growth->rows) +
+           bytes_of_failure(world) + growth->particles * come;
 }
 
-void gn_print_plan_memory(const gn_world *w, const gn_plan_growth *growth) {
+void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth) {
     gn_resident r;
-    const double state = (double)gn_world_bytes(&w->ctx, &w->dem, &w->boundary, &w->solids);
+    const double state =
+        (double)gn_world_bytes(&world->ctx, &world->dem, &world->boundary, &world->solids);
     gn_h5_load();
 #ifdef __GLIBC__
-    (void)malloc_trim(0); /* what is free counts as in use otherwise */
+    (void)malloc_trim(0); /* freed memory would otherwise count as used */
 #endif
     if (!gn_resident_read(&r)) {
-        printf("memory\n  in all %.1f MB of state; what a run takes besides is not known here\n",
+        printf("memory\n  in all %.1f MB of state; further memory of a run is unknown here\n",
                state / 1e6);
         return;
     }
-    const double writing = r.now + bytes_of_writing(w, growth);
+    const double writing = r.now + bytes_of_writing(world, growth);
     printf("memory\n  state            %.1f MB, in fields and the rows of their sums\n",
            state / 1e6);
-    printf(
-        "  in all %.1f MB at the peak of a run: %.1f MB while it is made ready, %.1f MB while it "
-        "writes\n",
-        fmax(r.peak, writing) / 1e6, r.peak / 1e6, writing / 1e6);
+    printf("  in all %.1f MB at the peak of a run: %.1f MB while it is set up, %.1f MB while it "
+           "writes\n",
+           fmax(r.peak, writing) / 1e6, r.peak / 1e6, writing / 1e6);
 }

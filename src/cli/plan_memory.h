@@ -1,4 +1,4 @@
-/* The memory that a run takes, as `gneiss plan` prints it. */
+/* Memory of a run, as `gneiss plan` prints it. */
 #ifndef GN_CLI_PLAN_MEMORY_H
 #define GN_CLI_PLAN_MEMORY_H
 
@@ -10,7 +10,8 @@ typedef struct gn_plan_growth {
     double rows;      /* of the history, over those that are expected with the first step */
 } gn_plan_growth;
 
-/* After the world was made and has taken its trial steps, in the process that did so. */
+/* Prints the memory of this process, called after the world was made and has taken its trial steps.
+ */
 void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth);
 
 #endif

@@ -1,17 +1,18 @@
-/* Stages as `plan`, `check` and the end of a run show them. */
+/* Output on stages in `plan`, `check` and at the end of a run. */
 #ifndef GN_CLI_PLAN_STAGES_H
 #define GN_CLI_PLAN_STAGES_H
 
 #include "run/run.h"
 
-/* What stands before the first step; `per_step`, s of computing. Nothing without stages. */
+/* Prints the stages before the first step; `per_step`, s of computing. Prints nothing without
+ * stages. */
 void gn_print_stages(const gn_world *world, double per_step);
-/* Whether a stage that ends by its steps alone would last longer than the run, with the present
- * step; `text` then says which. */
+/* True if a stage that ends by its steps alone would last longer than the run with the present
+ * step; `text` then states which. */
 bool gn_stage_is_overlong(const gn_world *world, char *text, size_t size);
-/* Steps up to the end of the run, at most, at their present length. */
+/* Returns the largest number of steps up to the end of the run, at the present step. */
 double gn_plan_steps(const gn_world *world);
-/* How each one went. */
+/* Prints the end of each stage. */
 void gn_print_stages_done(const gn_run *run);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-gneiss_status gn_time_steps(gn_world *w, double until, double *seconds, gneiss_error *error) {
+gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gneiss_error *error) {
     enum { WARM_UP = 20, PACED = 192 };
     double start = gn_now();
     int steps = 0;
@@ -14,9 +14,9 @@ gneiss_status gn_time_steps(gn_world *w, double until, double *seconds, gneiss_e
             start = gn_now();
             steps = 0;
         }
-        if (steps > 0 && w->ctx.time >= until) break;
-        /* How long it goes well is for the run to see. */
-        gneiss_status status = gn_world_step(w, false, error);
+        if (steps > 0 && world->ctx.time >= until) break;
+        /* Failure in a later step is left to the run. */
+        gneiss_status status = gn_world_step(world, false, error);
         if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
         GN_TRY(status);
         steps++;
@@ -25,16 +25,16 @@ gneiss_status gn_time_steps(gn_world *w, double until, double *seconds, gneiss_e
     return GNEISS_OK;
 }
 
-gneiss_status gn_time_some(gn_world *w, double *seconds, gneiss_error *error) {
-    const double work = 2e7; /* of elements and particles */
+gneiss_status gn_time_fixed_steps(gn_world *world, double *seconds, gneiss_error *error) {
+    const double work = 2e7; /* element and particle steps */
     const double size =
-        (double)(w->dem.particles.soa.count + gn_elements_totals(&w->solids).elements);
+        (double)(world->dem.particles.soa.count + gn_elements_totals(&world->solids).elements);
     const int most = (int)fmin(fmax(work / fmax(size, 1.0), 20.0), 400.0);
     double start = gn_now();
-    int steps = -most / 4; /* to warm up */
+    int steps = -most / 4; /* warm-up */
     for (; steps < most; steps++) {
         if (steps == 0) start = gn_now();
-        gneiss_status status = gn_world_step(w, false, error);
+        gneiss_status status = gn_world_step(world, false, error);
         if (status == GNEISS_ERROR_UNSTABLE) break;
         GN_TRY(status);
     }

@@ -18,72 +18,74 @@
 #include <string.h>
 #include <unistd.h>
 
-const char *gn_format_seconds(double s, char *text, size_t size) {
-    if (!isfinite(s))
+const char *gn_format_seconds(double seconds, char *text, size_t size) {
+    if (!isfinite(seconds))
         snprintf(text, size, "?");
-    else if (s < 100.0)
-        snprintf(text, size, "%.1f s", s);
-    else if (s < 6000.0)
-        snprintf(text, size, "%d min %02d s", (int)(s / 60.0), (int)fmod(s, 60.0));
-    else if (s < 100.0 * 86400.0)
-        snprintf(text, size, "%d h %02d min", (int)(s / 3600.0), (int)fmod(s / 60.0, 60.0));
-    else if (s < 1000.0 * 86400.0)
-        snprintf(text, size, "%.0f days", s / 86400.0);
+    else if (seconds < 100.0)
+        snprintf(text, size, "%.1f s", seconds);
+    else if (seconds < 6000.0)
+        snprintf(text, size, "%d min %02d s", (int)(seconds / 60.0), (int)fmod(seconds, 60.0));
+    else if (seconds < 100.0 * 86400.0)
+        snprintf(text, size, "%d h %02d min", (int)(seconds / 3600.0),
+                 (int)fmod(seconds / 60.0, 60.0));
+    else if (seconds < 1000.0 * 86400.0)
+        snprintf(text, size, "%.0f days", seconds / 86400.0);
     else
-        snprintf(text, size, "%.3g years", s / (365.25 * 86400.0));
+        snprintf(text, size, "%.3g years", seconds / (365.25 * 86400.0));
     return text;
 }
 
-const char *gn_format_count(double v, char *text, size_t size) {
+const char *gn_format_count(double value, char *text, size_t size) {
     static const char *const suffix[] = {"", " k", " M", " G", " T"};
     int k = 0;
-    while (fabs(v) >= 1000.0 && k < 4) {
-        v /= 1000.0;
+    while (fabs(value) >= 1000.0 && k < 4) {
+        value /= 1000.0;
         k++;
     }
-    snprintf(text, size, "%.3g%s", v, suffix[k]);
+    snprintf(text, size, "%.3g%s", value, suffix[k]);
     return text;
 }
 
-static void progress_json(const gn_progress *p) {
-    gn_json *j = gn_json_begin();
-    gn_json_integer(j, "step", p->step);
-    gn_json_number(j, "time", p->time);
-    gn_json_number(j, "end", p->end);
-    if (p->stages) gn_json_text(j, "stage", p->stage);
-    gn_json_number(j, "seconds", p->seconds);
-    gn_json_number(j, "particle_steps_per_second", p->particle_steps_per_second);
-    gn_json_number(j, "contact_steps_per_second", p->contact_steps_per_second);
-    if (p->element_steps_per_second > 0.0)
-        gn_json_number(j, "element_steps_per_second", p->element_steps_per_second);
-    gn_json_number(j, "eta", p->eta);
-    gn_json_bool(j, "eta_at_most", p->eta_at_most);
-    gn_json_number(j, "unbalanced", p->unbalanced);
-    gn_json_integer(j, "broken", p->broken);
-    gn_json_number(j, "energy_residual", p->residual);
-    gn_json_number(j, "stress", p->stress);
-    gn_json_number(j, "strain", p->strain);
-    gn_json_bool(j, "finished", p->finished);
-    char *text = gn_json_finish(j, false);
+static void progress_json(const gn_progress *progress) {
+    gn_json *json = gn_json_begin();
+    gn_json_integer(json, "step", progress->step);
+    gn_json_number(json, "time", progress->time);
+    gn_json_number(json, "end", progress->end);
+    if (progress->stages) gn_json_text(json, "stage", progress->stage);
+    gn_json_number(json, "seconds", progress->seconds);
+    gn_json_number(json, "particle_steps_per_second", progress->particle_steps_per_second);
+    gn_json_number(json, "contact_steps_per_second", progress->contact_steps_per_second);
+    if (progress->element_steps_per_second > 0.0)
+        gn_json_number(json, "element_steps_per_second", progress->element_steps_per_second);
+    gn_json_number(json, "eta", progress->eta);
+    gn_json_bool(json, "eta_at_most", progress->eta_at_most);
+    gn_json_number(json, "unbalanced", progress->unbalanced);
+    gn_json_integer(json, "broken", progress->broken);
+    gn_json_number(json, "energy_residual", progress->residual);
+    gn_json_number(json, "stress", progress->stress);
+    gn_json_number(json, "strain", progress->strain);
+    gn_json_bool(json, "finished", progress->finished);
+    char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
     fflush(stdout);
 }
 
-gneiss_status gn_expect_end(const gn_options *o, gn_run *run, gneiss_error *error) {
-    const gn_world *w = &run->world;
+gneiss_status gn_predict_end(const gn_options *options, gn_run *run, gneiss_error *error) {
+    const gn_world *world = &run->world;
     gn_estimate estimate;
-    if (o->quiet || w->ctx.step > 0 || w->ctx.scene.stage_count || !gn_scene_tested(&w->ctx.scene))
+    if (options->quiet || world->ctx.step > 0 || world->ctx.scene.stage_count ||
+        !gn_scene_tested(&world->ctx.scene))
         return GNEISS_OK;
-    GN_TRY(gn_estimate_make(&w->ctx, &w->dem, &w->solids, &estimate, error));
-    run->expected_end = gn_estimate_end(&w->ctx, &estimate);
+    GN_TRY(gn_estimate_make(&world->ctx, &world->dem, &world->solids, &estimate, error));
+    run->expected_end = gn_estimate_end(&world->ctx, &estimate);
     return GNEISS_OK;
 }
 
-void gn_print_progress(const gn_options *o, const gn_run *run) {
-    if (o->quiet) return;
+void gn_print_progress(const gn_options *options, const gn_run *run) {
+    if (options->quiet) return;
     gn_progress p = gn_run_progress(run);
-    if (o->json) {
+    if (options->json) {
         progress_json(&p);
         return;
     }
@@ -111,89 +113,93 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
     gn_line_show(&line, p.finished);
 }
 
-void gn_leave_progress(const gn_options *o) {
-    if (!o->quiet && !o->json && isatty(STDERR_FILENO)) fputc('\n', stderr);
+void gn_end_progress_line(const gn_options *options) {
+    if (!options->quiet && !options->json && isatty(STDERR_FILENO)) fputc('\n', stderr);
 }
 
-/* Where nothing touches there are no springs, and no limits of them to show. */
-static void print_limits(const gn_world *w) {
-    printf("step %.4g s", w->ctx.dt);
-    if (w->ctx.stable == INFINITY) {
+/* Without contacts there are no springs, and no limits of springs to print. */
+static void print_limits(const gn_world *world) {
+    printf("step %.4g s", world->ctx.dt);
+    if (world->ctx.stable == INFINITY) {
         printf(": nothing can %s that would limit it%s\n",
-               isfinite(gn_bodies_step(&w->ctx, &w->dem, &w->boundary)) ? "touch" : "move",
-               isfinite(gn_bodies_step(&w->ctx, &w->dem, &w->boundary))
-                   ? ", but for how far bodies go in it"
+               isfinite(gn_bodies_step(&world->ctx, &world->dem, &world->boundary)) ? "touch"
+                                                                                    : "move",
+               isfinite(gn_bodies_step(&world->ctx, &world->dem, &world->boundary))
+                   ? ", except for the motion of bodies per step"
                    : "");
         return;
     }
-    printf(" = %.2f of the stability limit %.4g s (", w->ctx.dt / w->ctx.stable, w->ctx.stable);
-    if (gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones) == INFINITY)
-        printf("of contacts to come: nothing touches yet");
+    printf(" = %.2f of the stability limit %.4g s (", world->ctx.dt / world->ctx.stable,
+           world->ctx.stable);
+    if (gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones) == INFINITY)
+        printf("of contacts to come: there are no contacts yet");
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s",
-               gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones),
-               gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones));
-    if (w->ctx.scene.has_specimen && w->dem.limit.literature < INFINITY)
-        printf(", one-spring estimate of the literature %.4g s", w->dem.limit.literature);
+               gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones),
+               gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
+    if (world->ctx.scene.has_specimen && world->dem.limit.literature < INFINITY)
+        printf(", one-spring estimate of the literature %.4g s", world->dem.limit.literature);
     printf(")\n");
 }
 
-/* What begins on the wrong side of a wall or inside a body is thrown out within a few steps. */
+/* Particles that begin on the wrong side of a wall or inside a body are expelled within a few
+ * steps. */
 static void warn_of_inside(const char *where, const char *name, size_t count) {
     if (count)
         fprintf(stderr,
                 "gneiss: warning: %zu particle%s centre %s '%s' at the start: gneiss check shows "
-                "what touches what\n",
+                "contacts and overlaps\n",
                 count, count == 1 ? " has its" : "s have their", where, name);
 }
 
-static gneiss_status warn_of_start(const gn_world *w, gneiss_error *error) {
-    if (w->ctx.step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) /* a passive one pushes nothing out */
-        if (!w->ctx.scene.walls[k].passive)
-            warn_of_inside("behind wall", w->ctx.scene.walls[k].name,
-                           gn_wall_overlap(&w->dem, &w->boundary, k).inside);
-    gn_overlap *overlaps = gn_alloc_array(w->boundary.surface_count + 1, sizeof *overlaps);
+static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
+    if (world->ctx.step > 0) return GNEISS_OK;
+    for (size_t k = 0; k < world->ctx.scene.wall_count; k++) /* a passive wall expels nothing */
+        if (!world->ctx.scene.walls[k].passive)
+            warn_of_inside("behind wall", world->ctx.scene.walls[k].name,
+                           gn_wall_overlap(&world->dem, &world->boundary, k).inside);
+    gn_overlap *overlaps = gn_alloc_array(world->boundary.surface_count + 1, sizeof *overlaps);
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
-                       w->boundary.surface_count);
-    gneiss_status status =
-        gn_world_overlaps(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, overlaps, error);
-    for (size_t k = 0; status == GNEISS_OK && k < w->boundary.surface_count; k++)
-        if (k < w->ctx.scene.body_count)
-            warn_of_inside("inside body", w->ctx.scene.bodies[k].name, overlaps[k].inside);
+                       world->boundary.surface_count);
+    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
+                                             &world->solids, &world->zones, overlaps, error);
+    for (size_t k = 0; status == GNEISS_OK && k < world->boundary.surface_count; k++)
+        if (k < world->ctx.scene.body_count)
+            warn_of_inside("inside body", world->ctx.scene.bodies[k].name, overlaps[k].inside);
         else
             warn_of_inside("inside", "elements", overlaps[k].inside);
     gn_free(overlaps);
     return status;
 }
 
-gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_error *error) {
-    const gn_world *w = &run->world;
-    if (w->ctx.scene.threads > w->ctx.threads)
+gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error) {
+    const gn_world *world = &run->world;
+    if (world->ctx.scene.threads > world->ctx.threads)
         fprintf(stderr,
-                "gneiss: warning: run.threads: %lld are asked for, the OpenMP library gives %d "
-                "(OMP_THREAD_LIMIT): the results are the same, later\n",
-                (long long)w->ctx.scene.threads, w->ctx.threads);
-    GN_TRY(warn_of_start(w, error));
-    if (o->quiet || o->json) return GNEISS_OK;
-    printf("%s\n", w->ctx.scene.title[0] ? w->ctx.scene.title : w->ctx.scene.source);
-    if (w->ctx.scene.has_specimen)
+                "gneiss: warning: run.threads: %lld requested, the OpenMP library gives %d "
+                "(OMP_THREAD_LIMIT): same results, longer time\n",
+                (long long)world->ctx.scene.threads, world->ctx.threads);
+    GN_TRY(warn_of_start(world, error));
+    if (options->quiet || options->json) return GNEISS_OK;
+    printf("%s\n", world->ctx.scene.title[0] ? world->ctx.scene.title : world->ctx.scene.source);
+    if (world->ctx.scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
-               w->dem.particles.soa.count, (size_t)w->dem.bonds_at_start, w->dem.pairs.soa.count);
-    gn_element_totals elements = gn_elements_totals(&w->solids);
+               world->dem.particles.soa.count, (size_t)world->dem.bonds_at_start,
+               world->dem.pairs.soa.count);
+    gn_element_totals elements = gn_elements_totals(&world->solids);
     if (elements.elements) printf("%zu nodes, %zu elements; ", elements.nodes, elements.elements);
-    printf("%d thread%s, %s\n", w->ctx.threads, w->ctx.threads == 1 ? "" : "s",
-           w->ctx.kernels->name);
-    gn_print_element_notes(w, "");
-    print_limits(w);
+    printf("%d thread%s, %s\n", world->ctx.threads, world->ctx.threads == 1 ? "" : "s",
+           world->ctx.kernels->name);
+    gn_print_element_notes(world, "");
+    print_limits(world);
     char shown[GN_PATH_SIZE];
     printf("output: %s\n", gn_printable(run->directory, shown, sizeof shown));
     fflush(stdout);
     return GNEISS_OK;
 }
 
-/* --- what comes before the first step --- */
+/* --- output before the first step --- */
 
 static gneiss_status show_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const gn_run *run = context;
@@ -207,36 +213,35 @@ static gneiss_status show_state(void *context, const gn_first_break *so_far, gne
     return GNEISS_OK;
 }
 
-void gn_print_first_break(const gn_world *w, const gn_first_break *b) {
+void gn_print_first_break(const gn_world *world, const gn_first_break *first_break) {
     char at[GN_POINT_SIZE];
     const double none[3] = {0, 0, 0};
-    printf(
-        "start: the first break is to come at t = %.6g s, between particles %d and %d near %s m;\n"
-        "  steps begin in the equilibrium at t = %.6g s = %.3f of that, which takes the place of "
-        "%lld steps\n"
-        "  (%lld states on the way, %lld linear systems, %lld iterations; loads that are left %.1g "
-        "of "
-        "the contact forces)\n",
-        b->time, (int)b->i, (int)b->j, gn_point_text(none, b->place, at), w->ctx.time,
-        w->ctx.time / b->time, (long long)b->steps, (long long)b->increments,
-        (long long)b->solutions, (long long)b->iterations, b->unbalanced);
+    printf("start: the first break is predicted at t = %.6g s, between particles %d and %d near %s "
+           "m;\n  steps begin in the equilibrium at t = %.6g s = %.3f of that, which replaces %lld "
+           "steps\n  (%lld states computed, %lld linear systems, %lld iterations; residual loads "
+           "%.1g of the contact forces)\n",
+           first_break->time, (int)first_break->i, (int)first_break->j,
+           gn_point_text(none, first_break->place, at), world->ctx.time,
+           world->ctx.time / first_break->time, (long long)first_break->steps,
+           (long long)first_break->increments, (long long)first_break->solutions,
+           (long long)first_break->iterations, first_break->unbalanced);
 }
 
-gneiss_status gn_print_beginning(const gn_options *o, gn_run *run, gneiss_error *error) {
-    const gn_world *w = &run->world;
-    const bool speaks = !o->quiet && !o->json;
-    if (w->ctx.scene.start != GN_START_FIRST_BREAK || w->ctx.step > 0) return GNEISS_OK;
-    if (speaks) printf("time.start: first_break: looking for the first break without steps\n");
+gneiss_status gn_print_initial_state(const gn_options *options, gn_run *run, gneiss_error *error) {
+    const gn_world *world = &run->world;
+    const bool speaks = !options->quiet && !options->json;
+    if (world->ctx.scene.start != GN_START_FIRST_BREAK || world->ctx.step > 0) return GNEISS_OK;
+    if (speaks) printf("time.start: first_break: computing the first break by statics\n");
     fflush(stdout);
     gneiss_status status =
         gn_run_begin(run, speaks ? &(gn_first_break_watch){show_state, run} : NULL, error);
-    if (speaks) gn_leave_progress(o);
-    if (status == GNEISS_OK && speaks) gn_print_first_break(w, &run->first_break);
+    if (speaks) gn_end_progress_line(options);
+    if (status == GNEISS_OK && speaks) gn_print_first_break(world, &run->first_break);
     fflush(stdout);
     return status;
 }
 
-/* A name as words. */
+/* Writes a name as words. */
 static const char *words_of(const char *name, char *text, size_t size) {
     snprintf(text, size, "%s", name);
     for (char *c = text; *c; c++)
@@ -244,7 +249,7 @@ static const char *words_of(const char *name, char *text, size_t size) {
     return text;
 }
 
-/* A line with the number, or with why there is none. */
+/* Prints a line with the number, or with the reason why there is none. */
 static void print_reading(const char *label, double value, const char *unit, const char *note,
                           const char *reason) {
     if (*reason)
@@ -254,31 +259,32 @@ static void print_reading(const char *label, double value, const char *unit, con
                note);
 }
 
-static void print_scaled(const gn_readings *r, const char *label, const char *name,
+static void print_scaled(const gn_readings *readings, const char *label, const char *name,
                          const char *unit, double value, const char *note, const char *reason) {
-    const gn_shown shown = gn_shown_unit(r, name, unit, value);
+    const gn_shown shown = gn_shown_unit(readings, name, unit, value);
     print_reading(label, value / shown.factor, shown.unit, note, reason);
 }
 
-/* Readings that only some kinds of tests have, and zones. */
-static void print_own_readings(const gn_run *run, const gn_readings *r) {
+/* Prints readings that only some kinds of tests have, and readings of zones. */
+static void print_own_readings(const gn_run *run, const gn_readings *readings) {
     char label[64];
 #define X(name, unit, text)                                                                        \
     if (!gn_reading_belongs(GN_READING_##name, GN_TEST_NONE, false) &&                             \
         gn_run_reads(run, GN_READING_##name))                                                      \
-        print_scaled(r, words_of(#name, label, sizeof label), #name, unit, r->name, "",            \
-                     r->reason[GN_READING_##name]);
+        print_scaled(readings, words_of(#name, label, sizeof label), #name, unit, readings->name,  \
+                     "", readings->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
 }
 
-static void print_test_readings(const gn_run *run, const gn_readings *r) {
+static void print_test_readings(const gn_run *run, const gn_readings *readings) {
 #define PRINT(label, name, factor, unit, note)                                                     \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
-    print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
+    print_reading(label, readings->name *(factor), unit, note, readings->reason[GN_READING_##name])
 #define SCALED(label, name, note)                                                                  \
     if (gn_run_reads(run, GN_READING_##name))                                                      \
-    print_scaled(r, label, #name, "Pa", r->name, note, r->reason[GN_READING_##name])
+    print_scaled(readings, label, #name, "Pa", readings->name, note,                               \
+                 readings->reason[GN_READING_##name])
     SCALED("Young's modulus", young_modulus, "(before bonds break, platen strain)");
     SCALED("", young_modulus_average, "(over the average strain)");
     PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
@@ -288,22 +294,22 @@ static void print_test_readings(const gn_run *run, const gn_readings *r) {
     }
     SCALED("peak stress", peak_stress, "");
     PRINT("strain at the peak", peak_strain, 100, "%", "");
-    if (isnan(r->peak_stress)) {
+    if (isnan(readings->peak_stress)) {
         SCALED("largest stress so far", largest_stress, "");
         PRINT("strain there", largest_strain, 100, "%", "");
     }
-    PRINT("ends out of balance by", end_imbalance, 100, "%", "");
+    PRINT("imbalance of the ends", end_imbalance, 100, "%", "");
 #undef PRINT
 #undef SCALED
 }
 
 static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
-    const gn_readings *r;
+    const gn_readings *readings;
     const bool tested = gn_scene_tested(&run->world.ctx.scene);
     if (!tested && !gn_run_reads(run, GN_READING_returned_energy)) return GNEISS_OK;
-    GN_TRY(gn_run_readings(run, &r, error));
-    if (tested) print_test_readings(run, r);
-    print_own_readings(run, r);
+    GN_TRY(gn_run_readings(run, &readings, error));
+    if (tested) print_test_readings(run, readings);
+    print_own_readings(run, readings);
     return GNEISS_OK;
 }
 
@@ -340,61 +346,65 @@ void gn_print_notes(const gn_scene_notes *notes) {
     for (size_t k = 0; k < notes->count; k++) fprintf(stderr, "gneiss: note: %s\n", notes->text[k]);
 }
 
-/* What came in and went out. */
+/* Prints particles that entered and left. */
 static void print_flow(const gn_run *run) {
-    const gn_world *w = &run->world;
-    for (size_t k = 0; k < w->ctx.scene.source_count; k++)
-        printf("  source %-16.60s%9.0f particles, %.4g kg came in\n", w->ctx.scene.sources[k].name,
-               w->dem.flow.sources[k].number, w->dem.flow.sources[k].mass);
-    for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
-        double rate = gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name);
-        printf("  sink %-18.60s%9.0f particles, %.4g kg went out", w->ctx.scene.sinks[k].name,
-               w->dem.flow.sinks[k].number, w->dem.flow.sinks[k].mass);
-        if (isfinite(rate)) printf(", %.4g kg/s when steady", rate);
+    const gn_world *world = &run->world;
+    for (size_t k = 0; k < world->ctx.scene.source_count; k++)
+        printf("  source %-16.60s%9.0f particles, %.4g kg entered\n",
+               world->ctx.scene.sources[k].name, world->dem.flow.sources[k].number,
+               world->dem.flow.sources[k].mass);
+    for (size_t k = 0; k < world->ctx.scene.sink_count; k++) {
+        double rate = gn_sink_steady_rate(&run->history, world->ctx.scene.sinks[k].name);
+        printf("  sink %-18.60s%9.0f particles, %.4g kg left", world->ctx.scene.sinks[k].name,
+               world->dem.flow.sinks[k].number, world->dem.flow.sinks[k].mass);
+        if (isfinite(rate)) printf(", %.4g kg/s in steady flow", rate);
         printf("\n");
     }
 }
 
-/* What the run came to. */
+/* Prints the results of the run. */
 static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
-    const gn_world *w = &run->world;
+    const gn_world *world = &run->world;
     gn_print_stages_done(run);
     GN_TRY(print_readings(run, error));
     GN_TRY(gn_print_budget(run, error));
-    if (w->ctx.effects & GN_FX_BONDS)
+    if (world->ctx.effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
-               (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
-               (long long)w->dem.bonds_at_start);
+               (long long)world->dem.broken_tension, (long long)world->dem.broken_shear,
+               (long long)world->dem.bonds_at_start);
     print_flow(run);
-    if (w->dem.lost) printf("  left the domain        %10lld particles\n", (long long)w->dem.lost);
-    if (w->ctx.effects & GN_FX_MASS_SCALING)
+    if (world->dem.lost)
+        printf("  left the domain        %10lld particles\n", (long long)world->dem.lost);
+    if (world->ctx.effects & GN_FX_MASS_SCALING)
         printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
-               "without\n",
-               100.0 * w->dem.scaling.added / w->dem.mass, w->ctx.dt / w->dem.scaling.unscaled);
-    if (w->ctx.effects & GN_FX_ENERGY)
+               "without it\n",
+               100.0 * world->dem.scaling.added / world->dem.mass,
+               world->ctx.dt / world->dem.scaling.unscaled);
+    if (world->ctx.effects & GN_FX_ENERGY)
         printf("  energy residual        %10.2e   (of %.4g J)\n",
-               gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading));
+               gn_energy_residual(&world->ledger.reading), gn_energy_scale(&world->ledger.reading));
     printf("  state hash       %016llx\n",
-           (unsigned long long)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box));
+           (unsigned long long)gn_world_hash(&world->ctx, &world->dem, &world->boundary,
+                                             &world->solids, &world->box));
     return GNEISS_OK;
 }
 
-gneiss_status gn_print_summary(const gn_options *o, const gn_run *run, gneiss_error *error) {
-    const gn_world *w = &run->world;
-    if (o->json) return GNEISS_OK;
-    if (!o->quiet)
-        printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->ctx.step,
-               w->ctx.time);
+gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error) {
+    const gn_world *world = &run->world;
+    if (options->json) return GNEISS_OK;
+    if (!options->quiet)
+        printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason,
+               (long long)world->ctx.step, world->ctx.time);
     GN_TRY(print_outcome(run, error));
-    if (o->quiet) return GNEISS_OK;
+    if (options->quiet) return GNEISS_OK;
     print_profile(run);
     char shown[GN_PATH_SIZE];
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s%s\n",
            gn_printable(run->directory, shown, sizeof shown),
-           w->ctx.scene.has_specimen ? ", particles.hdf.series" : "",
-           w->ctx.effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
-           w->ctx.scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
-           w->solids.count ? ", elements.hdf.series" : "",
-           w->ctx.scene.body_count ? ", bodies.hdf.series" : "");
+           world->ctx.scene.has_specimen ? ", particles.hdf.series" : "",
+           world->ctx.effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
+           world->ctx.scene.contact_rows == GN_SWITCH_ON ? ", contacts.hdf.series" : "",
+           world->solids.count ? ", elements.hdf.series" : "",
+           world->ctx.scene.body_count ? ", bodies.hdf.series" : "");
     return GNEISS_OK;
 }

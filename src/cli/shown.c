@@ -6,16 +6,17 @@
 
 static gn_shown pressure(double value, bool modulus) {
     static const gn_shown units[] = {{1e9, "GPa"}, {1e6, "MPa"}, {1e3, "kPa"}};
-    /* Of rock 0.5 GPa and 0.5 MPa are usual, and 200 MPa of a strength. */
+    /* For rock, moduli and stresses of 0.5 GPa and 0.5 MPa are usual, and strengths of 200 MPa. */
     for (size_t k = modulus ? 0 : 1; k < sizeof units / sizeof *units; k++)
         if (fabs(value) >= 0.1 * units[k].factor) return units[k];
     return (gn_shown){1.0, "Pa"};
 }
 
-gn_shown gn_shown_unit(const gn_readings *r, const char *name, const char *unit, double value) {
+gn_shown gn_shown_unit(const gn_readings *readings, const char *name, const char *unit,
+                       double value) {
     if (strcmp(unit, "Pa") != 0) return (gn_shown){1.0, strcmp(unit, "1") == 0 ? "" : unit};
     const bool modulus = strstr(name, "modulus") != NULL;
-    const double kin = modulus ? r->young_modulus : r->largest_stress;
+    const double kin = modulus ? readings->young_modulus : readings->largest_stress;
     return pressure(isfinite(kin) && kin != 0.0 ? kin : value, modulus);
 }
 

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The one piece of file-scope state: signal handlers have no other way to speak. */
+/* The only file-scope state: signal handlers have no other means of communication. */
 static volatile sig_atomic_t interrupted, at_once;
 static const char *volatile last_words;
 static const char *volatile own_folder;
@@ -34,7 +34,7 @@ static void catch_signals(void) {
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         if (sigaction(numbers[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(numbers[k], &action, NULL);
-    signal(SIGPIPE, SIG_IGN); /* nobody reads on: no reason to lose a run */
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe does not end a run */
 }
 
 void gn_signals_end_at_once(const char *message, const char *folder) {

@@ -22,13 +22,14 @@ static const char nothing_begun[] = "gneiss: interrupted: no run had begun\n";
 
 /* ---- options ---- */
 
-/* --threads and --set run.threads= are of the whole sweep; what is left goes to the scene. */
-static gneiss_status take_threads(const gn_options *o, gn_override *kept, size_t *count,
+/* --threads and --set run.threads= hold for the whole sweep; the other overrides go to the scene.
+ */
+static gneiss_status take_threads(const gn_options *options, gn_override *kept, size_t *count,
                                   int *threads, gneiss_error *error) {
     *count = 0;
     *threads = 0;
-    for (size_t k = 0; k < o->override_count; k++) {
-        const gn_override *given = &o->overrides[k];
+    for (size_t k = 0; k < options->override_count; k++) {
+        const gn_override *given = &options->overrides[k];
         if (strcmp(given->key, "run.threads") != 0) {
             kept[(*count)++] = *given;
             continue;
@@ -52,7 +53,7 @@ static bool read_number(const char *text, long least, long *value) {
     return text && *text && !*rest && !errno && *value >= least;
 }
 
-/* From what Slurm says of a job array, or of one that is numbered in steps. */
+/* Reads the shard from Slurm's variables of a job array, which may be numbered in steps. */
 static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
     long id, first = 0, step = 1, count;
     const char *lowest = getenv("SLURM_ARRAY_TASK_MIN"), *every = getenv("SLURM_ARRAY_TASK_STEP");
@@ -71,41 +72,41 @@ static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* "2/8": the second of eight. */
-static gneiss_status read_shard(const gn_options *o, gn_sweep_way *way, gneiss_error *error) {
-    if (!o->array) return GNEISS_OK;
-    if (!*o->array) return shard_of_slurm(way, error);
+/* Reads "2/8": the second of eight. */
+static gneiss_status read_shard(const gn_options *options, gn_sweep_way *way, gneiss_error *error) {
+    if (!options->array) return GNEISS_OK;
+    if (!*options->array) return shard_of_slurm(way, error);
     char first[16] = "";
     long place, count;
-    size_t length = strcspn(o->array, "/");
-    if (length < sizeof first) memcpy(first, o->array, length);
-    if (!o->array[length] || !read_number(first, 1, &place) ||
-        !read_number(o->array + length + 1, 1, &count) || place > count)
+    size_t length = strcspn(options->array, "/");
+    if (length < sizeof first) memcpy(first, options->array, length);
+    if (!options->array[length] || !read_number(first, 1, &place) ||
+        !read_number(options->array + length + 1, 1, &count) || place > count)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "--array: expected I/N such as 2/8, with I from 1 to N, found '%s'",
-                       o->array);
+                       options->array);
     way->shard = (size_t)(place - 1);
     way->shards = (size_t)count;
     return GNEISS_OK;
 }
 
-static gneiss_status read_way(const gn_options *o, gn_sweep_way *way, gneiss_error *error) {
+static gneiss_status read_way(const gn_options *options, gn_sweep_way *way, gneiss_error *error) {
     long jobs = 0;
-    if (o->jobs && !(read_number(o->jobs, 1, &jobs) && jobs <= 1024))
+    if (options->jobs && !(read_number(options->jobs, 1, &jobs) && jobs <= 1024))
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "--jobs: expected a whole number in [1, 1024], found '%s'", o->jobs);
+                       "--jobs: expected a whole number in [1, 1024], found '%s'", options->jobs);
     way->jobs = (int)jobs;
     way->program = "/proc/self/exe";
-    way->force = o->force;
-    way->allow_gmsh = o->allow_gmsh;
-    return read_shard(o, way, error);
+    way->force = options->force;
+    way->allow_gmsh = options->allow_gmsh;
+    return read_shard(options, way, error);
 }
 
-static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s,
+static gneiss_status choose_folder(const gn_options *options, const gn_sweep *sweep,
                                    char folder[GN_PATH_SIZE], gneiss_error *error) {
-    const char *suffix = s->text ? "" : s->parameter_count ? "-confinements" : "-seeds";
-    const char *slash = strrchr(s->source, '/'), *name = slash ? slash + 1 : s->source,
-               *dot = strrchr(name, '.'), *wanted = o->out ? o->out : s->directory;
+    const char *suffix = sweep->text ? "" : sweep->parameter_count ? "-confinements" : "-seeds";
+    const char *slash = strrchr(sweep->source, '/'), *name = slash ? slash + 1 : sweep->source,
+               *dot = strrchr(name, '.'), *wanted = options->out ? options->out : sweep->directory;
     int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
     int used = *wanted ? snprintf(folder, GN_PATH_SIZE, "%s", wanted)
                        : snprintf(folder, GN_PATH_SIZE, "runs/%.*s%s", length, name, suffix);
@@ -117,14 +118,14 @@ static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s,
 
 /* ---- --dry-run ---- */
 
-/* Wall time of a run on one thread by a few of its steps; NaN where the specimen would have to be
- * packed first. */
-static gneiss_status estimate(const gn_sweep *s, size_t run, bool allow_gmsh, double *seconds,
+/* Returns the wall time of a run on one thread from a few of its steps; NaN if the specimen would
+ * have to be packed first. */
+static gneiss_status estimate(const gn_sweep *sweep, size_t run, bool allow_gmsh, double *seconds,
                               gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene);
     gn_world *world = calloc(1, sizeof *world);
     *seconds = NAN;
-    gneiss_status status = scene && world ? gn_sweep_scene(s, run, scene, error)
+    gneiss_status status = scene && world ? gn_sweep_scene(sweep, run, scene, error)
                                           : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     if (status == GNEISS_OK) scene->allow_gmsh = allow_gmsh;
     if (status == GNEISS_OK && scene->specimen.pack.shape != GN_SHAPE_NONE) {
@@ -145,7 +146,7 @@ static gneiss_status estimate(const gn_sweep *s, size_t run, bool allow_gmsh, do
     return status;
 }
 
-/* A step through so many items that meets all of them, and neighbours late. */
+/* Returns a stride that visits all of so many items, and neighbours late. */
 static size_t stride_through(size_t count) {
     size_t stride = (size_t)(0.618 * (double)count) + 1;
     for (;; stride++) {
@@ -159,32 +160,34 @@ static size_t stride_through(size_t count) {
     }
 }
 
-/* Of as many runs as a second allows, from here and there; others take the mean. A scene that
- * cannot be made will say so when it is run. */
-static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
+/* Estimates as many runs as a second allows, spread over all; others take the mean. A scene that
+ * cannot be made fails when it is run. */
+static void estimate_some(const gn_sweep *sweep, const gn_summary *summary, const gn_sweep_way *way,
                           double *seconds) {
     const double budget = 1.0; /* s */
     double start = gn_now();
-    size_t stride = stride_through(s->run_count);
-    for (size_t n = 0; n < s->run_count; n++) {
+    size_t stride = stride_through(sweep->run_count);
+    for (size_t n = 0; n < sweep->run_count; n++) {
         gneiss_error unused = {0};
-        size_t k = n * stride % s->run_count;
-        seconds[k] = m->runs[k].seconds;
-        bool wanted = gn_sweep_mine(s, way, k) && !gn_outcome_stands(&m->runs[k].outcome);
+        size_t k = n * stride % sweep->run_count;
+        seconds[k] = summary->runs[k].seconds;
+        bool wanted =
+            gn_sweep_run_in_shard(sweep, way, k) && !gn_outcome_is_final(&summary->runs[k].outcome);
         if (!wanted || gn_now() - start > budget) continue;
-        if (estimate(s, k, way->allow_gmsh, &seconds[k], &unused) != GNEISS_OK) seconds[k] = NAN;
+        if (estimate(sweep, k, way->allow_gmsh, &seconds[k], &unused) != GNEISS_OK)
+            seconds[k] = NAN;
     }
 }
 
-static gneiss_status dry_run(const gn_sweep *s, const gn_sweep_way *way, gneiss_error *error) {
+static gneiss_status dry_run(const gn_sweep *sweep, const gn_sweep_way *way, gneiss_error *error) {
     gn_summary m;
-    GN_TRY(gn_summary_make(s, way->directory, &m, error));
-    double *seconds = gn_alloc_array(s->run_count, sizeof *seconds);
+    GN_TRY(gn_summary_make(sweep, way->directory, &m, error));
+    double *seconds = gn_alloc_array(sweep->run_count, sizeof *seconds);
     gneiss_status status =
         seconds ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the estimates");
     if (status == GNEISS_OK) {
-        estimate_some(s, &m, way, seconds);
-        gn_sweep_print_plan(s, &m, way, seconds);
+        estimate_some(sweep, &m, way, seconds);
+        gn_sweep_print_plan(sweep, &m, way, seconds);
     }
     gn_free(seconds);
     gn_summary_free(&m);
@@ -193,49 +196,50 @@ static gneiss_status dry_run(const gn_sweep *s, const gn_sweep_way *way, gneiss_
 
 /* ---- the command ---- */
 
-static gneiss_status summarise(const gn_options *o, const gn_sweep *s, const gn_sweep_way *way,
-                               gneiss_error *error) {
+static gneiss_status summarise(const gn_options *options, const gn_sweep *sweep,
+                               const gn_sweep_way *way, gneiss_error *error) {
     gn_summary m;
-    GN_TRY(gn_summary_make(s, way->directory, &m, error));
+    GN_TRY(gn_summary_make(sweep, way->directory, &m, error));
     gneiss_status status = gn_summary_write(&m, error);
     if (status == GNEISS_OK) {
-        gn_sweep_print_summary(o, &m);
+        gn_sweep_print_summary(options, &m);
         if (m.done == 0 && m.failed > 0)
-            status = gn_fail(error, GNEISS_ERROR_UNSTABLE, "none of %zu runs came to its end",
-                             s->run_count);
+            status = gn_fail(error, GNEISS_ERROR_UNSTABLE, "none of %zu runs was completed",
+                             sweep->run_count);
     }
     gn_summary_free(&m);
     return status;
 }
 
-/* The folder is locked by now. Of an interrupted sweep there is a summary all the same; a shard
- * leaves that to the call that collects. */
-static gneiss_status carry_out(const gn_options *o, const gn_sweep *s, gn_sweep_way *way,
+/* The folder is locked. An interrupted sweep gets a summary as well; a shard leaves it to the call
+ * that collects. */
+static gneiss_status carry_out(const gn_options *options, const gn_sweep *sweep, gn_sweep_way *way,
                                gneiss_error *error) {
     gn_sweep_display display;
     gneiss_status status = GNEISS_OK;
-    if (!o->force) GN_TRY(gn_summary_check_folder(way->directory, error));
-    if (!o->collect) {
+    if (!options->force) GN_TRY(gn_summary_check_folder(way->directory, error));
+    if (!options->collect) {
         way->interrupted = gn_signals_set_flag();
-        gn_sweep_display_begin(&display, o, s, way);
-        status = gn_sweep_work(s, way, error);
+        gn_sweep_display_begin(&display, options, sweep, way);
+        status = gn_sweep_work(sweep, way, error);
         gn_sweep_display_end(&display);
     }
     if (status != GNEISS_OK && status != GNEISS_INTERRUPTED) return status;
     gneiss_error second = {0};
-    gneiss_status summary = way->shards ? GNEISS_OK : summarise(o, s, way, &second);
+    gneiss_status summary = way->shards ? GNEISS_OK : summarise(options, sweep, way, &second);
     if (status == GNEISS_OK && summary != GNEISS_OK)
         return gn_fail(error, summary, "%s", second.message);
     return status;
 }
 
-/* A geometry without permission is refused once, not by every run. */
-static gneiss_status check_geometry(const gn_options *o, const gn_sweep *s, gneiss_error *error) {
+/* A geometry without permission is refused once, not in every run. */
+static gneiss_status check_geometry(const gn_options *options, const gn_sweep *sweep,
+                                    gneiss_error *error) {
     gn_scene *scene = calloc(1, sizeof *scene);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_sweep_scene(s, 0, scene, error);
+    gneiss_status status = gn_sweep_scene(sweep, 0, scene, error);
     if (status == GNEISS_OK) {
-        scene->allow_gmsh = o->allow_gmsh;
+        scene->allow_gmsh = options->allow_gmsh;
         status = gn_pack_check_geometry(scene, error);
         gn_scene_free(scene);
     }
@@ -243,58 +247,61 @@ static gneiss_status check_geometry(const gn_options *o, const gn_sweep *s, gnei
     return status;
 }
 
-static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way way,
+static gneiss_status sweep_into(const gn_options *options, const gn_sweep *sweep, gn_sweep_way way,
                                 gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
-    GN_TRY(choose_folder(o, s, folder, error));
+    GN_TRY(choose_folder(options, sweep, folder, error));
     way.directory = folder;
-    if (!o->collect && s->run_count) GN_TRY(check_geometry(o, s, error));
-    if (o->dry_run) return dry_run(s, &way, error);
-    if (s->seed_count > 1 && !s->draws)
-        fprintf(stderr, "gneiss: warning: seeds: no random number is drawn in this scene, so that "
-                        "all seeds give the same\n");
+    if (!options->collect && sweep->run_count) GN_TRY(check_geometry(options, sweep, error));
+    if (options->dry_run) return dry_run(sweep, &way, error);
+    if (sweep->seed_count > 1 && !sweep->draws)
+        fprintf(stderr, "gneiss: warning: seeds: this scene draws no random numbers, so that all "
+                        "seeds give the same\n");
     bool there = access(folder, F_OK) == 0;
-    if (!o->collect) GN_TRY(gn_make_directory(folder, error));
+    if (!options->collect) GN_TRY(gn_make_directory(folder, error));
     GN_TRY(way.shards ? gn_folder_share(folder, &lock, error)
                       : gn_folder_lock(folder, &lock, error));
-    gneiss_status status = carry_out(o, s, &way, error);
-    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if nothing came into it */
+    gneiss_status status = carry_out(options, sweep, &way, error);
+    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if it is empty */
     if (lock > 0) close(lock);
     return status;
 }
 
-/* `alone`: of one scene; *wanted: whether that is to be run several times. */
-static gneiss_status command(const gn_options *o, bool alone, bool *wanted, gneiss_error *error) {
+/* `alone`: the file is a single scene; *wanted: it is to be run several times. */
+static gneiss_status command(const gn_options *options, bool alone, bool *wanted,
+                             gneiss_error *error) {
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t count;
     gn_sweep_way way = {0};
     *wanted = !alone;
-    gn_sweep *s = calloc(1, sizeof *s);
-    if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = take_threads(o, overrides, &count, &way.threads, error);
-    if (status == GNEISS_OK) status = read_way(o, &way, error);
+    gn_sweep *sweep = calloc(1, sizeof *sweep);
+    if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = take_threads(options, overrides, &count, &way.threads, error);
+    if (status == GNEISS_OK) status = read_way(options, &way, error);
     gn_signals_end_at_once(nothing_begun, NULL);
     if (status == GNEISS_OK)
-        status = alone ? gn_sweep_of_scene(o->target, overrides, count, o->seeds, s, wanted, error)
-                       : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
-    /* What is wrong with a scene that is run once is told when it is. */
-    bool told = status == GNEISS_ERROR_MEMORY || !alone || o->seeds || *wanted;
-    if (status != GNEISS_OK && !told) status = GNEISS_OK;
+        status =
+            alone ? gn_sweep_of_scene(options->target, overrides, count, options->seeds, sweep,
+                                      wanted, error)
+                  : gn_sweep_load(options->target, overrides, count, options->seeds, sweep, error);
+    /* Problems of a scene that is run once are reported by that run. */
+    bool reported = status == GNEISS_ERROR_MEMORY || !alone || options->seeds || *wanted;
+    if (status != GNEISS_OK && !reported) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {
-        gn_print_notes(&s->notes);
-        status = sweep_into(o, s, way, error);
-        gn_sweep_free(s);
+        gn_print_notes(&sweep->notes);
+        status = sweep_into(options, sweep, way, error);
+        gn_sweep_free(sweep);
     }
-    free(s);
+    free(sweep);
     return status;
 }
 
-gneiss_status gn_command_sweep(const gn_options *o, gneiss_error *error) {
+gneiss_status gn_command_sweep(const gn_options *options, gneiss_error *error) {
     bool wanted;
-    return command(o, false, &wanted, error);
+    return command(options, false, &wanted, error);
 }
 
-gneiss_status gn_command_several(const gn_options *o, bool *wanted, gneiss_error *error) {
-    return command(o, true, wanted, error);
+gneiss_status gn_command_several(const gn_options *options, bool *wanted, gneiss_error *error) {
+    return command(options, true, wanted, error);
 }

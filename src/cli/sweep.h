@@ -6,7 +6,8 @@
 
 gneiss_status gn_command_sweep(const gn_options *options, gneiss_error *error);
 
-/* The scene of `gneiss run` with several seeds or confinements; *wanted: whether it is one. */
+/* Runs the scene of `gneiss run` with several seeds or confinements; *wanted: the scene has them.
+ */
 gneiss_status gn_command_several(const gn_options *options, bool *wanted, gneiss_error *error);
 
 #endif

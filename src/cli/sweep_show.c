@@ -16,8 +16,8 @@
 
 enum { LABEL = 400 };
 
-static void print_json(gn_json *j) {
-    char *text = gn_json_finish(j, false);
+static void print_json(gn_json *json) {
+    char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
     fflush(stdout);
@@ -25,105 +25,108 @@ static void print_json(gn_json *j) {
 
 /* ---- progress ---- */
 
-static void json_progress(const gn_sweep_display *d, const gn_sweep_progress *p) {
+static void json_progress(const gn_sweep_display *display, const gn_sweep_progress *progress) {
     char folder[24], label[LABEL];
-    gn_json *j = gn_json_begin();
-    gn_json_text(j, "sweep", p->what ? p->what : "progress");
-    if (p->what) {
-        snprintf(folder, sizeof folder, "%016" PRIx64, d->sweep->runs[p->last].hash);
-        gn_json_integer(j, "run", (int64_t)p->last + 1);
-        gn_json_text(j, "folder", folder);
-        gn_json_text(j, "label", gn_sweep_label(d->sweep, p->last, true, label, sizeof label));
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "sweep", progress->what ? progress->what : "progress");
+    if (progress->what) {
+        snprintf(folder, sizeof folder, "%016" PRIx64, display->sweep->runs[progress->last].hash);
+        gn_json_integer(json, "run", (int64_t)progress->last + 1);
+        gn_json_text(json, "folder", folder);
+        gn_json_text(json, "label",
+                     gn_sweep_label(display->sweep, progress->last, true, label, sizeof label));
     }
-    if (p->outcome) {
-        gn_json_integer(j, "code", p->outcome->code);
-        gn_json_text(j, "message", p->outcome->message);
+    if (progress->outcome) {
+        gn_json_integer(json, "code", progress->outcome->code);
+        gn_json_text(json, "message", progress->outcome->message);
     }
-    gn_json_integer(j, "total", (int64_t)p->total);
-    gn_json_integer(j, "done", (int64_t)p->done);
-    gn_json_integer(j, "failed", (int64_t)p->failed);
-    gn_json_integer(j, "running", (int64_t)p->running);
-    gn_json_number(j, "seconds", p->seconds);
-    gn_json_number(j, "eta", p->eta);
-    print_json(j);
+    gn_json_integer(json, "total", (int64_t)progress->total);
+    gn_json_integer(json, "done", (int64_t)progress->done);
+    gn_json_integer(json, "failed", (int64_t)progress->failed);
+    gn_json_integer(json, "running", (int64_t)progress->running);
+    gn_json_number(json, "seconds", progress->seconds);
+    gn_json_number(json, "eta", progress->eta);
+    print_json(json);
 }
 
-static void text_progress(gn_sweep_display *d, const gn_sweep_progress *p) {
+static void text_progress(gn_sweep_display *display, const gn_sweep_progress *progress) {
     char eta[32], label[LABEL];
-    bool over = p->done + p->failed == p->total;
+    bool over = progress->done + progress->failed == progress->total;
     gn_line line = {0};
-    gn_line_add(&line, 0, "%zu/%zu runs done", p->done, p->total);
-    if (p->failed) gn_line_add(&line, 1, "%zu failed", p->failed);
-    if (p->running) gn_line_add(&line, 2, "%zu running", p->running);
-    if (!over && isfinite(p->eta))
-        gn_line_add(&line, 1, "ETA %s", gn_format_seconds(p->eta, eta, sizeof eta));
-    if (!isatty(STDERR_FILENO) && p->what)
-        gn_line_add(&line, 3, "%s: %.80s", p->what,
-                    gn_sweep_label(d->sweep, p->last, true, label, sizeof label));
+    gn_line_add(&line, 0, "%zu/%zu runs done", progress->done, progress->total);
+    if (progress->failed) gn_line_add(&line, 1, "%zu failed", progress->failed);
+    if (progress->running) gn_line_add(&line, 2, "%zu running", progress->running);
+    if (!over && isfinite(progress->eta))
+        gn_line_add(&line, 1, "ETA %s", gn_format_seconds(progress->eta, eta, sizeof eta));
+    if (!isatty(STDERR_FILENO) && progress->what)
+        gn_line_add(&line, 3, "%s: %.80s", progress->what,
+                    gn_sweep_label(display->sweep, progress->last, true, label, sizeof label));
     gn_line_show(&line, over);
-    d->shown = !over && isatty(STDERR_FILENO);
+    display->shown = !over && isatty(STDERR_FILENO);
 }
 
-static void watch(void *context, const gn_sweep_progress *p) {
-    gn_sweep_display *d = context;
-    const gn_options *o = d->options;
+static void watch(void *context, const gn_sweep_progress *progress) {
+    gn_sweep_display *display = context;
+    const gn_options *options = display->options;
     char label[LABEL];
-    bool ended = p->what && p->outcome, terminal = isatty(STDERR_FILENO);
-    if (ended && strcmp(p->what, "done") != 0) {
-        fprintf(stderr, "%sgneiss: warning: run %zu (%s) %s: %s\n", d->shown ? "\r\033[K" : "",
-                p->last + 1, gn_sweep_label(d->sweep, p->last, true, label, sizeof label), p->what,
-                p->outcome->message);
-        d->shown = false;
+    bool ended = progress->what && progress->outcome, terminal = isatty(STDERR_FILENO);
+    if (ended && strcmp(progress->what, "done") != 0) {
+        fprintf(stderr, "%sgneiss: warning: run %zu (%s) %s: %s\n",
+                display->shown ? "\r\033[K" : "", progress->last + 1,
+                gn_sweep_label(display->sweep, progress->last, true, label, sizeof label),
+                progress->what, progress->outcome->message);
+        display->shown = false;
     }
-    if (o->quiet) return;
-    /* Each event is a line where lines stay; a terminal, and whoever waits, is told how time goes.
-     */
-    bool due = gn_now() >= d->next;
-    if (o->json ? !p->what && !due : terminal ? !due && !ended : !ended) return;
-    d->next = gn_now() + (o->json ? 5.0 : 0.5);
-    if (o->json)
-        json_progress(d, p);
+    if (options->quiet) return;
+    /* Each event gets a line where lines stay; on a terminal, and while waiting, the time is
+     * updated. */
+    bool due = gn_now() >= display->next;
+    if (options->json ? !progress->what && !due : terminal ? !due && !ended : !ended) return;
+    display->next = gn_now() + (options->json ? 5.0 : 0.5);
+    if (options->json)
+        json_progress(display, progress);
     else
-        text_progress(d, p);
+        text_progress(display, progress);
 }
 
-static size_t count_mine(const gn_sweep *s, const gn_sweep_way *way) {
+static size_t count_mine(const gn_sweep *sweep, const gn_sweep_way *way) {
     size_t count = 0;
-    for (size_t k = 0; k < s->run_count; k++) count += gn_sweep_mine(s, way, k);
+    for (size_t k = 0; k < sweep->run_count; k++) count += gn_sweep_run_in_shard(sweep, way, k);
     return count;
 }
 
-static void print_heading(const gn_sweep *s, const gn_sweep_way *way) {
-    size_t mine = count_mine(s, way);
-    printf("%s%s%zu run%s", s->title, *s->title ? ": " : "", s->run_count,
-           s->run_count == 1 ? "" : "s");
-    if (s->seed_count)
-        printf(" (%zu combination%s, %zu seed%s)", s->combination_count,
-               s->combination_count == 1 ? "" : "s", s->seed_count, s->seed_count == 1 ? "" : "s");
+static void print_heading(const gn_sweep *sweep, const gn_sweep_way *way) {
+    size_t mine = count_mine(sweep, way);
+    printf("%s%s%zu run%s", sweep->title, *sweep->title ? ": " : "", sweep->run_count,
+           sweep->run_count == 1 ? "" : "s");
+    if (sweep->seed_count)
+        printf(" (%zu combination%s, %zu seed%s)", sweep->combination_count,
+               sweep->combination_count == 1 ? "" : "s", sweep->seed_count,
+               sweep->seed_count == 1 ? "" : "s");
     if (way->shards)
         printf(", %zu of them in shard %zu of %zu", mine, way->shard + 1, way->shards);
-    else if (mine != s->run_count)
+    else if (mine != sweep->run_count)
         printf(", %zu of them different", mine);
     char shown[GN_PATH_SIZE];
     printf("\noutput: %s\n", gn_printable(way->directory, shown, sizeof shown));
     fflush(stdout);
 }
 
-void gn_sweep_display_begin(gn_sweep_display *d, const gn_options *o, const gn_sweep *s,
-                            gn_sweep_way *way) {
-    *d = (gn_sweep_display){.options = o, .sweep = s, .next = gn_now() + 0.5};
+void gn_sweep_display_begin(gn_sweep_display *display, const gn_options *options,
+                            const gn_sweep *sweep, gn_sweep_way *way) {
+    *display = (gn_sweep_display){.options = options, .sweep = sweep, .next = gn_now() + 0.5};
     way->watch = watch;
-    way->context = d;
-    if (!o->quiet && !o->json) print_heading(s, way);
+    way->context = display;
+    if (!options->quiet && !options->json) print_heading(sweep, way);
 }
 
-void gn_sweep_display_end(gn_sweep_display *d) {
-    if (d->shown) fputc('\n', stderr);
+void gn_sweep_display_end(gn_sweep_display *display) {
+    if (display->shown) fputc('\n', stderr);
 }
 
 /* ---- the summary ---- */
 
-/* A prefix that keeps numbers near 1; strains stay what they are. */
+/* Returns a prefix that keeps numbers near 1; strains are unchanged. */
 static const char *scaled(const char *unit, double size, double *factor, char *text, size_t bytes) {
     static const struct {
         double factor;
@@ -141,48 +144,50 @@ static const char *scaled(const char *unit, double size, double *factor, char *t
     return text;
 }
 
-/* Two, and whole numbers as they are. */
+/* Two digits, and all of a whole number. */
 static int digits(double value) {
     return fabs(value) >= 1000.0 ? 4 : fabs(value) >= 100.0 ? 3 : 2;
 }
 
-static void print_reading(const gn_summary_reading *r, const gn_statistics *t, double rest) {
+static void print_reading(const gn_summary_reading *reading, const gn_statistics *statistics,
+                          double rest) {
     char unit[GN_NAME_SIZE + 2];
     double factor;
-    if (!t->count) {
-        printf("  %-26s %10s\n", r->name, "-");
+    if (!statistics->count) {
+        printf("  %-26s %10s\n", reading->name, "-");
         return;
     }
-    scaled(r->unit, t->mean, &factor, unit, sizeof unit);
-    printf("  %-26s %10.4g", r->name, t->mean / factor);
-    if (t->count > 1)
-        printf(" +- %.*g%s%s   (95 %%, %zu runs; deviation %.*g)", digits(t->interval / factor),
-               t->interval / factor, *unit ? " " : "", unit, t->count,
-               digits(t->deviation / factor), t->deviation / factor);
+    scaled(reading->unit, statistics->mean, &factor, unit, sizeof unit);
+    printf("  %-26s %10.4g", reading->name, statistics->mean / factor);
+    if (statistics->count > 1)
+        printf(" +- %.*g%s%s   (95 %%, %zu runs; deviation %.*g)",
+               digits(statistics->interval / factor), statistics->interval / factor,
+               *unit ? " " : "", unit, statistics->count, digits(statistics->deviation / factor),
+               statistics->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
-    /* Scatter over packings and by rounding is measured by the seeds; what all of them share is
-     * not. */
-    if (t->count > 1 && !isnan(rest))
-        printf("; packing and round-off measured by it, the rest of the error estimated %.*g",
+    /* The seeds measure scatter over packings and by rounding; they do not measure the errors that
+     * all of them share. */
+    if (statistics->count > 1 && !isnan(rest))
+        printf("; it includes packing and round-off, the rest of the error is estimated as %.*g",
                digits(rest / factor), rest / factor);
     printf("\n");
 }
 
-/* "friction = 0.3", without the seed. */
-static void print_combination(const gn_summary *m, size_t c) {
-    const gn_sweep *s = m->sweep;
+/* Prints "friction = 0.3", without the seed. */
+static void print_combination(const gn_summary *summary, size_t c) {
+    const gn_sweep *sweep = summary->sweep;
     char label[LABEL];
-    size_t each = s->run_count / s->combination_count, done = 0;
+    size_t each = sweep->run_count / sweep->combination_count, done = 0;
     for (size_t k = c * each; k < (c + 1) * each; k++)
-        done += m->runs[k].outcome.state == GN_RUN_DONE;
-    gn_sweep_label(s, c * each, false, label, sizeof label);
+        done += summary->runs[k].outcome.state == GN_RUN_DONE;
+    gn_sweep_label(sweep, c * each, false, label, sizeof label);
     printf("%s%s%zu of %zu run%s done\n", label, *label ? ": " : "", done, each,
            each == 1 ? "" : "s");
     if (!done) return;
-    for (size_t r = 0; r < m->reading_count; r++)
-        print_reading(&m->readings[r], &m->statistics[c * m->reading_count + r],
-                      gn_summary_rest(m, c, r));
+    for (size_t r = 0; r < summary->reading_count; r++)
+        print_reading(&summary->readings[r], &summary->statistics[c * summary->reading_count + r],
+                      gn_summary_rest(summary, c, r));
 }
 
 static void print_envelope_reading(const char *name, const char *unit, double value,
@@ -197,97 +202,99 @@ static void print_envelope_reading(const char *name, const char *unit, double va
     printf("  %-26s %10.4g%s%s\n", name, value / factor, *shown ? " " : "", shown);
 }
 
-static void print_fit(const gn_envelope *e) {
-    const char *reason = e->no_coulomb;
+static void print_fit(const gn_envelope *envelope) {
+    const char *reason = envelope->no_coulomb;
 #define X(name, unit, text)                                                                        \
-    if (strncmp(#name, "hoek", 4) == 0) reason = e->no_hoek_brown;                                 \
-    print_envelope_reading(#name, unit, e->name, reason);
+    if (strncmp(#name, "hoek", 4) == 0) reason = envelope->no_hoek_brown;                          \
+    print_envelope_reading(#name, unit, envelope->name, reason);
     GN_ENVELOPE_READINGS(X)
 #undef X
 }
 
 enum { SHOWN_ENVELOPES = 12 };
 
-/* The line over confinements, of each combination of the other parameters. */
-static void print_envelopes(const gn_summary *m, const gn_envelopes *e) {
+/* Prints the fit over confinements for each combination of the other parameters. */
+static void print_envelopes(const gn_summary *summary, const gn_envelopes *envelopes) {
     char label[LABEL];
-    if (e->confined && !e->count)
-        printf("strength over confinement: no envelope, since no runs differ in their confinement "
+    if (envelopes->confined && !envelopes->count)
+        printf("strength over confinement: no envelope, as no runs differ in their confinement "
                "alone\n");
-    for (size_t k = 0; k < e->count && k < SHOWN_ENVELOPES; k++) {
-        gn_envelope_label(m, e, k, label, sizeof label);
+    for (size_t k = 0; k < envelopes->count && k < SHOWN_ENVELOPES; k++) {
+        gn_envelope_label(summary, envelopes, k, label, sizeof label);
         printf("strength over confinement, %s\n", *label ? label : "all runs");
-        print_fit(&e->of[k]);
+        print_fit(&envelopes->of[k]);
     }
-    if (e->count > SHOWN_ENVELOPES)
-        printf("and %zu more envelopes: see sweep.h5\n", e->count - SHOWN_ENVELOPES);
+    if (envelopes->count > SHOWN_ENVELOPES)
+        printf("and %zu more envelopes: see sweep.h5\n", envelopes->count - SHOWN_ENVELOPES);
 }
 
-static void json_envelopes(gn_json *j, const gn_summary *m, const gn_envelopes *e) {
+static void json_envelopes(gn_json *json, const gn_summary *summary,
+                           const gn_envelopes *envelopes) {
     char label[LABEL];
-    if (!e->count) return;
-    gn_json_array(j, "envelopes");
-    for (size_t k = 0; k < e->count; k++) {
-        gn_json_object(j, NULL);
-        gn_json_text(j, "of", gn_envelope_label(m, e, k, label, sizeof label));
-#define X(name, unit, text) gn_json_number(j, #name, e->of[k].name);
+    if (!envelopes->count) return;
+    gn_json_array(json, "envelopes");
+    for (size_t k = 0; k < envelopes->count; k++) {
+        gn_json_object(json, NULL);
+        gn_json_text(json, "of", gn_envelope_label(summary, envelopes, k, label, sizeof label));
+#define X(name, unit, text) gn_json_number(json, #name, envelopes->of[k].name);
         GN_ENVELOPE_READINGS(X)
 #undef X
-        gn_json_end(j);
+        gn_json_end(json);
     }
-    gn_json_end(j);
+    gn_json_end(json);
 }
 
-static void json_summary(const gn_summary *m, const gn_envelopes *e) {
-    gn_json *j = gn_json_begin();
-    gn_json_text(j, "sweep", "summary");
-    gn_json_text(j, "directory", m->directory);
-    gn_json_integer(j, "runs", (int64_t)m->sweep->run_count);
-    gn_json_integer(j, "done", (int64_t)m->done);
-    gn_json_integer(j, "failed", (int64_t)m->failed);
-    gn_json_array(j, "combinations");
-    for (size_t c = 0; c < m->sweep->combination_count; c++) {
-        gn_json_object(j, NULL);
-        for (size_t r = 0; r < m->reading_count; r++) {
-            const gn_statistics *t = &m->statistics[c * m->reading_count + r];
-            gn_json_object(j, m->readings[r].name);
-            gn_json_integer(j, "count", (int64_t)t->count);
-            gn_json_number(j, "mean", t->mean);
-            gn_json_number(j, "deviation", t->deviation);
-            gn_json_number(j, "rest", gn_summary_rest(m, c, r));
-            gn_json_number(j, "interval", t->interval);
-            gn_json_end(j);
+static void json_summary(const gn_summary *summary, const gn_envelopes *envelopes) {
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "sweep", "summary");
+    gn_json_text(json, "directory", summary->directory);
+    gn_json_integer(json, "runs", (int64_t)summary->sweep->run_count);
+    gn_json_integer(json, "done", (int64_t)summary->done);
+    gn_json_integer(json, "failed", (int64_t)summary->failed);
+    gn_json_array(json, "combinations");
+    for (size_t c = 0; c < summary->sweep->combination_count; c++) {
+        gn_json_object(json, NULL);
+        for (size_t r = 0; r < summary->reading_count; r++) {
+            const gn_statistics *statistics = &summary->statistics[c * summary->reading_count + r];
+            gn_json_object(json, summary->readings[r].name);
+            gn_json_integer(json, "count", (int64_t)statistics->count);
+            gn_json_number(json, "mean", statistics->mean);
+            gn_json_number(json, "deviation", statistics->deviation);
+            gn_json_number(json, "rest", gn_summary_rest(summary, c, r));
+            gn_json_number(json, "interval", statistics->interval);
+            gn_json_end(json);
         }
-        gn_json_end(j);
+        gn_json_end(json);
     }
-    gn_json_end(j);
-    json_envelopes(j, m, e);
-    print_json(j);
+    gn_json_end(json);
+    json_envelopes(json, summary, envelopes);
+    print_json(json);
 }
 
-static void print_failed(const gn_summary *m) {
+static void print_failed(const gn_summary *summary) {
     char label[LABEL];
-    for (size_t k = 0; k < m->sweep->run_count; k++) {
-        const gn_outcome *o = &m->runs[k].outcome;
-        if (o->state != GN_RUN_FAILED && !o->lost) continue;
-        printf("%s: run %zu (%s): %s\n", o->lost ? "lost" : "failed", k + 1,
-               gn_sweep_label(m->sweep, k, true, label, sizeof label), o->message);
+    for (size_t k = 0; k < summary->sweep->run_count; k++) {
+        const gn_outcome *outcome = &summary->runs[k].outcome;
+        if (outcome->state != GN_RUN_FAILED && !outcome->lost) continue;
+        printf("%s: run %zu (%s): %s\n", outcome->lost ? "lost" : "failed", k + 1,
+               gn_sweep_label(summary->sweep, k, true, label, sizeof label), outcome->message);
     }
 }
 
-/* Which walls and sets there are is known when a run has been made. */
-static void warn_of_absent(const gn_summary *m) {
-    for (size_t r = 0; m->done > 0 && m->sweep->reading_count && r < m->reading_count; r++) {
+/* Walls and sets are known once a run has been made. */
+static void warn_of_absent(const gn_summary *summary) {
+    for (size_t r = 0;
+         summary->done > 0 && summary->sweep->reading_count && r < summary->reading_count; r++) {
         size_t found = 0;
-        for (size_t c = 0; c < m->sweep->combination_count; c++)
-            found += m->statistics[c * m->reading_count + r].count;
+        for (size_t c = 0; c < summary->sweep->combination_count; c++)
+            found += summary->statistics[c * summary->reading_count + r].count;
         if (!found)
-            fprintf(stderr, "gneiss: warning: readings: no run that is done has a number for %s\n",
-                    m->readings[r].name);
+            fprintf(stderr, "gneiss: warning: readings: no completed run has a number for %s\n",
+                    summary->readings[r].name);
     }
 }
 
-static void print_summary(const gn_options *o, const gn_summary *summary,
+static void print_summary(const gn_options *options, const gn_summary *summary,
                           const gn_envelopes *envelopes) {
     enum { SHOWN = 10 };
     for (size_t c = 0; c < summary->sweep->combination_count && c < SHOWN; c++)
@@ -296,45 +303,45 @@ static void print_summary(const gn_options *o, const gn_summary *summary,
         printf("and %zu more combinations\n", summary->sweep->combination_count - SHOWN);
     print_envelopes(summary, envelopes);
     print_failed(summary);
-    if (o->quiet) return;
+    if (options->quiet) return;
     char shown[GN_PATH_SIZE];
     (void)gn_printable(summary->directory, shown, sizeof shown);
     printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
            shown, shown);
 }
 
-void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
+void gn_sweep_print_summary(const gn_options *options, const gn_summary *summary) {
     if (summary->several_builds)
-        fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
+        fprintf(stderr, "gneiss: warning: some runs were made by a differently compiled program: "
                         "--force computes them again\n");
     warn_of_absent(summary);
     gn_envelopes envelopes;
     if (gn_envelopes_make(summary, &envelopes, NULL) != GNEISS_OK)
         fprintf(stderr, "gneiss: warning: no memory for the envelopes of strength\n");
-    if (o->json)
+    if (options->json)
         json_summary(summary, &envelopes);
     else
-        print_summary(o, summary, &envelopes);
+        print_summary(options, summary, &envelopes);
     gn_envelopes_free(&envelopes);
 }
 
 /* ---- --dry-run ---- */
 
-void gn_sweep_print_plan(const gn_sweep *s, const gn_summary *summary, const gn_sweep_way *way,
+void gn_sweep_print_plan(const gn_sweep *sweep, const gn_summary *summary, const gn_sweep_way *way,
                          const double *seconds) {
     char text[32], label[LABEL];
     double known = 0.0;
     size_t counted = 0, left = 0;
     int cores = way->threads > 0 ? way->threads : omp_get_num_procs();
-    print_heading(s, way);
+    print_heading(sweep, way);
     printf("%6s  %-16s  %-11s  %-12s  %s\n", "run", "folder", "state", "one thread", "parameters");
-    for (size_t k = 0; k < s->run_count; k++) {
+    for (size_t k = 0; k < sweep->run_count; k++) {
         const gn_outcome *outcome = &summary->runs[k].outcome;
-        if (!gn_sweep_mine(s, way, k)) continue;
-        printf("%6zu  %016" PRIx64 "  %-11s  %-12s  %s\n", k + 1, s->runs[k].hash,
+        if (!gn_sweep_run_in_shard(sweep, way, k)) continue;
+        printf("%6zu  %016" PRIx64 "  %-11s  %-12s  %s\n", k + 1, sweep->runs[k].hash,
                gn_run_state_name(outcome->state), gn_format_seconds(seconds[k], text, sizeof text),
-               gn_sweep_label(s, k, true, label, sizeof label));
-        bool wanted = way->force || !gn_outcome_stands(outcome);
+               gn_sweep_label(sweep, k, true, label, sizeof label));
+        bool wanted = way->force || !gn_outcome_is_final(outcome);
         left += wanted;
         if (!isfinite(seconds[k])) continue;
         known += seconds[k];

@@ -1,4 +1,4 @@
-/* What a sweep prints. */
+/* Output of a sweep. */
 #ifndef GN_CLI_SWEEP_SHOW_H
 #define GN_CLI_SWEEP_SHOW_H
 
@@ -9,19 +9,19 @@
 typedef struct gn_sweep_display {
     const gn_options *options;
     const gn_sweep *sweep;
-    bool shown;  /* a line stands on the terminal */
+    bool shown;  /* a line is on the terminal */
     double next; /* gn_now() of the next line */
 } gn_sweep_display;
 
-/* Says what will be done, and from then on what is; one line on a terminal, a line for every run
- * where there is none, JSON lines on standard output. */
+/* Prints the plan of the sweep and from then on its progress; one line on a terminal, otherwise a
+ * line for every run, JSON lines on standard output. */
 void gn_sweep_display_begin(gn_sweep_display *display, const gn_options *options,
                             const gn_sweep *sweep, gn_sweep_way *way);
 void gn_sweep_display_end(gn_sweep_display *display);
 
 void gn_sweep_print_summary(const gn_options *options, const gn_summary *summary);
 
-/* Every run with its state and its seconds, NaN where they are not known. */
+/* Prints every run with its state and its seconds, NaN if unknown. */
 void gn_sweep_print_plan(const gn_sweep *sweep, const gn_summary *summary, const gn_sweep_way *way,
                          const double *seconds);
 

@@ -17,7 +17,7 @@ static bool has_any(const gn_node *root, const char *const *keys) {
     return false;
 }
 
-/* By the keys at its top: those that no other kind has. */
+/* The kind follows from top-level keys that no other kind has. */
 static kind kind_of_root(const gn_node *root) {
     static const char *const sweep[] = {"parameters", "seeds", "sampling", "combine", NULL},
                              *const scene[] = {"materials", "law",  "time",   "elements", "walls",
@@ -53,41 +53,41 @@ static const char *const takes_scene[] = {"run", "check", "plan", NULL},
                          *const takes_folder[] = {"resume", "report", NULL},
                          *const takes_file[] = {"run", "check", "plan", "pack", "sweep", NULL};
 
-/* NULL: the command may take such a file, and something else is wrong. */
-static const char *found_text(const gn_options *o, kind found) {
-    const bool sweep = strcmp(o->command, "sweep") == 0;
+/* NULL: the command accepts such a file, and the problem is another. */
+static const char *found_text(const gn_options *options, kind found) {
+    const bool sweep = strcmp(options->command, "sweep") == 0;
     if (found == SWEEP && !sweep)
         return "a sweep file, which names a scene and values of its keys: gneiss sweep";
-    if (found == SCENE && (sweep || is_one_of(o->command, takes_folder)))
+    if (found == SCENE && (sweep || is_one_of(options->command, takes_folder)))
         return "a scene: gneiss run";
-    if (found == PACKING && strcmp(o->command, "pack") != 0)
+    if (found == PACKING && strcmp(options->command, "pack") != 0)
         return "a specimen alone, without materials and time: gneiss pack";
     return NULL;
 }
 
-static const char *expected_text(const gn_options *o) {
-    return is_one_of(o->command, takes_scene)    ? "a scene"
-           : is_one_of(o->command, takes_folder) ? "a folder of results"
-           : strcmp(o->command, "sweep") == 0    ? "a sweep file"
-                                                 : "a scene or a specimen";
+static const char *expected_text(const gn_options *options) {
+    return is_one_of(options->command, takes_scene)    ? "a scene"
+           : is_one_of(options->command, takes_folder) ? "a folder of results"
+           : strcmp(options->command, "sweep") == 0    ? "a sweep file"
+                                                       : "a scene or a specimen";
 }
 
-void gn_name_wrong_file(const gn_options *o, gneiss_error *error) {
+void gn_name_wrong_file(const gn_options *options, gneiss_error *error) {
     struct stat status;
-    if (!o->command || !o->target || stat(o->target, &status) != 0) return;
-    if (S_ISDIR(status.st_mode) && is_one_of(o->command, takes_file)) {
+    if (!options->command || !options->target || stat(options->target, &status) != 0) return;
+    if (S_ISDIR(status.st_mode) && is_one_of(options->command, takes_file)) {
         gn_fail(error, GNEISS_ERROR_INPUT,
-                "%.1000s: expected a %s file, found a folder: gneiss resume goes on with a run, "
+                "%.1000s: expected a %s file, found a folder: gneiss resume continues a run, "
                 "gneiss report shows it",
-                o->target, strcmp(o->command, "sweep") == 0 ? "sweep" : "scene");
+                options->target, strcmp(options->command, "sweep") == 0 ? "sweep" : "scene");
         return;
     }
     if (!S_ISREG(status.st_mode)) return;
-    const char *found = found_text(o, kind_of_file(o->target));
-    if (!found && is_one_of(o->command, takes_folder))
-        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found a file", o->target,
-                expected_text(o));
+    const char *found = found_text(options, kind_of_file(options->target));
+    if (!found && is_one_of(options->command, takes_folder))
+        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found a file", options->target,
+                expected_text(options));
     if (found)
-        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found %s %.1000s", o->target,
-                expected_text(o), found, o->target);
+        gn_fail(error, GNEISS_ERROR_INPUT, "%.1000s: expected %s, found %s %.1000s",
+                options->target, expected_text(options), found, options->target);
 }

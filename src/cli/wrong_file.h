@@ -4,8 +4,8 @@
 
 #include "cli/options.h"
 
-/* After an input error: where the file or folder is one for another command, the message says so
- * instead, with the command that takes it. */
+/* After an input error: if the file or folder belongs to another command, replaces the message by
+ * one that names this command. */
 void gn_name_wrong_file(const gn_options *options, gneiss_error *error);
 
 #endif

@@ -143,7 +143,7 @@ static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 gneiss_status gn_dem_drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                           gneiss_error *error) {
     size_t n = dem->particles.soa.count;
-    if (!gn_scene_flows(&ctx->scene) || n == 0) return GNEISS_OK;
+    if (!gn_scene_has_flow(&ctx->scene) || n == 0) return GNEISS_OK;
     int32_t *place = gn_alloc_array(n + 1, sizeof *place),
             *order = gn_alloc_array(n + 1, sizeof *order);
     gneiss_status status = GNEISS_OK;

@@ -45,7 +45,7 @@ static bool due(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
 }
 
 bool gn_flow_due(const gn_step_context *ctx, const gn_dem *dem) {
-    if (!gn_scene_flows(&ctx->scene) || ctx->step - dem->verlet.last_step < STEPS_BETWEEN)
+    if (!gn_scene_has_flow(&ctx->scene) || ctx->step - dem->verlet.last_step < STEPS_BETWEEN)
         return false;
     for (size_t k = 0; k < ctx->scene.source_count; k++)
         if (due(ctx, dem, k)) return true;
@@ -60,7 +60,7 @@ double gn_flow_behind(const gn_step_context *ctx, const gn_dem *dem, size_t k) {
 }
 
 bool gn_flow_brings(const gn_step_context *ctx, const gn_dem *dem) {
-    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.source_count; k++) {
+    for (size_t k = 0; gn_scene_has_flow(&ctx->scene) && k < ctx->scene.source_count; k++) {
         const gn_source_def *d = &ctx->scene.sources[k];
         const gn_source_state *s = &dem->flow.sources[k];
         const bool waits = gn_flow_behind(ctx, dem, k) > 2.0 * STEPS_BETWEEN * ctx->dt;
@@ -263,7 +263,7 @@ gneiss_status gn_flow_arrive(const gn_step_context *ctx, gn_dem *dem, gn_boundar
                              gn_ledger *ledger, bool first, gneiss_error *error) {
     arrivals list = {0};
     bool any = false;
-    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.source_count; k++)
+    for (size_t k = 0; gn_scene_has_flow(&ctx->scene) && k < ctx->scene.source_count; k++)
         any = any || due(ctx, dem, k);
     if (!any) return GNEISS_OK;
     gneiss_status status = find_arrivals(ctx, dem, boundary, ledger, &list, error);

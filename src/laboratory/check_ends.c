@@ -213,8 +213,8 @@ static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wal
 
 /* Of either end that nothing holds or presses; particles alone meet walls. */
 static bool walls_bear(const gn_step_context *ctx, const gn_dem *dem) {
-    bool below = gn_scene_end_bears(&ctx->scene, &ctx->scene.test.lower),
-         above = gn_scene_end_bears(&ctx->scene, &ctx->scene.test.upper);
+    bool below = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.lower),
+         above = gn_scene_end_has_normal_load(&ctx->scene, &ctx->scene.test.upper);
     for (size_t k = 0; dem->particles.soa.count && k < ctx->scene.wall_count; k++) {
         below = below || wall_bears(ctx, dem, k, 1.0);
         above = above || wall_bears(ctx, dem, k, -1.0);
@@ -224,7 +224,7 @@ static bool walls_bear(const gn_step_context *ctx, const gn_dem *dem) {
 
 bool gn_shear_is_loose(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {
     const gn_test *t = &ctx->scene.test;
-    if (!gn_scene_shears_loose(&ctx->scene) || walls_bear(ctx, dem)) return false;
+    if (!gn_scene_shear_ends_may_separate(&ctx->scene) || walls_bear(ctx, dem)) return false;
     snprintf(text, size,
              "%s: nothing presses the ends together along %c, and one of them is free there: the "
              "strength is that without a normal stress (a force of its set, a wall with a servo "

@@ -25,7 +25,8 @@ static bool wall_beside(const gn_step_context *ctx, const gn_dem *dem, size_t wa
     const gn_wall_def *def = &ctx->scene.walls[wall];
     const gn_particles *q = &dem->particles;
     double gap = INFINITY;
-    if (!gn_scene_wall_stands(&ctx->scene, wall, a) || -sense * def->normal[a] <= 0.1) return false;
+    if (!gn_scene_wall_is_fixed(&ctx->scene, wall, a) || -sense * def->normal[a] <= 0.1)
+        return false;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3];
         for (int b = 0; b < 3; b++) d[b] = q->pos[4 * p + b] - def->point[b];
@@ -39,7 +40,7 @@ static bool body_beside(const gn_step_context *ctx, const gn_dem *dem, const gn_
                         size_t body, int a, int sense) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     size_t first = 0;
-    if (!gn_scene_body_stands(&ctx->scene, body, a)) return false;
+    if (!gn_scene_body_is_fixed(&ctx->scene, body, a)) return false;
     for (size_t k = 0; k < body; k++) first += (size_t)boundary->body_shape[k][0];
     for (size_t n = first; n < first + (size_t)boundary->body_shape[body][0]; n++) {
         double corner[3];
@@ -64,7 +65,7 @@ static bool set_beside(const gn_step_context *ctx, const gn_dem *dem, size_t set
                        int sense) {
     const gn_particles *q = &dem->particles;
     bool beside = false;
-    if (!gn_scene_set_stands(&ctx->scene, set, a)) return false;
+    if (!gn_scene_set_is_fixed(&ctx->scene, set, a)) return false;
     for (size_t p = 0; p < q->soa.count; p++)
         beside = beside || (gn_set_selected(ctx, dem, set, p) &&
                             at_face(ctx, dem, q->start[4 * p + a], a, sense));
@@ -76,7 +77,7 @@ static bool motion_beside(const gn_step_context *ctx, const gn_dem *dem, const g
     const gn_particles *nodes;
     const gn_fem_set *set = gn_elements_motion_set(solids, motion, &nodes);
     bool beside = false;
-    if (!gn_scene_motion_stands(&ctx->scene, motion, a)) return false;
+    if (!gn_scene_motion_is_fixed(&ctx->scene, motion, a)) return false;
     for (size_t k = 0; k < set->count; k++)
         beside = beside ||
                  at_face(ctx, dem, nodes->start[4 * (size_t)set->node[k] + (size_t)a], a, sense);

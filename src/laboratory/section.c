@@ -155,7 +155,7 @@ static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
                       gn_reading_belongs(GN_READING_young_modulus, ctx->scene.test.kind, false);
     const bool both = ctx->scene.has_specimen && solids->count;
     return read && !both && !ctx->scene.has_couple && !(ctx->effects & GN_FX_PERIODIC) &&
-           !gn_scene_flows(&ctx->scene);
+           !gn_scene_has_flow(&ctx->scene);
 }
 
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,

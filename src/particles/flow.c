@@ -52,7 +52,7 @@ static gneiss_status make_regions(const gn_step_context *ctx, gn_dem *dem, gneis
 
 gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_flow *f = &dem->flow;
-    if (!gn_scene_flows(&ctx->scene)) return GNEISS_OK;
+    if (!gn_scene_has_flow(&ctx->scene)) return GNEISS_OK;
     f->regions = ctx->scene.source_count + ctx->scene.sink_count;
     f->region = gn_alloc_array(f->regions + 1, sizeof(gn_domain *));
     f->unit = gn_alloc_array(ctx->scene.source_count + 1, sizeof *f->unit);
@@ -63,7 +63,7 @@ gneiss_status gn_flow_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_er
 
 gneiss_status gn_flow_create(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_flow *f = &dem->flow;
-    if (!gn_scene_flows(&ctx->scene)) return GNEISS_OK;
+    if (!gn_scene_has_flow(&ctx->scene)) return GNEISS_OK;
     f->sources = gn_alloc_array(ctx->scene.source_count + 1, sizeof *f->sources);
     f->sinks = gn_alloc_array(ctx->scene.sink_count + 1, sizeof *f->sinks);
     if (f->sources && f->sinks) return GNEISS_OK;
@@ -187,7 +187,7 @@ gneiss_status gn_flow_note_lost(const gn_step_context *ctx, gn_dem *dem, size_t 
 }
 
 void gn_flow_row(const gn_step_context *ctx, gn_dem *dem) {
-    for (size_t k = 0; gn_scene_flows(&ctx->scene) && k < ctx->scene.sink_count; k++) {
+    for (size_t k = 0; gn_scene_has_flow(&ctx->scene) && k < ctx->scene.sink_count; k++) {
         dem->flow.sinks[k].row_mass = dem->flow.sinks[k].mass;
         dem->flow.sinks[k].row_time = ctx->time;
     }
@@ -202,7 +202,7 @@ size_t gn_world_present(const gn_dem *dem) {
 
 uint64_t gn_flow_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
     const gn_flow *f = &dem->flow;
-    if (!gn_scene_flows(&ctx->scene)) return h;
+    if (!gn_scene_has_flow(&ctx->scene)) return h;
     h = gn_hash_bytes(f->sources, ctx->scene.source_count * sizeof *f->sources, h);
     for (size_t k = 0; k < ctx->scene.sink_count; k++)
         h = gn_hash_bytes(&f->sinks[k], offsetof(gn_sink_state, row_mass), h);

@@ -32,7 +32,7 @@ gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_e
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < count + sides; b++) {
             gn_scene_surface side = {.material = ""};
-            if (b >= count) side = gn_scene_side(s, b - count);
+            if (b >= count) side = gn_scene_surface_at(s, b - count);
             const gn_material *m = &s->materials[a], *other = b < count ? &s->materials[b] : NULL;
             if (*side.material) other = &s->materials[gn_scene_find_material(s, side.material)];
             gn_hertz_pair pair =

@@ -260,7 +260,7 @@ static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneis
  * The decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_step_context *ctx, const gn_dem *dem) {
     enum { REBUILDS_PER_SORT = 16 };
-    return (!(ctx->effects & GN_FX_BONDS) || gn_scene_flows(&ctx->scene)) &&
+    return (!(ctx->effects & GN_FX_BONDS) || gn_scene_has_flow(&ctx->scene)) &&
            dem->verlet.rebuilds > 0 && dem->verlet.rebuilds % REBUILDS_PER_SORT == 0;
 }
 

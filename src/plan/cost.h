@@ -1,18 +1,19 @@
-/* What a step costs on this machine: a lattice with the law, the precision and the effects of a
- * scene is timed for a moment. The scene itself is not run. */
+/* Cost of a step on this machine: a lattice with the law, the precision and the effects of a scene
+ * is timed briefly. The scene itself is not run. */
 #ifndef GN_PLAN_COST_H
 #define GN_PLAN_COST_H
 
 #include "world/world.h"
 
-/* s of a processor, all threads together. */
+/* Processor time in s, summed over threads. */
 typedef struct gn_cost {
-    double particle, contact; /* of one in a step; contacts: bonds and pairs of the lists */
-    double element;           /* the same */
-    double row;               /* of a particle or element, of a row of the history */
+    double particle, contact; /* per item and step; contacts: bonds and pairs of the lists */
+    double element;           /* per item and step */
+    double row;               /* per particle or element and row of the history */
 } gn_cost;
 
-/* `mixed`: the precision. GNEISS_ERROR_INPUT: what the scene is made of does not have it. */
+/* Measures the cost; `mixed`: the precision. GNEISS_ERROR_INPUT: the parts of the scene do not
+ * support it. */
 gneiss_status gn_cost_measure(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_solids *solids, bool mixed, gn_cost *cost,
                               gneiss_error *error);

@@ -9,8 +9,9 @@
 
 /* --- bonds in uniform strain --- */
 
-/* The direction of a bond against the axis. */
-static double along(const gn_step_context *ctx, const gn_dem *dem, size_t c, double *length) {
+/* Returns the direction cosine of a bond with the axis. */
+static double direction_cosine(const gn_step_context *ctx, const gn_dem *dem, size_t c,
+                               double *length) {
     const gn_contacts *b = &dem->bonds;
     const double *x = dem->particles.pos + 4 * (size_t)b->i[c],
                  *y = dem->particles.pos + 4 * (size_t)b->j[c];
@@ -23,58 +24,60 @@ static double along(const gn_step_context *ctx, const gn_dem *dem, size_t c, dou
     return d[ctx->scene.test.axis] / *length;
 }
 
-/* Elastic energy of uniform strain, stretched by e along the axis and by f across it, over the
- * volume: 1/2 (A e^2 + 2 B e f + D f^2), from k_n of the part of the strain along each bond and k_t
- * of that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
-static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *e) {
+/* Elastic energy density of uniform strain, e direction_cosine the axis and f across it: 1/2 (A e^2
+ * + 2 B e f + D f^2), from k_n with the strain component direction_cosine each bond and k_t with
+ * that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
+static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *estimate) {
     const gn_contacts *b = &dem->bonds;
     double A = 0.0, B = 0.0, D = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
-        double length, n = along(ctx, dem, c, &length), square = n * n, rest = 1.0 - square;
+        double length, n = direction_cosine(ctx, dem, c, &length), square = n * n,
+                       rest = 1.0 - square;
         double kn = b->kn[c] * length * length, kt = b->kt ? b->kt[c] * length * length : 0.0;
         A += kn * square * square + kt * square * rest;
         B += (kn - kt) * square * rest;
         D += kn * rest * rest + kt * rest * square;
     }
-    e->poisson = B / D;
-    e->uniform = (A - B * e->poisson) / ctx->volume;
+    estimate->poisson = B / D;
+    estimate->uniform_modulus = (A - B * estimate->poisson) / ctx->volume;
 }
 
-/* The strains at which bond c has its strength in tension and in shear, INFINITY: at none. Normal
- * strain sign (n^2 - nu (1 - n^2)), and what is across it of the displacement of its end. */
+/* Computes the strains at which bond c reaches its strength in tension and in shear, INFINITY:
+ * never. Its normal strain is sign (n^2 - nu (1 - n^2)); the shear follows from the transverse
+ * displacement of its end. */
 static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size_t c,
                              double poisson, double *tension, double *slip) {
     const gn_contacts *b = &dem->bonds;
     double sign = gn_scene_test(&ctx->scene)->sign;
-    double length, n = along(ctx, dem, c, &length), square = n * n, rest = 1.0 - square;
+    double length, n = direction_cosine(ctx, dem, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
     double shear = sqrt(fmax(0.0, square + poisson * poisson * rest - normal * normal));
     *tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY;
     *slip = INFINITY;
     if (!b->kt || !b->rt || !(b->kt[c] > 0.0)) return;
-    /* Strength in shear that grows with the pressure: mu_1 of the intact bond. */
+    /* Shear strength increases with pressure by mu_1 of the intact bond. */
     double gain = b->mu1 ? b->mu1[c] * b->kn[c] * length * normal : 0.0;
     double need = b->kt[c] * length * shear + gain;
     if (need > 0.0) *slip = b->rt[c] / need;
 }
 
-static int by_size(const void *a, const void *b) {
-    const double *x = a, *y = b;
+static int by_size(const void *left, const void *right) {
+    const double *x = left, *y = right;
     return (*x > *y) - (*x < *y);
 }
 
-/* A test in tension fails by bonds that are pulled; one in compression by those that are pulled
- * across it and those that are sheared, and neither alone: at the geometric mean of both, where one
- * can be at most so many times the other. */
-static double breaking_of(const gn_scene *s, double tension, double slip) {
+/* A test in tension fails by stretched bonds; a compression test fails by bonds stretched laterally
+ * together with sheared bonds, at the geometric mean of both, whose ratio is bounded. */
+static double combined_breaking_strain(const gn_scene *scene, double tension, double slip) {
     const double most = 4.0;
-    if (gn_scene_test(s)->sign > 0) return fmin(tension, slip);
+    if (gn_scene_test(scene)->sign > 0) return fmin(tension, slip);
     return sqrt(fmin(tension, most * slip) * fmin(slip, most * tension));
 }
 
-/* The strain at which a twentieth of the bonds has its strength, by either. */
-static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *e,
-                                   gneiss_error *error) {
+/* Finds the strain at which a twentieth of the bonds has reached its strength in tension or shear.
+ */
+static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem,
+                                   gn_estimate *estimate, gneiss_error *error) {
     const double share = 0.05;
     const size_t count = dem->bonds.soa.count;
     double *tension = gn_alloc_array(count + 1, sizeof *tension),
@@ -86,13 +89,14 @@ static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem
         size_t holding = 0;
         for (size_t c = 0; c < count; c++) {
             if (!gn_contact_bonded(&dem->bonds, c)) continue;
-            breaking_strains(ctx, dem, c, e->poisson, &tension[holding], &slip[holding]);
+            breaking_strains(ctx, dem, c, estimate->poisson, &tension[holding], &slip[holding]);
             holding++;
         }
         const size_t place = (size_t)(share * (double)holding);
         qsort(tension, holding, sizeof *tension, by_size);
         qsort(slip, holding, sizeof *slip, by_size);
-        e->breaking = breaking_of(&ctx->scene, tension[place], slip[place]);
+        estimate->breaking_strain =
+            combined_breaking_strain(&ctx->scene, tension[place], slip[place]);
     }
     gn_free(tension);
     gn_free(slip);
@@ -101,7 +105,7 @@ static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem
 
 /* --- ends --- */
 
-/* Particles that press on a wall soon: within a twentieth of their radius. */
+/* Counts particles that soon press on a wall: within a twentieth of their radius. */
 static double near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_wall_def *wall) {
     const double soon = 0.05;
     const gn_particles *q = &dem->particles;
@@ -115,18 +119,18 @@ static double near_wall(const gn_step_context *ctx, const gn_dem *dem, const gn_
     return count;
 }
 
-/* Strain between the ends that walls take for themselves under a stress of 1 Pa: their particles
- * press on springs. */
+/* Returns the strain between the ends that walls add under a stress of 1 Pa: particles press on
+ * springs. */
 static double wall_compliance(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_scene *s = &ctx->scene;
-    const gn_test_end *ends[] = {&s->test.lower, &s->test.upper};
+    const gn_scene *scene = &ctx->scene;
+    const gn_test_end *ends[] = {&scene->test.lower, &scene->test.upper};
     double sum = 0.0;
     for (int k = 0; k < 2; k++) {
         double springs = 0.0;
         for (size_t p = 0; p < ends[k]->count; p++) {
-            int wall = gn_scene_find_wall(s, ends[k]->name[p]);
+            int wall = gn_scene_find_wall(scene, ends[k]->name[p]);
             if (wall >= 0)
-                springs += s->walls[wall].stiffness * near_wall(ctx, dem, &s->walls[wall]);
+                springs += scene->walls[wall].stiffness * near_wall(ctx, dem, &scene->walls[wall]);
         }
         if (springs > 0.0) sum += ctx->test_area / springs / ctx->test_length;
     }
@@ -135,79 +139,88 @@ static double wall_compliance(const gn_step_context *ctx, const gn_dem *dem) {
 
 /* --- the test --- */
 
-/* Where the run ends: at its time, at the strain that it is to stop at, or behind the peak. */
-static double end_of(const gn_step_context *ctx, const gn_estimate *e) {
-    const gn_scene *s = &ctx->scene;
-    const gn_stops stops = gn_scene_stops(s);
-    double end = e->path;
+/* Returns the end of the run: at its time, at the strain that stops it, or after the peak. */
+static double predicted_end(const gn_step_context *ctx, const gn_estimate *estimate) {
+    const gn_scene *scene = &ctx->scene;
+    const gn_stops stops = gn_scene_stops(scene);
+    double end = estimate->path_strain;
     if (stops.strain > 0.0) end = fmin(end, stops.strain);
     if (stops.peak_drop > 0.0)
-        end = fmin(end, e->strain * gn_slope_base_of(e->study, "end over peak"));
+        end = fmin(end, estimate->strain * gn_slope_base_of(estimate->study, "end over peak"));
     return end;
 }
 
-/* With more particles a test fails at less of it. */
-static void foretell_peak(const gn_dem *dem, gn_estimate *e) {
-    double finer = (double)dem->particles.soa.count / gn_slope_base_of(e->study, "particles");
-    double secant = gn_slope_base_of(e->study, "strength over modulus and strain");
-    e->body_strain = e->breaking *
-                     gn_slope_base_of(e->study, "strain at the peak over breaking strain") *
-                     pow(finer, gn_slope_base_of(e->study, "power of strain over particles"));
-    e->strength = secant * e->modulus * e->body_strain;
-    e->strain = e->body_strain + e->strength * e->ends;
-    e->first_break = e->strain * gn_slope_base_of(e->study, "first break over peak");
+/* A test with more particles fails at a lower fraction of the estimate. */
+static void predict_peak(const gn_dem *dem, gn_estimate *estimate) {
+    double finer =
+        (double)dem->particles.soa.count / gn_slope_base_of(estimate->study, "particles");
+    double secant = gn_slope_base_of(estimate->study, "strength over modulus and strain");
+    estimate->body_strain =
+        estimate->breaking_strain *
+        gn_slope_base_of(estimate->study, "strain at the peak over breaking strain") *
+        pow(finer, gn_slope_base_of(estimate->study, "power of strain over particles"));
+    estimate->strength = secant * estimate->modulus * estimate->body_strain;
+    estimate->strain = estimate->body_strain + estimate->strength * estimate->predicted_compliance;
+    estimate->first_break =
+        estimate->strain * gn_slope_base_of(estimate->study, "first break over peak");
 }
 
-/* What bends is loaded over a strain that is none of its material's. */
-static void foretell_elements(const gn_step_context *ctx, gn_estimate *e) {
-    e->elements = true;
-    e->body_strain = e->strain = e->strength = INFINITY;
-    e->end = e->path;
-    if (ctx->scene.stop_strain > 0.0) e->end = fmin(e->end, ctx->scene.stop_strain);
+/* Loading of a bending test is not related to a strain of its material. */
+static void predict_elements(const gn_step_context *ctx, gn_estimate *estimate) {
+    estimate->elements = true;
+    estimate->body_strain = estimate->strain = estimate->strength = INFINITY;
+    estimate->end_strain = estimate->path_strain;
+    if (ctx->scene.stop_strain > 0.0)
+        estimate->end_strain = fmin(estimate->end_strain, ctx->scene.stop_strain);
 }
 
 gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_solids *solids, gn_estimate *e, gneiss_error *error) {
-    const gn_scene *s = &ctx->scene;
+                               const gn_solids *solids, gn_estimate *estimate,
+                               gneiss_error *error) {
+    const gn_scene *scene = &ctx->scene;
     gn_test_groups groups;
-    *e = (gn_estimate){.speed = NAN, .across = NAN};
-    e->absent = gn_study_covers(ctx, dem, &groups);
-    if (e->absent) return GNEISS_OK;
-    e->study = groups.study;
-    e->closing = gn_test_fastest(s);
-    e->path = gn_test_path(s, s->end) / ctx->test_length;
-    if (!(e->closing > 0.0) || !(e->path > 0.0))
-        e->absent = "the ends of the test are not moved in its sense (servos and loads are not "
-                    "planned)";
-    if (e->absent) return GNEISS_OK;
+    *estimate = (gn_estimate){.speed = NAN, .across = NAN};
+    estimate->absent = gn_study_find_case(ctx, dem, &groups);
+    if (estimate->absent) return GNEISS_OK;
+    estimate->study = groups.study;
+    estimate->closing_velocity = gn_test_fastest(scene);
+    estimate->path_strain = gn_test_path(scene, scene->end) / ctx->test_length;
+    if (!(estimate->closing_velocity > 0.0) || !(estimate->path_strain > 0.0))
+        estimate->absent =
+            "the ends of the test do not move in its sense (servos and loads cannot be planned)";
+    if (estimate->absent) return GNEISS_OK;
     if (groups.mesh) {
-        foretell_elements(ctx, e);
+        predict_elements(ctx, estimate);
         return GNEISS_OK;
     }
-    e->across = groups.across;
-    e->radius = gn_world_mean_radius(dem);
-    e->bulk = gn_test_bulk(ctx, dem, solids);
-    e->compliance = wall_compliance(ctx, dem);
-    if (e->compliance > 0.0)
-        e->ends = e->compliance *
-                  gn_slope_base_of("compression", "strain of the ends over that foretold");
-    uniform_strain(ctx, dem, e);
-    e->modulus = e->uniform * gn_slope_base_of(e->study, "modulus over uniform strain");
-    e->wave = sqrt(e->modulus / e->bulk);
-    GN_TRY(find_breaking(ctx, dem, e, error));
-    foretell_peak(dem, e);
-    e->end = end_of(ctx, e);
-    e->speed = e->closing / (e->wave * fmin(e->strain, e->end));
+    estimate->across = groups.across;
+    estimate->radius = gn_world_mean_radius(dem);
+    estimate->bulk_density = gn_test_bulk_density(ctx, dem, solids);
+    estimate->compliance = wall_compliance(ctx, dem);
+    if (estimate->compliance > 0.0)
+        estimate->predicted_compliance =
+            estimate->compliance *
+            gn_slope_base_of("compression", "strain of the ends over that foretold");
+    uniform_strain(ctx, dem, estimate);
+    estimate->modulus = estimate->uniform_modulus *
+                        gn_slope_base_of(estimate->study, "modulus over uniform strain");
+    estimate->wave_speed = sqrt(estimate->modulus / estimate->bulk_density);
+    GN_TRY(find_breaking(ctx, dem, estimate, error));
+    predict_peak(dem, estimate);
+    estimate->end_strain = predicted_end(ctx, estimate);
+    estimate->speed = estimate->closing_velocity /
+                      (estimate->wave_speed * fmin(estimate->strain, estimate->end_strain));
     return GNEISS_OK;
 }
 
-/* By bisection: the way of the ends grows with time. */
-double gn_estimate_end(const gn_step_context *ctx, const gn_estimate *e) {
+/* Bisection: the path of the ends increases with time. */
+double gn_estimate_end(const gn_step_context *ctx, const gn_estimate *estimate) {
     double low = 0.0, high = ctx->scene.end;
-    if (e->absent || !isfinite(e->end) || !(e->end > 0.0)) return 0.0;
+    if (estimate->absent || !isfinite(estimate->end_strain) || !(estimate->end_strain > 0.0))
+        return 0.0;
     for (int k = 0; k < 60; k++) {
         const double middle = 0.5 * (low + high);
-        if (gn_test_path(&ctx->scene, middle) < e->end * ctx->test_length)
+        if (gn_test_path(&ctx->scene, middle) < estimate->end_strain * ctx->test_length)
             low = middle;
         else
             high = middle;

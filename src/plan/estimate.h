@@ -1,37 +1,40 @@
-/* What a test will show before it is run, from its specimen: bonds in uniform strain, brought to
- * what the tests of the study of accuracy found beside the same estimate. */
+/* Prediction of a test from its specimen before it is run: bonds in uniform strain, scaled by the
+ * ratio of tests of the study of accuracy to the same estimate. */
 #ifndef GN_PLAN_ESTIMATE_H
 #define GN_PLAN_ESTIMATE_H
 
 #include "world/world.h"
 
 typedef struct gn_estimate {
-    const char *study;             /* the case of the study that stands for the scene */
-    const char *absent;            /* why there is no estimate; NULL: there is one */
-    bool elements;                 /* a mesh: of what follows only closing, path and rows hold */
-    double modulus, poisson, bulk; /* Pa, -, kg/m3; foretold E, the ratio of uniform strain */
-    double uniform;                /* Pa: E of uniform strain */
-    double wave;                   /* m/s: root of E over bulk density */
-    double breaking;    /* strain that brings a twentieth of the bonds to their strength, uniform */
-    double body_strain; /* at the peak, without the ends; INFINITY: nothing can break */
-    double strength;    /* Pa */
-    double strain;      /* between the ends at the peak, or INFINITY */
-    double compliance;  /* 1/Pa: strain that walls take by the particles near them at the start */
-    double ends;        /* 1/Pa: what they will take */
-    double first_break; /* strain */
-    double closing;     /* m/s: both ends together, the fastest */
-    double path;        /* strain up to time.end */
-    double end;         /* strain at which the run is foretold to end */
-    double speed;       /* the group of the velocity's law */
-    double across;      /* particles across the test's axis */
-    double radius;      /* m, mean */
+    const char *study;  /* case of the study that represents the scene */
+    const char *absent; /* reason why there is no estimate; NULL: there is one */
+    bool elements;      /* a mesh: only closing, path and rows are valid */
+    double modulus, poisson,
+        bulk_density;       /* Pa, -, kg/m3; predicted E, Poisson's ratio in uniform strain */
+    double uniform_modulus; /* Pa: E of uniform strain */
+    double wave_speed;      /* m/s: root of E over bulk density */
+    double
+        breaking_strain; /* uniform strain at which a twentieth of the bonds reaches its strength */
+    double body_strain;  /* at the peak, without the ends; INFINITY: there are no breakable bonds */
+    double strength;     /* Pa */
+    double strain;       /* between the ends at the peak, or INFINITY */
+    double compliance;   /* 1/Pa: strain of the walls with the particles initially near them */
+    double predicted_compliance; /* 1/Pa: predicted strain of the walls */
+    double first_break;          /* strain */
+    double closing_velocity;     /* m/s: closing velocity of both ends, the largest */
+    double path_strain;          /* strain up to time.end */
+    double end_strain;           /* predicted strain at the end of the run */
+    double speed;                /* dimensionless group of the velocity law */
+    double across;               /* particles across the test's axis */
+    double radius;               /* m, mean */
 } gn_estimate;
 
-/* Only `absent` and what it needs when the scene is no test that the study stands for. */
+/* Makes the estimate; if the scene is no test of the study, sets only `absent` and what it needs.
+ */
 gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, gn_estimate *estimate, gneiss_error *error);
 
-/* s: when the run is foretold to end; 0: not known. */
+/* Returns the predicted end of the run, s; 0: unknown. */
 double gn_estimate_end(const gn_step_context *ctx, const gn_estimate *estimate);
 
 #endif

@@ -1,5 +1,5 @@
-/* The cheapest settings of a test whose reading is to be right within a given error: from the laws
- * of the study of accuracy, an estimate from the specimen, and what a step costs here. */
+/* Cheapest settings of a test whose reading has at most a given error: from the laws of the study
+ * of accuracy, an estimate from the specimen, and the cost of a step on this machine. */
 #ifndef GN_PLAN_PROPOSE_H
 #define GN_PLAN_PROPOSE_H
 
@@ -8,50 +8,52 @@
 #include "plan/estimate.h"
 
 typedef struct gn_wanted {
-    double error;        /* relative, of 95 of 100 tests */
+    double error;        /* relative, at 95 % confidence */
     const char *reading; /* "strength", "stiffness" */
-    bool any_particles;  /* the number of particles may be changed: contacts are calibrated anew */
+    bool any_particles;  /* the number of particles may change, with recalibrated contacts */
 } gn_wanted;
 
 typedef struct gn_proposal {
-    double pace;      /* of the loading, over that of the scene */
-    double particles; /* of one packing */
-    int packings;     /* whose mean is taken */
+    double pace;      /* loading speed over that of the scene */
+    double particles; /* number in one packing */
+    int packings;     /* number of packings that are averaged */
     double safety;
-    double masses;   /* the step over that without added mass, by whatever estimate the scene has */
-    double of_bound; /* the same over the bound's, which it is by if it is to be another */
-    double added;    /* mass over the particles' own */
+    double step_ratio;       /* step over that without added mass, by the scene's own estimate */
+    double bound_step_ratio; /* step over that without added mass by the bound, used for another
+                                factor */
+    double added_mass;       /* added mass over the particles' own */
     bool mixed, first_break;
-    double cell; /* elements: the side of a cell over that of the scene; layers: 1/cell as many */
+    double cell; /* elements: cell side over that of the scene; 1/cell times as many layers */
     gn_error_causes causes;
     double error;
-    double steps;   /* of one run */
-    double seconds; /* of a processor, one thread, all packings, packing them included */
+    double steps;   /* number in one run */
+    double seconds; /* processor time, one thread, all packings, packing included */
 } gn_proposal;
 
 enum { GN_PLAN_FACTORS = 5 };
 
 typedef struct gn_plan {
     gn_wanted wanted;
-    const char *reading; /* as the study calls it */
+    const char *reading; /* as named in the study */
     gn_test_groups groups;
     gn_estimate estimate;
     gn_cost cost[2]; /* in double and mixed precision */
     bool mixed_known;
-    double unscaled;                                          /* s: the step without added mass */
-    double of_bound[GN_PLAN_FACTORS], added[GN_PLAN_FACTORS]; /* see gn_proposal */
-    double setup;            /* s of a processor that the world took */
-    const char *no_statics;  /* why steps cannot begin at the first break; NULL: they can */
-    gn_proposal as_is, best; /* what the scene asks for; what is proposed */
-    bool reached;            /* the error that is wanted */
-    const char *absent;      /* why nothing can be planned; NULL: it can */
+    double unscaled_step; /* s: the step without added mass */
+    double bound_step_ratio[GN_PLAN_FACTORS], added_mass[GN_PLAN_FACTORS]; /* see gn_proposal */
+    double setup; /* s of processor time for making the world */
+    const char
+        *statics_refusal; /* reason why steps cannot begin at the first break; NULL: they can */
+    gn_proposal current, best; /* settings of the scene; proposed settings */
+    bool reached;              /* the requested error is reached */
+    const char *absent;        /* reason why there is no plan; NULL: there is one */
 } gn_plan;
 
-/* `setup`: s of a processor that gn_world_create took. */
+/* Makes a plan. `setup`: s of processor time of gn_world_create. */
 gneiss_status gn_plan_make(const gn_world *world, const gn_wanted *wanted, double setup,
                            gn_plan *plan, gneiss_error *error);
 
-/* Steps and seconds of a proposal for elements from the world that was made of it. */
+/* Corrects steps and seconds of a proposal for elements by the world that was made of it. */
 void gn_plan_correct(const gn_step_context *ctx, const gn_solids *solids, const gn_plan *plan,
                      gn_proposal *proposal);
 

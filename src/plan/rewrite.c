@@ -12,17 +12,17 @@
 
 static const size_t size_limit = (size_t)16 << 20;
 
-/* A text that is changed at one place after the other; it is read anew before each change, so that
- * places are always those of the present text. */
-typedef struct draft {
+/* A text that is changed at one place after another; it is parsed anew before each change, so that
+ * places always refer to the present text. */
+typedef struct scene_draft {
     char *text;
     const char *name;
-} draft;
+} scene_draft;
 
 /* --- places --- */
 
-static char *place_in(const draft *d, gn_scene_place where) {
-    char *at = d->text;
+static char *place_in(const scene_draft *draft, gn_scene_place where) {
+    char *at = draft->text;
     for (int line = 1; line < where.line && at; line++) {
         at = strchr(at, '\n');
         if (at) at++;
@@ -34,24 +34,24 @@ static char *place_in(const draft *d, gn_scene_place where) {
     return at;
 }
 
-static char *line_start(const draft *d, char *at) {
-    while (at > d->text && at[-1] != '\n') at--;
+static char *line_start(const scene_draft *draft, char *at) {
+    while (at > draft->text && at[-1] != '\n') at--;
     return at;
 }
 
-/* Behind a quoted text that begins here. */
-static char *behind_quotes(char *at) {
+/* Skips a quoted text that begins here. */
+static char *skip_quotes(char *at) {
     char quote = *at++;
     while (*at && *at != quote) at += *at == '\\' && quote == '"' && at[1] ? 2 : 1;
     return *at ? at + 1 : at;
 }
 
-/* Behind the bracket that closes the one here. */
-static char *behind_brackets(char *at) {
+/* Skips to the end of the bracket that opens here. */
+static char *skip_brackets(char *at) {
     int depth = 0;
     while (*at) {
         if (*at == '"' || *at == '\'') {
-            at = behind_quotes(at);
+            at = skip_quotes(at);
             continue;
         }
         if (*at == '#' && (at[-1] == ' ' || at[-1] == '\n')) {
@@ -65,38 +65,38 @@ static char *behind_brackets(char *at) {
     return at;
 }
 
-/* Where the value of a node ends; NULL: it is written over several lines without brackets. */
+/* Returns the end of a node's value; NULL: it spans several lines without brackets. */
 static char *value_end(const gn_node *node, char *at) {
-    if (*at == '"' || *at == '\'') return behind_quotes(at);
-    if (*at == '[' || *at == '{') return behind_brackets(at);
+    if (*at == '"' || *at == '\'') return skip_quotes(at);
+    if (*at == '[' || *at == '{') return skip_brackets(at);
     size_t length = node->kind == GN_NODE_SCALAR ? strlen(node->text) : 0;
     return length && strncmp(at, node->text, length) == 0 ? at + length : NULL;
 }
 
 /* --- changes --- */
 
-/* Puts `fresh` in the place of [from, to). */
-static gneiss_status splice(draft *d, const char *from, const char *to, const char *fresh,
+/* Replaces [from, to) by `fresh`. */
+static gneiss_status splice(scene_draft *draft, const char *from, const char *to, const char *fresh,
                             gneiss_error *error) {
-    size_t before = (size_t)(from - d->text), length = strlen(fresh), rest = strlen(to);
+    size_t before = (size_t)(from - draft->text), length = strlen(fresh), rest = strlen(to);
     char *text = malloc(before + length + rest + 1);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", d->name);
-    snprintf(text, before + length + rest + 1, "%.*s%s%s", (int)before, d->text, fresh, to);
-    free(d->text);
-    d->text = text;
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", draft->name);
+    snprintf(text, before + length + rest + 1, "%.*s%s%s", (int)before, draft->text, fresh, to);
+    free(draft->text);
+    draft->text = text;
     return GNEISS_OK;
 }
 
-static gneiss_status replace(draft *d, const gn_node *node, const char *value, bool *done,
+static gneiss_status replace(scene_draft *draft, const gn_node *node, const char *value, bool *done,
                              gneiss_error *error) {
-    char *at = place_in(d, node->where);
-    if (at && at > d->text && (at[-1] == '"' || at[-1] == '\'')) at--;
+    char *at = place_in(draft, node->where);
+    if (at && at > draft->text && (at[-1] == '"' || at[-1] == '\'')) at--;
     char *end = at ? value_end(node, at) : NULL;
     *done = end != NULL;
-    return end ? splice(d, at, end, value, error) : GNEISS_OK;
+    return end ? splice(draft, at, end, value, error) : GNEISS_OK;
 }
 
-/* "a.b.c" and a value as "a: {b: {c: value}}". */
+/* Writes "a.b.c" and a value as "a: {b: {c: value}}". */
 static void nested(const char *rest, const char *value, char *text, size_t size) {
     size_t used = 0;
     int depth = 0;
@@ -111,29 +111,30 @@ static void nested(const char *rest, const char *value, char *text, size_t size)
     while (depth-- > 0 && used < size) used += (size_t)snprintf(text + used, size - used, "}");
 }
 
-/* A key that the map has not: behind its brace, or as a line before its first key. */
-static gneiss_status insert(draft *d, const gn_node *map, const char *rest, const char *value,
-                            bool *done, gneiss_error *error) {
+/* Adds a key that the map lacks: after its brace, or as a line before its first key. */
+static gneiss_status insert(scene_draft *draft, const gn_node *map, const char *rest,
+                            const char *value, bool *done, gneiss_error *error) {
     char fresh[4096], line[4200];
-    char *at = place_in(d, map->where);
+    char *at = place_in(draft, map->where);
     nested(rest, value, fresh, sizeof fresh);
     *done = false;
     if (at && *at == '{') {
         snprintf(line, sizeof line, "%s%s", fresh, map->count ? ", " : "");
         *done = true;
-        return splice(d, at + 1, at + 1, line, error);
+        return splice(draft, at + 1, at + 1, line, error);
     }
-    char *first = map->first ? place_in(d, map->first->key_where) : NULL;
+    char *first = map->first ? place_in(draft, map->first->key_where) : NULL;
     if (!first) return GNEISS_OK;
-    char *start = line_start(d, first);
+    char *start = line_start(draft, first);
     for (const char *c = start; c < first; c++)
-        if (*c != ' ') return GNEISS_OK; /* behind the dash of a list */
+        if (*c != ' ') return GNEISS_OK; /* after the dash of a list */
     snprintf(line, sizeof line, "%*s%s\n", (int)(first - start), "", fresh);
     *done = true;
-    return splice(d, start, start, line, error);
+    return splice(draft, start, start, line, error);
 }
 
-/* The node at a place as gn_tree_place spells it, or the last map on the way and what is left. */
+/* Returns the node at a place as gn_tree_place spells it, or the last map on the way and the
+ * remaining path. */
 static const gn_node *walk(const gn_node *root, const char *place, const char **rest) {
     const gn_node *at = root;
     *rest = place;
@@ -150,52 +151,53 @@ static const gn_node *walk(const gn_node *root, const char *place, const char **
     return at;
 }
 
-static gneiss_status change(draft *d, const gn_override *o, bool *done, gneiss_error *error) {
+static gneiss_status change(scene_draft *draft, const gn_override *override, bool *done,
+                            gneiss_error *error) {
     gn_tree *tree = NULL;
     char place[512];
     const char *rest;
-    GN_TRY(gn_tree_read(d->text, strlen(d->text), d->name, &tree, error));
-    gn_tree_place(tree, o->key, place, sizeof place);
+    GN_TRY(gn_tree_read(draft->text, strlen(draft->text), draft->name, &tree, error));
+    gn_tree_place(tree, override->key, place, sizeof place);
     const gn_node *node = walk(gn_tree_root(tree), place, &rest);
     gneiss_status status = GNEISS_OK;
     *done = false;
     if (!*rest)
-        status = replace(d, node, o->value, done, error);
+        status = replace(draft, node, override->value, done, error);
     else if (node->kind == GN_NODE_MAP)
-        status = insert(d, node, rest, o->value, done, error);
+        status = insert(draft, node, rest, override->value, done, error);
     gn_tree_free(tree);
     return status;
 }
 
 /* --- files that the scene names --- */
 
-/* What its author wrote relative to the old folder. */
-static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+/* Adapts paths that are relative to the old folder. */
+static gneiss_status resolve_files(scene_draft *draft, const gn_section *section, const char *base,
                                    const char *path, gneiss_error *error);
 
-static gneiss_status resolve_file(draft *d, const char *key, const char *written,
+static gneiss_status resolve_file(scene_draft *draft, const char *key, const char *written,
                                   const char *resolved, gneiss_error *error) {
     char absolute[PATH_MAX], quoted[PATH_MAX + 2];
     bool done;
     if (!*written || *written == '/' || !realpath(resolved, absolute)) return GNEISS_OK;
     snprintf(quoted, sizeof quoted, "\"%s\"", absolute);
-    return change(d, &(gn_override){key, quoted}, &done, error);
+    return change(draft, &(gn_override){key, quoted}, &done, error);
 }
 
-static gneiss_status resolve_list(draft *d, const gn_key *key, const char *base, const char *path,
-                                  gneiss_error *error) {
+static gneiss_status resolve_list(scene_draft *draft, const gn_key *key, const char *base,
+                                  const char *path, gneiss_error *error) {
     const char *array;
     char element[640];
     memcpy(&array, base + key->offset, sizeof array);
     size_t count = *(const size_t *)(base + key->second);
     for (size_t k = 0; k < count; k++) {
         snprintf(element, sizeof element, "%s.%zu", path, k);
-        GN_TRY(resolve_files(d, key->section, array + k * key->section->size, element, error));
+        GN_TRY(resolve_files(draft, key->section, array + k * key->section->size, element, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+static gneiss_status resolve_files(scene_draft *draft, const gn_section *section, const char *base,
                                    const char *path, gneiss_error *error) {
     char name[512];
     for (size_t k = 0; k < section->key_count; k++) {
@@ -203,16 +205,16 @@ static gneiss_status resolve_files(draft *d, const gn_section *section, const ch
         snprintf(name, sizeof name, "%s%s%s", path, *path ? "." : "", key->name);
         if (!gn_key_present(key, base)) continue;
         if (key->type == GN_KEY_FILE)
-            GN_TRY(resolve_file(d, name, base + key->offset, base + key->second, error));
+            GN_TRY(resolve_file(draft, name, base + key->offset, base + key->second, error));
         else if (key->type == GN_KEY_SECTION)
-            GN_TRY(resolve_files(d, key->section, base + key->offset, name, error));
+            GN_TRY(resolve_files(draft, key->section, base + key->offset, name, error));
         else if (key->type == GN_KEY_LIST)
-            GN_TRY(resolve_list(d, key, base, name, error));
+            GN_TRY(resolve_list(draft, key, base, name, error));
     }
     return GNEISS_OK;
 }
 
-/* --- the whole --- */
+/* --- the whole text --- */
 
 static void folder_of(const char *path, char folder[GN_PATH_SIZE]) {
     const char *slash = strrchr(path, '/');
@@ -227,12 +229,13 @@ static bool same_folder(const char *a, const char *b) {
     return realpath(first, one) && realpath(second, two) && strcmp(one, two) == 0;
 }
 
-/* Whether a text says in its own folder what the scene says with its overrides. */
-static bool says_the_same(const draft *d, const char *target, const char *wanted) {
+/* True if the text, in its own folder, gives the same scene as the original with its overrides. */
+static bool is_equivalent(const scene_draft *draft, const char *target, const char *wanted) {
     char folder[GN_PATH_SIZE], *found = NULL;
     gn_scene *scene = gn_alloc(sizeof *scene);
     folder_of(target, folder);
-    if (scene && gn_scene_parse(d->text, d->name, folder, NULL, 0, scene, NULL) == GNEISS_OK) {
+    if (scene &&
+        gn_scene_parse(draft->text, draft->name, folder, NULL, 0, scene, NULL) == GNEISS_OK) {
         found = gn_scene_write(scene);
         gn_scene_free(scene);
     }
@@ -242,27 +245,28 @@ static bool says_the_same(const draft *d, const char *target, const char *wanted
     return same;
 }
 
-static gneiss_status draw_up(draft *d, const gn_scene *scene, const gn_override *overrides,
-                             size_t count, const char *target, bool *done, gneiss_error *error) {
+static gneiss_status edit_draft(scene_draft *draft, const gn_scene *scene,
+                                const gn_override *overrides, size_t count, const char *target,
+                                bool *done, gneiss_error *error) {
     *done = true;
     for (size_t k = 0; k < count && *done; k++) {
         bool root = !strchr(overrides[k].key, '.');
-        GN_TRY(change(d, &overrides[k], done, error));
+        GN_TRY(change(draft, &overrides[k], done, error));
         *done |= root;
     }
-    if (*done && !same_folder(d->name, target))
-        GN_TRY(resolve_files(d, &gn_scene_section, (const char *)scene, "", error));
+    if (*done && !same_folder(draft->name, target))
+        GN_TRY(resolve_files(draft, &gn_scene_section, (const char *)scene, "", error));
     return GNEISS_OK;
 }
 
 static gneiss_status rewrite(const char *path, const gn_scene *scene, const char *wanted,
                              const gn_override *overrides, size_t count, const char *target,
                              bool *plain, gneiss_error *error) {
-    draft d = {.name = path};
+    scene_draft d = {.name = path};
     bool done;
     GN_TRY(gn_read_text_file(path, size_limit, &d.text, error));
-    gneiss_status status = draw_up(&d, scene, overrides, count, target, &done, error);
-    *plain = status == GNEISS_OK && !(done && says_the_same(&d, target, wanted));
+    gneiss_status status = edit_draft(&d, scene, overrides, count, target, &done, error);
+    *plain = status == GNEISS_OK && !(done && is_equivalent(&d, target, wanted));
     if (status == GNEISS_OK)
         status = gn_write_text_file(target, *plain ? wanted : d.text, GN_DURABLE, error);
     free(d.text);

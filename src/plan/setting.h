@@ -1,4 +1,4 @@
-/* A proposal as keys of the scene with their values. */
+/* A proposal as keys of the scene and their values. */
 #ifndef GN_PLAN_SETTING_H
 #define GN_PLAN_SETTING_H
 
@@ -11,21 +11,22 @@ typedef struct gn_settings {
     gn_override setting[GN_SETTINGS_MAX]; /* both texts are owned */
 } gn_settings;
 
-/* What differs from the scene of the world. */
+/* Lists the settings that differ from the scene of the world. */
 gneiss_status gn_settings_make(const gn_step_context *ctx, const gn_plan *plan,
-                               const gn_proposal *p, gn_settings *q, gneiss_error *error);
-gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value,
+                               const gn_proposal *proposal, gn_settings *settings,
+                               gneiss_error *error);
+gneiss_status gn_settings_add(gn_settings *settings, const char *key, const char *value,
                               gneiss_error *error);
-void gn_settings_free(gn_settings *q);
+void gn_settings_free(gn_settings *settings);
 
-/* s: as far as the scene goes, but not so far that the peak falls between the rows of the history.
- */
+/* Returns the end of the run, s: that of the scene, but early enough that the peak lies between
+ * rows of the history. */
 double gn_plan_end(const gn_plan *plan, const gn_scene *scene, double pace);
-/* As many as the scene has, and enough up to the peak that it does not fall between two of them. */
+/* Returns the rows of the history: those of the scene, and enough up to the peak to resolve it. */
 double gn_plan_history_rows(const gn_plan *plan, const gn_scene *scene, double pace);
 
-/* Why the speed of the loading is not to be changed: something in the scene has a course of its own
- * in time. NULL: it may be. */
-const char *gn_plan_no_pace(const gn_scene *scene);
+/* Returns the reason why the loading speed must not change: another part of the scene varies with
+ * time. NULL: it may change. */
+const char *gn_plan_pace_refusal(const gn_scene *scene);
 
 #endif

@@ -75,7 +75,7 @@ static double speed_of(const gn_world *w, const gn_history *h, const gn_readings
     if (!stress || !time || !h->row_count) return NAN;
     double closing = gn_test_closing(&w->ctx.scene, time[row_of_largest(h, stress)]);
     return closing /
-           (sqrt(modulus / gn_test_bulk(&w->ctx, &w->dem, &w->solids)) * r->largest_strain);
+           (sqrt(modulus / gn_test_bulk_density(&w->ctx, &w->dem, &w->solids)) * r->largest_strain);
 }
 
 /* A cause is as large as the run shows, where that is more than the law says. */
@@ -133,7 +133,7 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
                           gn_budget *b, gneiss_error *error) {
     gn_test_groups g;
     *b = (gn_budget){.speed = NAN, .imbalance = r->end_imbalance, .kinetic = NAN};
-    const char *reason = gn_study_covers(&w->ctx, &w->dem, &g);
+    const char *reason = gn_study_find_case(&w->ctx, &w->dem, &g);
     if (reason) {
         snprintf(b->absent, sizeof b->absent, "%s", reason);
         return GNEISS_OK;

@@ -15,7 +15,7 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[ARRAYS_MOST]) {
     size_t n = 0;
     out[n++] = (gn_checkpoint_array){"lost", GN_F64, f->lost_count, sizeof(gn_lost) / 8,
                                      (void **)&f->lost};
-    if (!gn_scene_flows(&w->ctx.scene)) return n;
+    if (!gn_scene_has_flow(&w->ctx.scene)) return n;
     out[n++] = (gn_checkpoint_array){"sources", GN_F64, w->ctx.scene.source_count,
                                      sizeof(gn_source_state) / 8, (void **)&f->sources};
     out[n++] = (gn_checkpoint_array){"sinks", GN_F64, w->ctx.scene.sink_count,
@@ -37,7 +37,7 @@ static bool is_count(double value) {
 
 static gneiss_status check_flow(const gn_world *w, const char *path, gneiss_error *error) {
     const gn_flow *f = &w->dem.flow;
-    bool good = true, flows = gn_scene_flows(&w->ctx.scene);
+    bool good = true, flows = gn_scene_has_flow(&w->ctx.scene);
     for (size_t k = 0; k < f->lost_count; k++)
         good = good && f->lost[k].id >= 0.0 && f->lost[k].id < (double)w->dem.ids;
     for (size_t k = 0; flows && k < w->ctx.scene.source_count; k++) {

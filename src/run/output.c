@@ -460,7 +460,7 @@ static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_erro
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     gn_json_object(j, "counts");
-    bool flows = gn_scene_flows(&w->ctx.scene);
+    bool flows = gn_scene_has_flow(&w->ctx.scene);
     gn_json_integer(j, "particles",
                     (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
     if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(&w->dem));

@@ -62,7 +62,7 @@ static void begin_entry(gn_json *j, const char *name, double number, double mass
 
 void gn_output_flow(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
-    if (!gn_scene_flows(&w->ctx.scene)) return;
+    if (!gn_scene_has_flow(&w->ctx.scene)) return;
     gn_json_array(j, "sources");
     for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
         const gn_source_state *s = &w->dem.flow.sources[k];

@@ -38,14 +38,14 @@ HOLDS(has_bonds, w->ctx.effects &GN_FX_BONDS)
 HOLDS(has_ledger, w->ctx.effects &GN_FX_ENERGY)
 HOLDS(is_periodic, w->ctx.effects &GN_FX_PERIODIC)
 HOLDS(has_added_mass, w->ctx.effects &GN_FX_MASS_SCALING)
-HOLDS(is_counted, gn_scene_flows(&w->ctx.scene) || gn_converts(&w->ctx))
+HOLDS(is_counted, gn_scene_has_flow(&w->ctx.scene) || gn_converts(&w->ctx))
 HOLDS(has_elements_beside_particles, w->solids.count && w->ctx.scene.has_specimen)
 HOLDS(has_zones, w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count)
 HOLDS(converts, gn_converts(&w->ctx))
 /* Particles that come and go have no places at the start. In a box all round the sides give the
  * strain. */
 HOLDS(has_average_strain,
-      !gn_scene_flows(&w->ctx.scene) ||
+      !gn_scene_has_flow(&w->ctx.scene) ||
           (w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene)))
 
 static bool set_moves(const gn_world *w, size_t k) {

@@ -68,7 +68,7 @@ static double by_ends(const gn_world *w) {
     const double most = 0.05;
     gn_test_groups groups;
     const gn_bar_section *x = &w->section;
-    if (x->guessed == 0.0 && x->spread > most && gn_study_covers(&w->ctx, &w->dem, &groups))
+    if (x->guessed == 0.0 && x->spread > most && gn_study_find_case(&w->ctx, &w->dem, &groups))
         return NAN;
     return gn_section_by_ends(&w->ctx, &w->section);
 }

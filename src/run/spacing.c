@@ -43,7 +43,7 @@ int64_t gn_row_halvings(int64_t interval) {
  */
 static bool adapts(const gn_world *w, size_t stage) {
     return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
-           !gn_scene_flows(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
+           !gn_scene_has_flow(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
 }
 
 static double rows_expected(const gn_world *w, size_t stage) {
@@ -97,7 +97,7 @@ bool gn_run_row_is_due(const gn_run *run) {
 
 bool gn_run_has_end_row(const gn_run *run) {
     const gn_scene *s = &run->world.ctx.scene;
-    return !run->finished && s->history_rows > 0 && gn_scene_flows(s) &&
+    return !run->finished && s->history_rows > 0 && gn_scene_has_flow(s) &&
            !gn_converts(&run->world.ctx);
 }
 

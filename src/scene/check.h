@@ -1,125 +1,132 @@
-/* What the checks of several files share. */
+/* Functions that the checks of several files share. */
 #ifndef GN_SCENE_CHECK_H
 #define GN_SCENE_CHECK_H
 
 #include "scene/read.h"
 
-/* Where a check is: an element of a list with its prefix ("walls[2]."), or the whole scene. */
+/* Scope of a check: an element of a list with its prefix ("walls[2]."), or the whole scene. */
 typedef struct check {
     const gn_reader *reader;
     const gn_node *map;
     char prefix[64];
 } check;
 
-/* Element `index` of the list at a path such as "elements.motions". */
+/* Returns the scope of element `index` of the list at a path such as "elements.motions". */
 check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
                        size_t index);
 
-/* Fails at the value of `key`, or, when it is not given, at the section around it; "" is the
- * element that the check is about. */
-gneiss_status gn_check_fail(const check *c, const char *key, const char *format, ...)
+/* Fails at the value of `key`, or, if it is not given, at the section around it; "" stands for the
+ * checked element. */
+gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-bool gn_check_given(const check *c, const char *key);
+bool gn_check_given(const check *section, const char *key);
 
-/* Fails when a value that `reason` ("by softening energy") asks for is not above 0. */
-gneiss_status gn_check_need(const check *c, double value, const char *key, const char *reason);
+/* Fails if a value that `reason` ("by softening energy") requires is not above 0. */
+gneiss_status gn_check_required(const check *section, double value, const char *key,
+                                const char *reason);
 
-/* Keeps what is wrong and goes on; returns what cannot be gone on from. */
-gneiss_status gn_check_keep(const check *c, gneiss_status status);
+/* Keeps an input error so that checking continues; returns any other failure. */
+gneiss_status gn_check_keep_problem(const check *section, gneiss_status status);
 
-/* Whether nothing was found to be wrong with a key of the scene, or with anything above or below
- * it; whether all names of a list were read. What is not sound is not checked further. */
-bool gn_check_sound(const check *c, const char *path);
-bool gn_check_named(const check *c, const char *list);
-/* Of the element of a list that the check is about. */
-bool gn_check_element_sound(const check *c);
+/* gn_check_is_valid: true if no problem was found with a key of the scene, or with anything above
+ * or below it. gn_check_names_are_valid: true if all names of a list were read. Keys with problems
+ * are not checked further. */
+bool gn_check_is_valid(const check *section, const char *path);
+bool gn_check_names_are_valid(const check *section, const char *list);
+/* True if no problem was found with the checked element of a list. */
+bool gn_check_element_is_valid(const check *section);
 
-/* The name of a material. */
-gneiss_status gn_check_material_name(const check *c, const gn_scene *s, const char *key,
+/* Checks that `name` is the name of a material. */
+gneiss_status gn_check_material_name(const check *section, const gn_scene *scene, const char *key,
                                      const char *name);
 
-/* What is drawn for bonds, `key` of a material; an element of `contacts`; gamma of `law`
+/* Checks `key` of a material that is drawn for each bond; an element of `contacts`; gamma of `law`
  * (check_contacts.c). */
-gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter *scatter);
-gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index);
-gneiss_status gn_check_gamma(const check *c, const gn_scene *s);
+gneiss_status gn_check_scatter(const check *section, const char *key, const gn_scatter *scatter);
+gneiss_status gn_check_contact(const check *section, const gn_scene *scene, size_t index);
+gneiss_status gn_check_gamma(const check *section, const gn_scene *scene);
 
-/* Corners in order; `key` is that of the upper one. */
-gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
-                           const double *high);
+/* Checks the order of the corners; `key` is that of the upper one. */
+gneiss_status gn_check_box(const check *section, const gn_scene *scene, const char *key,
+                           const double *low, const double *high);
 
-/* How the sides of a periodic box move (check_box.c). */
-gneiss_status gn_check_box_sides(const check *c, const gn_scene *s);
+/* Checks the motion of the sides of a periodic box (check_box.c). */
+gneiss_status gn_check_box_sides(const check *section, const gn_scene *scene);
 
-/* Nothing prescribed out of the plane of a 2D scene. */
-gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion);
+/* Checks that no motion is prescribed out of the plane of a 2D scene. */
+gneiss_status gn_check_plane_motion(const check *section, const gn_scene *scene,
+                                    const gn_motion *motion);
 
-/* How bonds of a material soften and yield, with bonds; and what does not go with that. */
-gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_material *m);
-gneiss_status gn_check_coupling(const check *c, const gn_scene *s);
-/* Of an element of `contacts`: a tangential spring where the law of bonds needs one. */
-gneiss_status gn_check_shear_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d);
-/* Hertz's law, and resistance to rolling: what goes beside them; of a material. */
-gneiss_status gn_check_hertz(const check *c, const gn_scene *s);
-gneiss_status gn_check_hertz_material(const check *c, const gn_material *m);
-/* What a wall, a body or the surface of elements says of its contacts; `prefix` of its keys. */
+/* Checks softening and yield of the bonds of a material and their combination with other keys. */
+gneiss_status gn_check_bonds_of(const check *section, const gn_scene *scene,
+                                const gn_material *material);
+gneiss_status gn_check_coupling(const check *section, const gn_scene *scene);
+/* Checks that an element of `contacts` has a tangential spring if the law of bonds needs one. */
+gneiss_status gn_check_shear_of_pair(const check *section, const gn_scene *scene,
+                                     const gn_contact_def *contact);
+/* Checks Hertz's law, resistance to rolling, and the keys of a material for them. */
+gneiss_status gn_check_hertz(const check *section, const gn_scene *scene);
+gneiss_status gn_check_hertz_material(const check *section, const gn_material *material);
+/* Contact parameters of a wall, a body or the surface of elements; `prefix` is that of their keys.
+ */
 typedef struct gn_side_keys {
     double stiffness, kratio, friction, rolling, twisting;
     const char *material;
-    bool body; /* with Hertz's law it may have a stiffness besides */
+    bool body; /* with Hertz's law it may have a stiffness as well */
 } gn_side_keys;
-gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
+gneiss_status gn_check_side(const check *section, const gn_scene *scene, const char *prefix,
                             gn_side_keys side);
-/* Bonds that carry moments. */
-gneiss_status gn_check_moments(const check *c, const gn_scene *s);
+/* Checks bonds that carry moments. */
+gneiss_status gn_check_moments(const check *section, const gn_scene *scene);
 
-/* The section `test` and the conditions that end one (check_test.c). */
-gneiss_status gn_check_test(const check *c, gn_scene *s);
-/* Of a test of one stage: ends that only ever go against its sense, where nothing else could give
- * it a stress (check_stages.c). */
-gneiss_status gn_check_parting(const check *c, const gn_scene *s);
+/* Checks the section `test` and the conditions that end a test (check_test.c). */
+gneiss_status gn_check_test(const check *section, gn_scene *scene);
+/* Refuses a test of one stage whose ends only move against its sense while nothing else can cause a
+ * stress (check_stages.c). */
+gneiss_status gn_check_separating_ends(const check *section, const gn_scene *scene);
 
 /* A test from all sides alike needs something that presses, in any stage. */
-gneiss_status gn_check_pressed(const check *c, bool presses);
-/* The section `membrane`. */
-gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
+gneiss_status gn_check_hydrostatic_load(const check *section, bool presses);
+/* Checks the section `membrane`. */
+gneiss_status gn_check_membrane(const check *section, const gn_scene *scene);
 
-/* What `output.fields` asks for (check_output.c). */
-gneiss_status gn_check_output(const check *c, gn_scene *s);
-/* Whether the scene, or any of its stages, has what the fields that were asked for are of. */
-gneiss_status gn_check_asked(const check *c, const gn_scene *s);
-/* What `time` says of steps (check_time.c). */
-gneiss_status gn_check_time(const check *c, const gn_scene *s);
-/* The first key of time.stop that is given; NULL: none. */
-const char *gn_check_stop(const gn_scene *s);
+/* Checks `output.fields` (check_output.c). */
+gneiss_status gn_check_output(const check *section, gn_scene *scene);
+/* Checks that the scene, or one of its stages, has the records of the requested fields. */
+gneiss_status gn_check_requested_fields(const check *section, const gn_scene *scene);
+/* Checks the steps of `time` (check_time.c). */
+gneiss_status gn_check_time(const check *section, const gn_scene *scene);
+/* Returns the first given key of time.stop; NULL: none. */
+const char *gn_check_stop(const gn_scene *scene);
 
-/* Makes a unit vector of it; false: it has no direction. */
-bool gn_check_direction(double v[3]);
+/* Normalises the vector; false: it has no direction. */
+bool gn_check_direction(double vector[3]);
 
-/* Keeps notes of keys that change nothing in a scene in which nothing is wrong (check_idle.c). */
+/* Keeps notes on keys that change nothing in a scene without problems (check_idle.c). */
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root);
 
-/* Tells whether some contacts of a material have a tangential spring (check_contacts.c); friction
- * that none can carry is refused. */
-bool gn_material_has_spring(const gn_scene *s, const gn_material *m);
-gneiss_status gn_check_grip(const check *c, const gn_scene *s, const gn_material *m);
+/* True if some contacts of a material have a tangential spring (check_contacts.c); friction that
+ * none can carry is refused. */
+bool gn_material_has_spring(const gn_scene *scene, const gn_material *material);
+gneiss_status gn_check_grip(const check *section, const gn_scene *scene,
+                            const gn_material *material);
 
-/* A sieve curve, `wanted` by `sizes`: sizes and shares grow, from a share of 0 to [1, 1]; `section`
- * is what stands before its keys (check_flow.c). */
-gneiss_status gn_check_sieve(const check *c, const char *section, bool wanted, const double *row,
-                             size_t n);
+/* Checks a sieve curve, which `sizes` requires if `wanted`: sizes increase and shares do not
+ * decrease, from a share of 0 to [1, 1]; `section` is the prefix of its keys (check_flow.c). */
+gneiss_status gn_check_sieve(const check *checked, const char *section, bool wanted,
+                             const double *row, size_t count);
 
-/* The lists `sources` and `sinks`, which may be empty (check_flow.c). */
+/* Checks the lists `sources` and `sinks`, which may be empty (check_flow.c). */
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
 
-/* The list `bodies`, which may be empty. */
+/* Checks the list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 
-/* The section `couple` and the wave at the start, if they are given (check_couple.c). */
+/* Checks the section `couple` and the initial wave if they are given (check_couple.c). */
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root);
 
-/* The section `elements`, which is given. */
+/* Checks the section `elements`, which is given. */
 gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root);
 
 #endif

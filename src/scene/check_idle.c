@@ -1,15 +1,15 @@
-/* Keys that change nothing in the scene that they stand in. Each row of the tables below names a
- * key, the condition under which nothing reads it, and the reason; a value that is the default is
- * none that somebody relies on. They are notes and not errors, so that a scene can be varied. */
+/* Keys that change nothing in their scene. Each row of the tables below names a key, the condition
+ * under which nothing reads it, and the reason; a value equal to the default gets no note. These
+ * are notes and not errors, so that a scene can be varied. */
 #include "scene/check.h"
 #include "scene/sides.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what is given ---- */
+/* ---- given values ---- */
 
-/* Tells whether a value in the struct is the one that the key has when it is left out. */
+/* True if a value in the struct is the default of the key. */
 static bool is_default(const gn_key *key, const void *base) {
     const char *at = (const char *)base + key->offset;
     if (key->presence == GN_PRESENT_BOOL || key->presence == GN_PRESENT_ENUM)
@@ -27,50 +27,51 @@ static bool is_default(const gn_key *key, const void *base) {
     return false;
 }
 
-/* Notes the key of an element, or of the scene, if it has another value than its default. */
-static void note(const check *c, const void *base, const char *key, const char *why) {
+/* Notes the key of an element, or of the scene, if its value is not the default. */
+static void note(const check *section, const void *base, const char *key, const char *why) {
     char path[GN_KEY_PATH_SIZE], text[256];
-    const gn_node *node = gn_node_find(c->map, key);
-    snprintf(path, sizeof path, "%s%s", c->prefix, key);
+    const gn_node *node = gn_node_find(section->map, key);
+    snprintf(path, sizeof path, "%s%s", section->prefix, key);
     const gn_key *meant = gn_scene_key_at(path);
     if (!node || !meant || is_default(meant, base)) return;
     snprintf(text, sizeof text, "it changes nothing here: %s", why);
-    gn_read_note(c->reader, node, path, true, text);
+    gn_read_note(section->reader, node, path, true, text);
 }
 
 /* ---- conditions ---- */
 
-static bool bonded(const gn_scene *s) {
-    return s->bonds == GN_SWITCH_ON;
+static bool bonded(const gn_scene *scene) {
+    return scene->bonds == GN_SWITCH_ON;
 }
 
-static bool by_radius(const gn_scene *s) {
-    return s->stiffness != GN_STIFFNESS_UNIFORM && !gn_scene_by_area(s) && !gn_scene_hertz(s);
+static bool by_radius(const gn_scene *scene) {
+    return scene->stiffness != GN_STIFFNESS_UNIFORM && !gn_scene_by_area(scene) &&
+           !gn_scene_hertz(scene);
 }
 
 static const char no_bonds[] = "no bonds are formed";
 static const char other_law[] = "this law.stiffness does not read it";
 static const char other_softening[] = "this law.softening does not read it";
 
-/* Why a key of a material is not read; NULL: it is. `limits`: strengths are forces. */
+/* Reason why a key of a material is not read; NULL: it is read. `limits`: strengths are forces. */
 typedef struct material_row {
     const char *key;
     bool (*read_by_law)(const gn_scene *s); /* NULL: every law reads it */
     bool of_bonds;
-    int64_t softening; /* that reads it, a gn_softening; -1: any */
+    int64_t softening; /* that reads the key, a gn_softening; -1: any */
 } material_row;
 
-static bool uniform(const gn_scene *s) {
-    return s->stiffness == GN_STIFFNESS_UNIFORM;
+static bool uniform(const gn_scene *scene) {
+    return scene->stiffness == GN_STIFFNESS_UNIFORM;
 }
-static bool not_uniform(const gn_scene *s) {
-    return !uniform(s);
+static bool not_uniform(const gn_scene *scene) {
+    return !uniform(scene);
 }
-static bool elastic(const gn_scene *s) {
-    return gn_scene_by_area(s) || gn_scene_hertz(s);
+static bool elastic(const gn_scene *scene) {
+    return gn_scene_by_area(scene) || gn_scene_hertz(scene);
 }
-static bool not_elastic(const gn_scene *s) {
-    return !elastic(s);
+static bool not_elastic(const gn_scene *scene) {
+    return !elastic(scene);
 }
 
 static const material_row material_rows[] = {
@@ -98,109 +99,116 @@ static const material_row material_rows[] = {
     {"yield_stress_3", NULL, true, -1},
 };
 
-static const char *unread_by_material(const gn_scene *s, const material_row *row) {
-    if (row->read_by_law && !row->read_by_law(s)) return other_law;
-    if (row->of_bonds && !bonded(s)) return no_bonds;
-    if (row->softening >= 0 && (int64_t)s->softening != row->softening) return other_softening;
+static const char *unread_by_material(const gn_scene *scene, const material_row *row) {
+    if (row->read_by_law && !row->read_by_law(scene)) return other_law;
+    if (row->of_bonds && !bonded(scene)) return no_bonds;
+    if (row->softening >= 0 && (int64_t)scene->softening != row->softening) return other_softening;
     return NULL;
 }
 
-/* Tells whether something is of the material; files of particles and earlier runs may name any. */
-static bool is_used(const gn_scene *s, const char *name) {
-    bool used = *s->specimen.file || *s->specimen.from || strcmp(s->specimen.material, name) == 0 ||
-                strcmp(s->elements.contact.material, name) == 0;
-    for (size_t k = 0; k < s->set_count; k++) used |= strcmp(s->sets[k].material, name) == 0;
-    for (size_t k = 0; k < s->wall_count; k++) used |= strcmp(s->walls[k].material, name) == 0;
-    for (size_t k = 0; k < s->body_count; k++) used |= strcmp(s->bodies[k].material, name) == 0;
-    for (size_t k = 0; k < s->source_count; k++) used |= strcmp(s->sources[k].material, name) == 0;
+/* True if something consists of the material; files of particles and earlier runs may name any
+ * material. */
+static bool is_used(const gn_scene *scene, const char *name) {
+    bool used = *scene->specimen.file || *scene->specimen.from ||
+                strcmp(scene->specimen.material, name) == 0 ||
+                strcmp(scene->elements.contact.material, name) == 0;
+    for (size_t k = 0; k < scene->set_count; k++)
+        used |= strcmp(scene->sets[k].material, name) == 0;
+    for (size_t k = 0; k < scene->wall_count; k++)
+        used |= strcmp(scene->walls[k].material, name) == 0;
+    for (size_t k = 0; k < scene->body_count; k++)
+        used |= strcmp(scene->bodies[k].material, name) == 0;
+    for (size_t k = 0; k < scene->source_count; k++)
+        used |= strcmp(scene->sources[k].material, name) == 0;
     return used;
 }
 
-static void note_materials(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
-    for (size_t k = 0; s->has_law && k < s->material_count; k++) {
+static void note_materials(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; scene->has_law && k < scene->material_count; k++) {
         check c = gn_check_element(reader, root, "materials", k);
-        const gn_material *m = &s->materials[k];
-        if (!is_used(s, m->name)) {
-            note(&c, m, "name", "no particle, wall or body is of this material");
+        const gn_material *material = &scene->materials[k];
+        if (!is_used(scene, material->name)) {
+            note(&c, material, "name", "no particle, wall or body is of this material");
             continue;
         }
-        if (s->stage_count && !gn_material_has_spring(s, m))
-            note(&c, m, "friction", "without a tangential spring contacts have no friction");
+        if (scene->stage_count && !gn_material_has_spring(scene, material))
+            note(&c, material, "friction", "without a tangential spring contacts have no friction");
         for (size_t r = 0; r < sizeof material_rows / sizeof *material_rows; r++) {
-            const char *why = unread_by_material(s, &material_rows[r]);
-            if (why) note(&c, m, material_rows[r].key, why);
+            const char *why = unread_by_material(scene, &material_rows[r]);
+            if (why) note(&c, material, material_rows[r].key, why);
         }
     }
 }
 
-/* What law.stiffness and law.softening do not read in a pair is refused (check_contacts.c). */
-static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
-    for (size_t k = 0; !bonded(s) && k < s->contact_count; k++) {
+/* Keys of a pair that law.stiffness and law.softening do not read are refused (check_contacts.c).
+ */
+static void note_contacts(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; !bonded(scene) && k < scene->contact_count; k++) {
         check c = gn_check_element(reader, root, "contacts", k);
         for (size_t r = 0; r < sizeof material_rows / sizeof *material_rows; r++)
             if (material_rows[r].of_bonds)
-                note(&c, &s->contacts[k], material_rows[r].key, no_bonds);
+                note(&c, &scene->contacts[k], material_rows[r].key, no_bonds);
     }
 }
 
 /* ---- the scene itself ---- */
 
-static bool unbonded(const gn_scene *s) {
-    return s->has_specimen && !bonded(s);
+static bool unbonded(const gn_scene *scene) {
+    return scene->has_specimen && !bonded(scene);
 }
-static bool without_events(const gn_scene *s) {
-    return s->has_specimen && (unbonded(s) || s->events == GN_SWITCH_OFF);
+static bool without_events(const gn_scene *scene) {
+    return scene->has_specimen && (unbonded(scene) || scene->events == GN_SWITCH_OFF);
 }
-static bool without_ledger(const gn_scene *s) {
-    return s->energy == GN_SWITCH_OFF;
+static bool without_ledger(const gn_scene *scene) {
+    return scene->energy == GN_SWITCH_OFF;
 }
-static bool without_gravity(const gn_scene *s) {
-    return s->gravity[0] == 0.0 && s->gravity[1] == 0.0 && s->gravity[2] == 0.0;
+static bool without_gravity(const gn_scene *scene) {
+    return scene->gravity[0] == 0.0 && scene->gravity[1] == 0.0 && scene->gravity[2] == 0.0;
 }
-static bool with_step(const gn_scene *s) {
-    return s->step > 0.0 && !s->has_couple;
+static bool with_step(const gn_scene *scene) {
+    return scene->step > 0.0 && !scene->has_couple;
 }
-static bool without_relaxation(const gn_scene *s) {
-    return !(s->couple.convert.relax > 0.0);
+static bool without_relaxation(const gn_scene *scene) {
+    return !(scene->couple.convert.relax > 0.0);
 }
-static bool all_faces(const gn_scene *s) {
-    return s->has_membrane && s->membrane.faces == GN_FACES_ALL;
+static bool all_faces(const gn_scene *scene) {
+    return scene->has_membrane && scene->membrane.faces == GN_FACES_ALL;
 }
-static bool without_spins(const gn_scene *s) {
-    return s->rotation == GN_SWITCH_OFF;
+static bool without_spins(const gn_scene *scene) {
+    return scene->rotation == GN_SWITCH_OFF;
 }
-static bool without_run(const gn_scene *s) {
-    return s->specimen_given && !*s->specimen.from;
+static bool without_run(const gn_scene *scene) {
+    return scene->specimen_given && !*scene->specimen.from;
 }
-static bool from_nodes(const gn_scene *s) {
-    return s->specimen.pack.start == GN_START_NODES;
+static bool from_nodes(const gn_scene *scene) {
+    return scene->specimen.pack.start == GN_START_NODES;
 }
-static bool from_random_points(const gn_scene *s) {
-    return s->specimen.pack.start != GN_START_NODES;
+static bool from_random_points(const gn_scene *scene) {
+    return scene->specimen.pack.start != GN_START_NODES;
 }
-static bool without_particles(const gn_scene *s) {
-    return !s->has_specimen;
+static bool without_particles(const gn_scene *scene) {
+    return !scene->has_specimen;
 }
 /* Bodies touch each other without particles, too. */
-static bool without_contacts(const gn_scene *s) {
-    return without_particles(s) && !s->body_count;
+static bool without_contacts(const gn_scene *scene) {
+    return without_particles(scene) && !scene->body_count;
 }
 /* Bodies without a material damp their contacts with each other by damping.contact. */
-static bool damped_by_materials(const gn_scene *s) {
-    if (!s->has_law || !gn_scene_hertz(s) || s->body_count) return false;
-    for (size_t k = 0; k < s->material_count; k++)
-        if (s->materials[k].restitution < 0.0) return false;
-    return s->material_count > 0;
+static bool damped_by_materials(const gn_scene *scene) {
+    if (!scene->has_law || !gn_scene_hertz(scene) || scene->body_count) return false;
+    for (size_t k = 0; k < scene->material_count; k++)
+        if (scene->materials[k].restitution < 0.0) return false;
+    return scene->material_count > 0;
 }
-static bool turns_of_nothing(const gn_scene *s) {
-    return s->orientation == GN_SWITCH_ON && (without_particles(s) || without_spins(s));
+static bool turns_of_nothing(const gn_scene *scene) {
+    return scene->orientation == GN_SWITCH_ON && (without_particles(scene) || without_spins(scene));
 }
-static bool events_of_nothing(const gn_scene *s) {
-    return s->events == GN_SWITCH_ON && without_particles(s);
+static bool events_of_nothing(const gn_scene *scene) {
+    return scene->events == GN_SWITCH_ON && without_particles(scene);
 }
 static const char no_particles[] = "there are no particles";
 static const char no_contacts[] = "there are neither particles nor bodies";
-static const char own_damping[] = "every material has a restitution of its own";
+static const char own_damping[] = "every material has its own restitution";
 
 static const struct {
     const char *key;
@@ -222,10 +230,9 @@ static const struct {
     {"couple.convert.relax_iterations", without_relaxation, "couple.convert.relax is none"},
     {"couple.spins", without_spins, "law.rotation is off"},
     {"membrane.axis", all_faces, "membrane.faces is all"},
-    {"time.safety", with_step, "time.step is given, which it is a factor of where it is auto"},
+    {"time.safety", with_step, "time.step is given, and it is a factor of an automatic step"},
     {"time.contact_steps", with_step,
-     "time.step is given, and only the warning of collisions that it does not resolve counts by "
-     "it"},
+     "time.step is given, and only the warning of unresolved collisions reads it"},
     {"time.contact_steps", without_contacts, no_contacts},
     {"neighbours.skin", without_contacts, no_contacts},
     {"damping.contact.restitution", without_contacts, no_contacts},
@@ -252,60 +259,61 @@ static bool is_zero(const gn_table *table) {
     return true;
 }
 
-/* A plane that moves in itself, without friction. */
-static void note_walls(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
+/* A plane that moves within itself, without friction, has no effect. */
+static void note_walls(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
     static const char *const keys[] = {"motion.vx", "motion.vy", "motion.vz"};
-    for (size_t k = 0; k < s->wall_count; k++) {
+    for (size_t k = 0; k < scene->wall_count; k++) {
         check c = gn_check_element(reader, root, "walls", k);
-        const gn_wall_def *w = &s->walls[k];
-        const int m = *w->material ? gn_scene_find_material(s, w->material) : -1;
-        const bool rough = w->friction > 0 || w->rolling_friction > 0 || w->twisting_friction > 0 ||
-                           m >= 0 || s->contact_count;
+        const gn_wall_def *wall = &scene->walls[k];
+        const int m = *wall->material ? gn_scene_find_material(scene, wall->material) : -1;
+        const bool rough = wall->friction > 0 || wall->rolling_friction > 0 ||
+                           wall->twisting_friction > 0 || m >= 0 || scene->contact_count;
         for (int a = 0; !rough && a < 3; a++)
-            if (w->normal[a] == 0.0 && !is_zero(&w->motion.velocity[a]))
-                note(&c, &w->motion, keys[a],
+            if (wall->normal[a] == 0.0 && !is_zero(&wall->motion.velocity[a]))
+                note(&c, &wall->motion, keys[a],
                      "the wall moves in its own plane, and has no friction");
-        if (!rough) note(&c, w, "kratio", "the wall has no friction");
+        if (!rough) note(&c, wall, "kratio", "the wall has no friction");
     }
 }
 
-static void note_sets(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
-    for (size_t k = 0; k < s->set_count; k++) {
+static void note_sets(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; k < scene->set_count; k++) {
         check c = gn_check_element(reader, root, "sets", k);
         bool led = true;
-        for (int a = 0; a < (int)s->dimension; a++)
-            led = led && (s->sets[k].motion.velocity[a].count || s->sets[k].force[a] == 0.0);
-        if (led) note(&c, &s->sets[k], "force", "its motion is prescribed along it");
+        for (int a = 0; a < (int)scene->dimension; a++)
+            led =
+                led && (scene->sets[k].motion.velocity[a].count || scene->sets[k].force[a] == 0.0);
+        if (led) note(&c, &scene->sets[k], "force", "its motion is prescribed along it");
     }
 }
 
-static void note_bodies(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
-    for (size_t k = 0; k < s->body_count; k++) {
+static void note_bodies(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; k < scene->body_count; k++) {
         check c = gn_check_element(reader, root, "bodies", k);
-        const gn_body_def *b = &s->bodies[k];
-        if (!*b->material &&
-            !(b->friction > 0 || b->rolling_friction > 0 || b->twisting_friction > 0))
-            note(&c, b, "kratio", "the body has no friction");
+        const gn_body_def *body = &scene->bodies[k];
+        if (!*body->material &&
+            !(body->friction > 0 || body->rolling_friction > 0 || body->twisting_friction > 0))
+            note(&c, body, "kratio", "the body has no friction");
     }
 }
 
-static void note_sources(const gn_reader *reader, const gn_node *root, const gn_scene *s) {
-    for (size_t k = 0; k < s->source_count; k++) {
+static void note_sources(const gn_reader *reader, const gn_node *root, const gn_scene *scene) {
+    for (size_t k = 0; k < scene->source_count; k++) {
         check c = gn_check_element(reader, root, "sources", k);
-        if (s->sources[k].start >= s->end)
-            note(&c, &s->sources[k], "start", "the run ends before it (time.end)");
+        if (scene->sources[k].start >= scene->end)
+            note(&c, &scene->sources[k], "start", "the run ends before it (time.end)");
     }
 }
 
 void gn_note_idle_keys(const gn_reader *reader, const gn_node *root) {
-    const gn_scene *s = reader->scene;
+    const gn_scene *scene = reader->scene;
     const check c = {.reader = reader, .map = root};
-    note_materials(reader, root, s);
-    note_contacts(reader, root, s);
+    note_materials(reader, root, scene);
+    note_contacts(reader, root, scene);
     for (size_t k = 0; k < sizeof scene_rows / sizeof *scene_rows; k++)
-        if (scene_rows[k].idle(s)) note(&c, s, scene_rows[k].key, scene_rows[k].why);
-    note_walls(reader, root, s);
-    note_sets(reader, root, s);
-    note_bodies(reader, root, s);
-    note_sources(reader, root, s);
+        if (scene_rows[k].idle(scene)) note(&c, scene, scene_rows[k].key, scene_rows[k].why);
+    note_walls(reader, root, scene);
+    note_sets(reader, root, scene);
+    note_bodies(reader, root, scene);
+    note_sources(reader, root, scene);
 }

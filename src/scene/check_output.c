@@ -1,4 +1,4 @@
-/* What files are to have besides what they have anyway. */
+/* Checks of fields that files hold on request. */
 #include "base/asked.h"
 #include "base/names.h"
 #include "scene/check.h"
@@ -19,41 +19,41 @@ static int find(const char *name) {
     return -1;
 }
 
-static gneiss_status unknown(const check *c, const char *name) {
+static gneiss_status unknown(const check *section, const char *name) {
     char advice[GN_ADVICE_SIZE];
     gn_names names = gn_names_for(name);
     for (int k = 0; k < GN_ASKED_COUNT; k++) gn_names_add(&names, fields[k].name);
-    return gn_check_fail(c, "output.fields", "expected the name of a field, found '%s'%s", name,
-                         gn_names_advice(&names, advice, sizeof advice));
+    return gn_check_fail(section, "output.fields", "expected the name of a field, found '%s'%s",
+                         name, gn_names_advice(&names, advice, sizeof advice));
 }
 
-gneiss_status gn_check_output(const check *c, gn_scene *s) {
-    s->asked = 0;
-    if (s->contact_rows == GN_SWITCH_ON && !s->has_specimen)
-        return gn_check_fail(c, "output.contacts",
+gneiss_status gn_check_output(const check *section, gn_scene *scene) {
+    scene->asked = 0;
+    if (scene->contact_rows == GN_SWITCH_ON && !scene->has_specimen)
+        return gn_check_fail(section, "output.contacts",
                              "expected a specimen beside it, whose particles have contacts, found "
                              "elements only");
-    if (s->field_count && !s->has_specimen)
-        return gn_check_fail(c, "output.fields",
+    if (scene->field_count && !scene->has_specimen)
+        return gn_check_fail(section, "output.fields",
                              "expected a specimen beside it, whose particles and bonds have them, "
                              "found elements only");
-    for (size_t k = 0; k < s->field_count; k++) {
-        int f = find(s->fields[k]);
-        if (f < 0) return unknown(c, s->fields[k]);
-        if (s->asked >> f & 1)
-            return gn_check_fail(c, "output.fields", "expected every name once, found '%s' again",
-                                 fields[f].name);
-        s->asked |= 1u << f;
+    for (size_t k = 0; k < scene->field_count; k++) {
+        int f = find(scene->fields[k]);
+        if (f < 0) return unknown(section, scene->fields[k]);
+        if (scene->asked >> f & 1)
+            return gn_check_fail(section, "output.fields",
+                                 "expected every name once, found '%s' again", fields[f].name);
+        scene->asked |= 1u << f;
     }
-    return s->stage_count ? GNEISS_OK : gn_check_asked(c, s);
+    return scene->stage_count ? GNEISS_OK : gn_check_requested_fields(section, scene);
 }
 
-gneiss_status gn_check_asked(const check *c, const gn_scene *s) {
-    const gn_effects has = gn_scene_effects(s);
+gneiss_status gn_check_requested_fields(const check *section, const gn_scene *scene) {
+    const gn_effects has = gn_scene_effects(scene);
     for (int f = 0; f < GN_ASKED_COUNT; f++)
-        if (s->asked >> f & 1 && (has & fields[f].needs) != fields[f].needs)
-            return gn_check_fail(c, "output.fields", "expected %s beside '%s', found none%s",
+        if (scene->asked >> f & 1 && (has & fields[f].needs) != fields[f].needs)
+            return gn_check_fail(section, "output.fields", "expected %s beside '%s', found none%s",
                                  fields[f].lacks, fields[f].name,
-                                 s->stage_count ? " in any stage" : "");
+                                 scene->stage_count ? " in any stage" : "");
     return GNEISS_OK;
 }

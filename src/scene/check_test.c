@@ -35,7 +35,7 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
         if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
             gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
             return no_end(c, s, key, name);
-        if (gn_scene_in_end(end, k, name))
+        if (gn_test_end_has(end, k, name))
             return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
     }
     return GNEISS_OK;
@@ -45,10 +45,10 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
 static gneiss_status check_sides(const check *c, const gn_scene *s, const char *lower_key,
                                  const gn_test_end *lower, const char *upper_key,
                                  const gn_test_end *upper) {
-    GN_TRY(gn_check_keep(c, check_end(c, s, lower_key, lower)));
-    GN_TRY(gn_check_keep(c, check_end(c, s, upper_key, upper)));
+    GN_TRY(gn_check_keep_problem(c, check_end(c, s, lower_key, lower)));
+    GN_TRY(gn_check_keep_problem(c, check_end(c, s, upper_key, upper)));
     for (size_t k = 0; k < upper->count; k++)
-        if (gn_scene_in_end(lower, lower->count, upper->name[k]))
+        if (gn_test_end_has(lower, lower->count, upper->name[k]))
             return gn_check_fail(c, upper_key, "expected another end than lower, found '%s'",
                                  upper->name[k]);
     return GNEISS_OK;
@@ -135,18 +135,18 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
     for (int k = 0; k < 4; k++)
-        if (!gn_check_named(c, lists[k])) return GNEISS_OK;
+        if (!gn_check_names_are_valid(c, lists[k])) return GNEISS_OK;
     GN_TRY(check_sides(c, s, "test.lower", &t->lower, "test.upper", &t->upper));
     if (t->has_opening)
         GN_TRY(check_sides(c, s, "test.opening.lower", &t->opening.lower, "test.opening.upper",
                            &t->opening.upper));
     for (int k = 0; k < 4; k++)
-        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    if (!gn_check_sound(c, "test")) return GNEISS_OK;
-    GN_TRY(gn_check_keep(c, check_walls_of_ends(c, s)));
+        if (!gn_check_is_valid(c, lists[k])) return GNEISS_OK;
+    if (!gn_check_is_valid(c, "test")) return GNEISS_OK;
+    GN_TRY(gn_check_keep_problem(c, check_walls_of_ends(c, s)));
     GN_TRY(check_pull(c, s));
     if (s->stage_count) return GNEISS_OK;
-    GN_TRY(gn_check_parting(c, s));
+    GN_TRY(gn_check_separating_ends(c, s));
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "
@@ -255,9 +255,9 @@ static gneiss_status check_shear(const check *c, const gn_scene *s) {
 static gneiss_status check_sides_stand(const check *c, const gn_scene *s) {
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic"};
     for (int k = 0; k < 5; k++)
-        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+        if (!gn_check_is_valid(c, lists[k])) return GNEISS_OK;
     for (int a = 0; a < (int)s->dimension; a++)
-        if (a != s->test.axis && !gn_scene_stands(s, a))
+        if (a != s->test.axis && !gn_scene_is_held_along(s, a))
             return gn_check_fail(
                 c, "test.kind",
                 "expected sides of the specimen that stand along %c beside the ends of an "
@@ -393,7 +393,7 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_check_pressed(const check *c, bool presses) {
+gneiss_status gn_check_hydrostatic_load(const check *c, bool presses) {
     const gn_test_descriptor *d = gn_scene_test(c->reader->scene);
     if (presses || !d->isotropic) return GNEISS_OK;
     return gn_check_fail(
@@ -416,11 +416,11 @@ static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     if (key)
         return gn_check_fail(c, key, "expected none: a %s test has no ends",
                              gn_scene_test(s)->name);
-    GN_TRY(gn_check_keep(c, check_keys(c, s)));
+    GN_TRY(gn_check_keep_problem(c, check_keys(c, s)));
     const char *const lists[] = {"walls", "sets", "bodies", "elements", "periodic", "membrane"};
     for (int k = 0; k < 6; k++)
-        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    return s->stage_count ? GNEISS_OK : gn_check_pressed(c, gn_scene_squeezes(s));
+        if (!gn_check_is_valid(c, lists[k])) return GNEISS_OK;
+    return s->stage_count ? GNEISS_OK : gn_check_hydrostatic_load(c, gn_scene_may_compress(s));
 }
 
 gneiss_status gn_check_test(const check *c, gn_scene *s) {
@@ -432,7 +432,7 @@ gneiss_status gn_check_test(const check *c, gn_scene *s) {
                           : !t->lower.count ? "test.lower"
                           : !t->upper.count ? "test.upper"
                                             : NULL;
-    if (missing && gn_check_sound(c, missing))
+    if (missing && gn_check_is_valid(c, missing))
         return gn_check_fail(c, missing, "required, but not given");
     if (missing) return GNEISS_OK;
     if (t->axis >= s->dimension)

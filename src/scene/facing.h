@@ -10,10 +10,10 @@ typedef struct gn_facing {
     size_t pair[2][2];
 } gn_facing;
 
-/* Whether it stands across the axis along which a periodic box has no sides, and so covers it. */
-bool gn_wall_closes_box(const gn_scene *scene, size_t wall);
+/* True if the wall stands across the open axis of a periodic box and so closes the box. */
+bool gn_wall_covers_open_axis(const gn_scene *scene, size_t wall);
 
-/* The first such pairs in the scene; false: there are none. */
+/* Finds the first such pairs in the scene; false: there are none. */
 bool gn_facing_find(const gn_scene *scene, size_t wall, gn_facing *facing);
 
 #endif

@@ -5,14 +5,14 @@
 
 #include <string.h>
 
-typedef struct printer {
+typedef struct key_printer {
     FILE *out;
     bool markdown;
     const char *const *sought; /* [sought_count]; none: every key */
     size_t sought_count;
-    int rank; /* of the keys that are printed now */
+    int rank; /* rank of the keys that are printed now */
     size_t count;
-} printer;
+} key_printer;
 
 /* "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
 static void describe_numbers(char *text, size_t size, const char *noun, const gn_key *key) {
@@ -116,29 +116,27 @@ static void print_default(char *text, size_t size, const gn_key *key) {
         snprintf(text, size, "%s", key->fallback ? key->fallback : "");
 }
 
-static void print_key(printer *p, const char *path, const gn_key *key) {
+static void print_key(key_printer *printer, const char *path, const gn_key *key) {
     char type[256], fallback[96];
     describe(type, sizeof type, key);
     print_default(fallback, sizeof fallback, key);
-    p->count++;
-    if (p->markdown) {
-        fprintf(p->out, "| `%s` ", path);
-        print_cell(p->out, type);
-        print_cell(p->out, fallback);
-        print_cell(p->out, key->text);
-        fputs("|\n", p->out);
+    printer->count++;
+    if (printer->markdown) {
+        fprintf(printer->out, "| `%s` ", path);
+        print_cell(printer->out, type);
+        print_cell(printer->out, fallback);
+        print_cell(printer->out, key->text);
+        fputs("|\n", printer->out);
         return;
     }
-    fprintf(p->out, "%s\n    %s%s%s\n    %s\n", path, type,
+    fprintf(printer->out, "%s\n    %s%s%s\n    %s\n", path, type,
             !*fallback      ? ""
             : key->required ? "; "
                             : "; default ",
             fallback, key->text);
 }
 
-/* Words of the field and of other programs, and what the paths of the keys hold that they are
- * about.
- */
+/* Synonyms from the field and other programs, and the parts of key paths that they stand for. */
 static const struct {
     const char *word, *parts[4];
 } synonyms[] = {
@@ -191,7 +189,7 @@ static bool is_synonym(const char *word, const char *path) {
 
 enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
 
-/* Where a key holds a word, the nearest first; RANKS: nowhere. */
+/* Returns the best match of a key with a word, the nearest first; RANKS: none. */
 static int rank_of_word(const char *word, const char *path, const gn_key *key) {
     char type[256];
     if (strncasecmp(path, word, strlen(word)) == 0) return RANK_START;
@@ -202,40 +200,41 @@ static int rank_of_word(const char *word, const char *path, const gn_key *key) {
                : RANKS;
 }
 
-/* Several words may be one term of the field: "crack mouth". */
-static bool is_term(const printer *p, const char *path) {
+/* Several words may form one term: "crack mouth". */
+static bool is_term(const key_printer *printer, const char *path) {
     char term[256] = "";
-    for (size_t k = 0, used = 0; k < p->sought_count && used < sizeof term; k++)
-        used +=
-            (size_t)snprintf(term + used, sizeof term - used, "%s%s", k ? " " : "", p->sought[k]);
-    return p->sought_count > 1 && is_synonym(term, path);
+    for (size_t k = 0, used = 0; k < printer->sought_count && used < sizeof term; k++)
+        used += (size_t)snprintf(term + used, sizeof term - used, "%s%s", k ? " " : "",
+                                 printer->sought[k]);
+    return printer->sought_count > 1 && is_synonym(term, path);
 }
 
-/* Of several words the one that it holds farthest behind; all of them are wanted. */
-static int rank_of(const printer *p, const char *path, const gn_key *key) {
+/* The rank of several words is the lowest of theirs; a key must contain all of them. */
+static int rank_of(const key_printer *printer, const char *path, const gn_key *key) {
     int rank = RANK_START;
-    for (size_t k = 0; k < p->sought_count; k++) {
-        const int word = rank_of_word(p->sought[k], path, key);
+    for (size_t k = 0; k < printer->sought_count; k++) {
+        const int word = rank_of_word(printer->sought[k], path, key);
         if (word > rank) rank = word;
     }
-    return rank == RANKS && is_term(p, path) ? RANK_TEXT : rank;
+    return rank == RANKS && is_term(printer, path) ? RANK_TEXT : rank;
 }
 
-static void print_section(printer *p, const gn_section *section, const char *above) {
+static void print_section(key_printer *printer, const gn_section *section, const char *above) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         char path[256];
         snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
-        if (rank_of(p, path, key) == p->rank) print_key(p, path, key);
+        if (rank_of(printer, path, key) == printer->rank) print_key(printer, path, key);
         if (!key->section) continue;
         if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
-        print_section(p, key->section, path);
+        print_section(printer, key->section, path);
     }
 }
 
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
                            size_t sought_count) {
-    printer p = {.out = out, .markdown = markdown, .sought = sought, .sought_count = sought_count};
+    key_printer p = {
+        .out = out, .markdown = markdown, .sought = sought, .sought_count = sought_count};
     if (markdown)
         fputs("# Keys of a scene\n\n"
               "Written by `gneiss keys --markdown` from the table that also drives the reading of "
@@ -250,7 +249,7 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
 }
 
 void gn_section_print_keys(FILE *out, const gn_section *section) {
-    printer p = {.out = out, .markdown = true};
+    key_printer p = {.out = out, .markdown = true};
     print_section(&p, section, "");
 }
 
@@ -263,13 +262,13 @@ static const gn_key *key_named(const gn_section *section, const char *name, size
     return NULL;
 }
 
-/* A path goes down a section by the name of a key, a list by an element (whichever) and a value of
- * several numbers by a component; "materials.rock.friction" and "materials[0].friction" alike. */
+/* A path enters a section by the name of a key, a list by any element and a value of several
+ * numbers by a component; "materials.rock.friction" and "materials[0].friction" are equal. */
 const gn_key *gn_scene_key_at(const char *path) {
     const gn_section *section = &gn_scene_section;
     const gn_key *key = NULL;
     while (*path) {
-        bool inside = key && !section; /* of a list or a value */
+        bool inside = key && !section; /* inside a list or a value */
         size_t length = strcspn(path, ".[]");
         if (!inside) {
             key = key_named(section, path, length);
@@ -285,36 +284,36 @@ const gn_key *gn_scene_key_at(const char *path) {
     return key;
 }
 
-/* ---- slips ---- */
+/* ---- misspelt keys ---- */
 
-typedef struct slip {
+typedef struct key_slip {
     gn_names names;
     char *name;
     size_t size;
-} slip;
+} key_slip;
 
-/* What is kept is a copy: a path does not last. */
-static void offer(slip *s, const char *name) {
-    size_t least = s->names.least;
-    gn_names_add(&s->names, name);
-    if (s->names.least < least) snprintf(s->name, s->size, "%s", name);
+/* The candidate is copied, because a path is temporary. */
+static void offer(key_slip *slip, const char *name) {
+    size_t least = slip->names.least;
+    gn_names_add(&slip->names, name);
+    if (slip->names.least < least) snprintf(slip->name, slip->size, "%s", name);
 }
 
-static void offer_section(slip *s, const gn_section *section, const char *above) {
+static void offer_section(key_slip *slip, const gn_section *section, const char *above) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         char path[256];
         snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
-        offer(s, key->name);
-        offer(s, path);
+        offer(slip, key->name);
+        offer(slip, path);
         if (!key->section) continue;
         if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
-        offer_section(s, key->section, path);
+        offer_section(slip, key->section, path);
     }
 }
 
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size) {
-    slip s = {gn_names_for(sought), name, size};
+    key_slip s = {gn_names_for(sought), name, size};
     *name = '\0';
     offer_section(&s, &gn_scene_section, "");
     return *name != '\0';

@@ -1,31 +1,33 @@
-/* Laboratory tests, and pressure on a specimen, as a scene says them. */
+/* Definitions of laboratory tests and of pressure on a specimen. */
 #ifndef GN_SCENE_LABORATORY_H
 #define GN_SCENE_LABORATORY_H
 
 #include "scene/values.h"
 #include "test_kinds/test_kind.h"
 
-/* Walls, bodies, sets, motions of elements that load the specimen together. */
+/* Walls, bodies, sets and motions of elements that load the specimen together. */
 typedef struct gn_test_end {
     size_t count;
     char (*name)[GN_NAME_SIZE]; /* [count] */
-    gn_scene_place where;       /* of the two of a test, not of a gauge */
+    gn_scene_place where;       /* set for ends of a test, not of a gauge */
 } gn_test_end;
 
-/* How far two parts of the specimen come apart, such as the sides of a notch's mouth. */
+/* The distance by which two parts of the specimen separate, such as the sides of a notch's mouth.
+ */
 typedef struct gn_opening {
     int64_t axis; /* 0 1 2 */
     gn_test_end lower, upper;
 } gn_opening;
 
-/* A test whose ends move as fast as something else is to grow. */
+/* Control of a test: the ends move at the speed at which a measured quantity grows at its given
+ * rate. */
 typedef struct gn_control {
-    double opening, lateral_strain; /* m/s, 1/s: rate at which one of both is to grow; 0: other */
-    double response; /* s: how far it may be behind or ahead, times the rate, at full speed */
-    double reverse;  /* of the motion of the ends, the most they go back with */
+    double opening, lateral_strain; /* m/s, 1/s: wanted rate of growth; the other one is 0 */
+    double response; /* s: the deviation, over the rate, at which the ends move at full speed */
+    double reverse;  /* largest reverse speed over the speed of the ends */
 } gn_control;
 
-/* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
+/* A laboratory test: its two ends and the definitions of stress and strain. */
 typedef struct gn_test {
     gn_test_kind kind;
     int64_t axis; /* 0 1 2 */
@@ -37,8 +39,10 @@ typedef struct gn_test {
     gn_opening opening;
     bool has_control;
     gn_control control;
-    bool has_confinement; /* while it is read: one scene is one confinement, gneiss run makes */
-    const struct gn_node *confinement; /* a run of each (src/sweep/load.c) */
+    /* Only while reading: a scene has one confinement, and gneiss run makes a run for each
+     * (src/sweep/load.c). */
+    bool has_confinement;
+    const struct gn_node *confinement;
     gn_scene_place where;
 } gn_test;
 
@@ -47,22 +51,23 @@ typedef enum gn_membrane_surface { GN_SURFACE_SHAPE, GN_SURFACE_PARTICLES } gn_m
 
 /* Pressure on the surface of the specimen. */
 typedef struct gn_membrane_def {
-    gn_table pressure;           /* Pa */
-    double ramp;                 /* s in which it comes, from 0; 0: at once */
-    gn_membrane_surface surface; /* of specimens with a shape; others have that of particles */
+    gn_table pressure; /* Pa */
+    double ramp;       /* s over which the pressure rises from 0; 0: at once */
+    gn_membrane_surface
+        surface; /* for specimens with a shape; others use the surface of particles */
     gn_membrane_faces faces;
-    int64_t axis; /* that sides face across: 0 1 2; -1: that of the test */
-    bool follow;  /* the deformation */
+    int64_t axis; /* sides face across it: 0 1 2; -1: the axis of the test */
+    bool follow;  /* the membrane follows the deformation */
     gn_scene_place where;
 } gn_membrane_def;
 
-/* How a pair of sides of a periodic box moves; neither table: it stands still. */
+/* Motion of a pair of sides of a periodic box; without a table the pair is fixed. */
 typedef struct gn_box_side {
-    gn_table stress; /* wanted, compression positive, Pa; or */
-    gn_table rate;   /* 1/s, of its length over its length */
+    gn_table stress; /* target, compression positive, Pa; or */
+    gn_table rate;   /* 1/s, rate of the length over the length */
     gn_scene_place rate_where;
     double max_rate;   /* 1/s, with stress */
-    double relaxation; /* share of the missing stress that is made up per step, (0, 1]; 0: 0.1 */
+    double relaxation; /* share of the stress error corrected per step, (0, 1]; 0: 0.1 */
 } gn_box_side;
 
 #endif

@@ -1,5 +1,5 @@
-/* The one list of scene keys. Parsing, defaults, range checks, overrides, the resolved echo and the
- * key reference all walk these tables; a key is declared in manifest.c and nowhere else. */
+/* The single list of scene keys. Parsing, defaults, range checks, overrides, the resolved echo and
+ * the key reference all read these tables; a key is declared in manifest.c and nowhere else. */
 #ifndef GN_SCENE_MANIFEST_H
 #define GN_SCENE_MANIFEST_H
 
@@ -7,47 +7,47 @@
 #include "scene/units.h"
 
 typedef enum gn_key_type {
-    GN_KEY_REAL,    /* double, a quantity in `unit` */
-    GN_KEY_INTEGER, /* int64_t */
-    GN_KEY_SEED,    /* uint64_t */
-    GN_KEY_TEXT,    /* char[size] */
-    GN_KEY_NAME,    /* char[size], names something: not empty, usable in an override */
-    GN_KEY_FILE,    /* char[size], a file that must be there; its absolute path goes to `second` */
-    GN_KEY_CHOICE,  /* bool, enum or int64_t, by `size` */
-    GN_KEY_VECTOR,  /* double[3]; two components in 2D scenes */
-    GN_KEY_SPIN,    /* double[3]; one number, about z, in 2D scenes */
-    GN_KEY_CELLS,   /* int64_t[3]; two components in 2D scenes */
-    GN_KEY_TABLE,   /* gn_table: constant or [[time, value], ...] */
-    GN_KEY_IDS,     /* int64_t *, their number at `second` */
-    GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r]; or
-                         a whole number in `range` instead, which goes to the int64_t at `number` */
-    GN_KEY_POINTS,    /* double *, their number at `second`; rows [x, y], at least 3 or `number` */
-    GN_KEY_NAMES,     /* char (*)[GN_NAME_SIZE], their number at `second`; one name, or a list */
-    GN_KEY_TREE,      /* const gn_node *, whatever stands there: its owner reads it; `unit`
-                         says in words what it is */
-    GN_KEY_CHANGES,   /* char *, bytes at `second`: keys of the scene, which stages.c takes out; no
-                         key of a file has its name */
-    GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
-    GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
+    GN_KEY_REAL,      /* double, a quantity in `unit` */
+    GN_KEY_INTEGER,   /* int64_t */
+    GN_KEY_SEED,      /* uint64_t */
+    GN_KEY_TEXT,      /* char[size] */
+    GN_KEY_NAME,      /* char[size], a name: not empty, usable in an override */
+    GN_KEY_FILE,      /* char[size], an existing file; its absolute path goes to `second` */
+    GN_KEY_CHOICE,    /* bool, enum or int64_t, by `size` */
+    GN_KEY_VECTOR,    /* double[3]; two components in 2D scenes */
+    GN_KEY_SPIN,      /* double[3]; one number, about z, in 2D scenes */
+    GN_KEY_CELLS,     /* int64_t[3]; two components in 2D scenes */
+    GN_KEY_TABLE,     /* gn_table: constant or [[time, value], ...] */
+    GN_KEY_IDS,       /* int64_t *, their count at `second` */
+    GN_KEY_PARTICLES, /* double *, their count at `second`; rows [x, y, z, r], in 2D [x, y, r]; or a
+                         whole number in `range` instead, which goes to the int64_t at `number` */
+    GN_KEY_POINTS,    /* double *, their count at `second`; rows [x, y], at least 3 or `number` */
+    GN_KEY_NAMES,     /* char (*)[GN_NAME_SIZE], their count at `second`; one name, or a list */
+    GN_KEY_TREE, /* const gn_node *, any YAML value, read by its owner; `unit` describes it in words
+                  */
+    GN_KEY_CHANGES, /* char *, bytes at `second`: keys of the scene that a stage changes, extracted
+                       by stages.c; no key of a file has this name */
+    GN_KEY_SECTION, /* the keys of `section`, in the struct at `offset` */
+    GN_KEY_LIST     /* a pointer to structs, their count at `second`; each read by `section` */
 } gn_key_type;
 
-/* How the struct tells that an optional key or section was given; one that was not is not written.
- */
+/* Sign in the struct that an optional key or section was given; a key that was not given is not
+ * written. */
 typedef enum gn_presence {
     GN_PRESENT_ALWAYS,
     GN_PRESENT_BOOL,  /* bool, set when the key is read */
     GN_PRESENT_ENUM,  /* an enum that is not 0 */
     GN_PRESENT_AXIS,  /* int64_t, -1 when absent */
     GN_PRESENT_COUNT, /* size_t that is not 0 */
-    GN_PRESENT_NONE,  /* size_t that is 0: of what another list takes the place */
+    GN_PRESENT_NONE,  /* size_t that is 0: another list replaces this one */
     GN_PRESENT_TEXT,  /* char[] that is not empty */
-    GN_PRESENT_ROWS,  /* of GN_KEY_PARTICLES: rows or their wanted number */
+    GN_PRESENT_ROWS,  /* for GN_KEY_PARTICLES: rows or their requested number */
     GN_PRESENT_SHAPE, /* gn_shape_kind that is the key's */
-    GN_PRESENT_BESIDE /* an enum that is not 0; of a section that takes its defaults without it */
+    GN_PRESENT_BESIDE /* an enum that is not 0; of a section that takes its defaults otherwise */
 } gn_presence;
 
-/* A word of the file and its value in the struct. Ends with a NULL name; of several words for one
- * value the first is the one written. */
+/* A word of the file and its value in the struct. The array ends with a NULL name; the first of
+ * several words for one value is the one written. */
 typedef struct gn_choice {
     const char *name;
     int64_t value;
@@ -61,28 +61,29 @@ typedef struct gn_key {
     size_t offset, size; /* in the struct of the section */
     size_t second;       /* see gn_key_type */
     size_t number;       /* see GN_KEY_PARTICLES, GN_KEY_POINTS */
-    bool required;       /* an error when its section is given without it */
+    bool required;       /* its section is an error without it */
     const char
-        *fallback;     /* default as it would be written (each component of a vector); NULL: none */
+        *fallback;     /* default as written in a file (each component of a vector); NULL: none */
     const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two; GN_SLOPE,
                           GN_PLAIN_NUMBER,  GN_EVENT_RATE */
     const char *range; /* interval in that unit, such as "(0, 1]"; NULL: any finite number */
-    const char *word; /* instead of a number, such as "auto"; of a section: each of its keys has its
-                         word */
-    double word_value;      /* what the word stands for in the struct */
-    const char *other_word; /* another one, with its value; of a real number */
+    const char *
+        word; /* instead of a number, such as "auto"; of a section: sets each key to its own word */
+    double word_value;      /* value of the word in the struct */
+    const char *other_word; /* a second word of a real number, with its value */
     double other_value;
-    const gn_choice *choices; /* of GN_KEY_CHOICE */
-    size_t place_at; /* offset of the gn_scene_place of a value that the file gives, for what is
-                        found out later; 0: none */
+    const gn_choice *choices; /* for GN_KEY_CHOICE */
+    size_t place_at; /* offset of the gn_scene_place of a value from the file, for later messages;
+                        0: none */
     gn_presence presence;
-    size_t present_at;   /* offset of what `presence` looks at */
-    gn_shape_kind shape; /* that the key gives; GN_SHAPE_NONE: it gives none */
-    int shape_dimension; /* of scenes that can have the key; 0: any */
+    size_t present_at;   /* offset of the field that `presence` reads */
+    gn_shape_kind shape; /* shape that the key gives; GN_SHAPE_NONE: none */
+    int shape_dimension; /* dimension of scenes that can have the key; 0: any */
     bool packing;        /* a section of the scene that gn_scene_load_specimen reads */
     const gn_section *section;
-    const char *in_folder; /* of GN_KEY_FILE: the file in it that a folder stands for; NULL: none */
-    const char *text;      /* one line of explanation */
+    const char
+        *in_folder;   /* for GN_KEY_FILE: file name inside a folder; NULL: folders are refused */
+    const char *text; /* one line of explanation */
 } gn_key;
 
 enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };
@@ -90,24 +91,24 @@ enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };
 struct gn_section {
     const gn_key *keys;
     size_t key_count;
-    size_t size; /* of an element, when it is one of a list */
+    size_t size; /* size of an element of a list */
     long where;  /* offset of the gn_scene_place to fill; GN_NO_WHERE: none */
 };
 
-/* m: what lengths and coordinates may be, as GN_LENGTH_LEAST and GN_PLACE_MOST. */
+/* m: range of lengths and coordinates, as GN_LENGTH_LEAST and GN_PLACE_MOST. */
 #define GN_LENGTHS "[1e-9, 1e9]"
 #define GN_PLACES  "[-1e9, 1e9]"
 
-/* The whole scene, and its specimen. */
+/* Sections of the whole scene, and of its specimen. */
 extern const gn_section gn_scene_section, gn_specimen_section;
 /* An element of `bodies` (manifest_bodies.c). */
 extern const gn_section gn_body_section;
-/* What is drawn for bonds of a material; an element of `contacts` (manifest_contacts.c). */
+/* A distribution of bonds of a material; an element of `contacts` (manifest_contacts.c). */
 extern const gn_section gn_scatter_section, gn_contact_section;
 /* An element of `stages` (manifest_stages.c). */
 extern const gn_section gn_stage_section;
 
-/* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
+/* An interval "[low, high)" and a test whether it contains a value. NULL: every finite value. */
 typedef struct gn_range {
     double low, high;
     bool low_open, high_open;
@@ -115,24 +116,24 @@ typedef struct gn_range {
 gn_range gn_range_read(const char *text);
 bool gn_range_holds(const char *text, double value);
 
-/* The key of a scene at a path as in an override (walls.top.motion.vz, gravity[2]: the vector);
- * NULL: there is none. Elements of lists need not be there. */
+/* Returns the key of a scene at a path as in an override (walls.top.motion.vz, gravity[2]: the
+ * vector); NULL: none. Elements of lists need not exist. */
 const gn_key *gn_scene_key_at(const char *path);
 
-/* The keys of another table than a scene's, as rows of a Markdown table. */
+/* Prints the keys of any table as rows of a Markdown table. */
 void gn_section_print_keys(FILE *out, const gn_section *section);
 
-/* Whether the key is present in the struct `base` of its section. */
+/* True if the key is present in the struct `base` of its section. */
 bool gn_key_present(const gn_key *key, const void *base);
 
-/* Bytes of an element of the array that a key is; 0 when it is none. */
+/* Returns the size in bytes of an element of the array that a key holds; 0: no array. */
 size_t gn_key_element_size(const gn_key *key);
 
-/* The shapes of a dimension: "box, cylinder, ...". */
+/* Lists the shapes of a dimension: "box, cylinder, ...". */
 enum { GN_SHAPE_NAMES_SIZE = 128 };
 void gn_shape_names(int64_t dimension, char names[GN_SHAPE_NAMES_SIZE]);
 
-/* The value of a GN_KEY_CHOICE at its place, and back. */
+/* Reads the value of a GN_KEY_CHOICE at its place, and writes it. */
 int64_t gn_choice_load(const gn_key *key, const void *at);
 void gn_choice_store(const gn_key *key, void *at, int64_t value);
 const char *gn_choice_name(const gn_choice *choices, int64_t value);

@@ -1,4 +1,4 @@
-/* What the tables of manifest.c mean: ranges, presence, words. */
+/* Interpretation of the tables of manifest.c: ranges, presence, words. */
 #include "scene/manifest.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The keys of `bodies`. */
+/* Keys of `bodies`. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
@@ -19,7 +19,7 @@ static const gn_key cylinder_keys[] = {
     KEY("height", REAL, gn_body_cylinder, height, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along z"),
     KEY("sides", INTEGER, gn_body_cylinder, sides, .range = "[3, 10000]", .fallback = "32",
-        .text = "of the polygon that stands for the circle"),
+        .text = "sides of the polygon that represents the circle"),
     KEY("open", CHOICE, gn_body_cylinder, open, .choices = booleans, .fallback = "false",
         .text = "without end faces: a tube or a funnel"),
 };
@@ -41,11 +41,11 @@ TABLE_OF(motion);
 
 static const gn_key body_keys[] = {
     KEY("name", NAME, gn_body_def, name, .required = true,
-        .text = "what the rest of the scene calls it"),
+        .text = "name by which the rest of the scene refers to it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
-        .text = "3D shape: STL file; closed and not cutting itself when the body is free, unless "
-                "mass, inertia and reference are given"),
+        .text = "3D shape: STL file; a free body needs a closed surface that does not intersect "
+                "itself, unless mass, inertia and reference are given"),
     SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
             .text = "3D shape; its lower corner is its origin"),
     SECTION("cylinder", cylinder_section, .offset = offsetof(gn_body_def, cylinder),
@@ -61,42 +61,48 @@ static const gn_key body_keys[] = {
         PRESENT(BOOL, gn_body_def, scale_given),
         .text = "lengths of the shape times this give metres"),
     KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .range = GN_PLACES, .fallback = "0",
-        .text = "where the origin of the shape stands"),
+        .text = "position of the shape's origin"),
     KEY("rotation", SPIN, gn_body_def, rotation, .unit = "rad", .range = GN_TURNS,
         PRESENT(BOOL, gn_body_def, has_rotation),
-        .text = "turns the shape about its origin first: axis times angle; in 2D one number"),
+        .text = "rotation vector (axis times angle) of the shape about its origin, applied before "
+                "the shift; in 2D one number"),
     KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .word = "none", .fallback = "none",
-        .text =
-            "penalty stiffness k_n; needed by every law but hertz, where it is that of contacts "
-            "with walls and other bodies (without it a free body meets particles only)"),
+        .text = "penalty stiffness k_n; needed by every law but hertz, where it holds for contacts "
+                "with walls and other bodies (without it a free body has contacts with particles "
+                "only)"),
     KEY("material", TEXT, gn_body_def, material, .fallback = "",
-        PRESENT(TEXT, gn_body_def, material), .text = "with hertz, as of walls"),
+        PRESENT(TEXT, gn_body_def, material),
+        .text = "with hertz: name of the material; left out: rigid, with its own friction and the "
+                "restitution of the particles"),
     KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
         .fallback = "none",
-        .text = "k_n/k_t of the surface; needed with friction, with hertz beside stiffness only"),
+        .text = "k_n/k_t of the surface; needed with friction, with hertz only together with "
+                "stiffness"),
     KEY("friction", REAL, gn_body_def, friction, .unit = GN_SLOPE, .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
     KEY("rolling_friction", REAL, gn_body_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
-        .fallback = "0", .text = "mu_r, as of materials"),
+        .fallback = "0", .text = "mu_r, as for materials"),
     KEY("twisting_friction", REAL, gn_body_def, twisting_friction, .unit = "1",
-        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
+        .range = GN_FRICTIONS, .fallback = "0",
+        .text = "mu_t: contacts resist twisting up to the moment mu_t R |f_n|, R the reduced "
+                "radius; 0: no resistance"),
     KEY("reference", VECTOR, gn_body_def, reference, .unit = "m", .range = GN_PLACES,
         PRESENT(BOOL, gn_body_def, has_reference),
-        .text = "point about which spin turns the body and moments are taken; without it the "
-                "origin, of free bodies the centre of mass, which it moves with mass and inertia"),
+        .text = "centre of rotation and reference of moments; default: the origin, for free bodies "
+                "the centre of mass; given with mass and inertia it is the centre of mass"),
     KEY("free", CHOICE, gn_body_def, free, .choices = booleans, .fallback = "false",
-        .text = "channels that motion leaves free follow the forces of particles and gravity"),
+        .text = "components that motion leaves free follow the forces of particles and gravity"),
     KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = GN_DENSITIES,
         .word = "none", .fallback = "none",
         .text = "mass density; a free body needs it or its mass"),
     KEY("mass", REAL, gn_body_def, mass, .unit = "kg", .range = GN_MASSES, .word = "none",
-        .fallback = "none", .text = "of a free body, in place of its density"),
+        .fallback = "none", .text = "mass of a free body, instead of its density"),
     KEY("inertia", SPIN, gn_body_def, inertia, .unit = "kg m2", .range = GN_INERTIAS,
         PRESENT(BOOL, gn_body_def, has_inertia),
         .text = "moments of inertia of a free body about its centre of mass along x, y, z, which "
-                "are its principal axes at the start; in 2D one number; without it those of the "
-                "shape, filled evenly"),
+                "are its principal axes at the start; in 2D one number; default: those of the "
+                "shape with uniform density"),
     KEY("initial_velocity", VECTOR, gn_body_def, initial_velocity, .unit = "m/s",
         .range = GN_SPEEDS, PRESENT(BOOL, gn_body_def, has_initial_velocity),
         .text = "velocity of a free body at the start"),
@@ -104,8 +110,8 @@ static const gn_key body_keys[] = {
         PRESENT(BOOL, gn_body_def, has_initial_spin),
         .text = "spin of a free body at the start; in 2D one number"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
-            .text = "how the body moves; a channel that is left out stands still, or is free in a "
-                    "free body"),
+            .text =
+                "prescribed motion of the body; components left out are zero, in a free body free"),
 };
 const gn_section gn_body_section = {body_keys, sizeof body_keys / sizeof(gn_key),
                                     sizeof(gn_body_def), offsetof(gn_body_def, where)};

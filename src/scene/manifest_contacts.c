@@ -1,4 +1,4 @@
-/* The keys of `contacts`, and of what is drawn bond by bond. */
+/* Keys of `contacts` and of distributions of bond properties. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice distributions[] = {
@@ -6,12 +6,13 @@ static const gn_choice distributions[] = {
 
 static const gn_key scatter_keys[] = {
     KEY("distribution", CHOICE, gn_scatter, kind, .choices = distributions, .required = true,
-        .text = "of the number drawn for a bond"),
+        .text = "distribution of the factor of a bond"),
     KEY("modulus", REAL, gn_scatter, modulus, .unit = GN_PLAIN_NUMBER, .range = "[0.5, 1e4]",
         .word = "none", .fallback = "none", .text = "Weibull modulus; needed by weibull"),
     KEY("deviation", REAL, gn_scatter, deviation, .unit = "1", .range = "[1e-6, 0.33]",
         .word = "none", .fallback = "none",
-        .text = "standard deviation over the mean; needed by normal, which is cut at 0 and 2"),
+        .text =
+            "standard deviation over the mean; needed by normal, which is truncated at 0 and 2"),
 };
 const gn_section gn_scatter_section = {scatter_keys, sizeof scatter_keys / sizeof(gn_key), 0,
                                        GN_NO_WHERE};
@@ -33,8 +34,9 @@ static const gn_key contact_keys[] = {
           "E of laws by area and hertz, instead of both in series"),
     VALUE("poisson", poisson, "1", "(-1, 0.5]",
           "nu of laws by area and hertz, instead of the mean (of each)"),
-    VALUE("alpha", alpha, "1", "[1e-6, 1e6]", "of laws by area, instead of the harmonic mean"),
-    VALUE("beta", beta, "1", "[0, 1e6]", "of laws by area, instead of the harmonic mean"),
+    VALUE("alpha", alpha, "1", "[1e-6, 1e6]",
+          "factor in laws by area, instead of the harmonic mean"),
+    VALUE("beta", beta, "1", "[0, 1e6]", "factor in laws by area, instead of the harmonic mean"),
     VALUE("tensile_strength", tensile_strength, "Pa", GN_STRENGTHS,
           "sigma_c of a bond, instead of the smaller"),
     VALUE("shear_strength", shear_strength, "Pa", GN_STRENGTHS,
@@ -48,11 +50,12 @@ static const gn_key contact_keys[] = {
     VALUE("rolling_friction", rolling_friction, "1", GN_FRICTIONS, "mu_r, instead of the smaller"),
     VALUE("twisting_friction", twisting_friction, "1", GN_FRICTIONS,
           "mu_t, instead of the smaller"),
-    VALUE("restitution", restitution, "1", "[0, 1]", "with hertz, instead of the smaller"),
+    VALUE("restitution", restitution, "1", "[0, 1]",
+          "restitution coefficient with hertz, instead of the smaller"),
     VALUE("fracture_energy", fracture_energy, "J/m2", GN_TOUGHNESSES,
           "G_f of a bond in tension, with softening energy, instead of the smaller"),
     VALUE("shear_fracture_energy", shear_fracture_energy, "J/m2", GN_TOUGHNESSES,
-          "the same in shear"),
+          "G_f of a bond in shear, with softening energy, instead of the smaller"),
 };
 const gn_section gn_contact_section = {contact_keys, sizeof contact_keys / sizeof(gn_key),
                                        sizeof(gn_contact_def), offsetof(gn_contact_def, where)};

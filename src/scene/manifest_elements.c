@@ -1,4 +1,4 @@
-/* The keys of finite elements. */
+/* Keys of finite elements. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice formulations[] = {
@@ -21,9 +21,9 @@ static const gn_key block_keys[] = {
         .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
     KEY("diagonals", CHOICE, gn_scene, elements.diagonals, .choices = diagonals,
         .fallback = "alternating",
-        .text = "of the cells: alternating prefers no direction; parallel gives all inner nodes of "
-                "equal cells one "
-                "mass, for waves of some elements and zones with particles"),
+        .text = "diagonals of the cells: alternating prefers no direction; parallel gives equal "
+                "masses to all inner nodes of equal cells, for waves only some elements long and "
+                "for coupling zones"),
 };
 TABLE_OF(block);
 
@@ -35,11 +35,12 @@ static const gn_key beam_keys[] = {
     KEY("thickness", REAL, gn_scene, elements.beam.thickness, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none", .text = "thickness, along z; needed in 3D"),
     KEY("span", REAL, gn_scene, elements.beam.span, .unit = "m", .range = GN_LENGTHS,
-        .word = "auto", .fallback = "auto", .text = "between the supports; auto: the length"),
+        .word = "auto", .fallback = "auto", .text = "distance of the supports; auto: the length"),
     KEY("notch_depth", REAL, gn_scene, elements.beam.notch_depth, .unit = "m", .range = GN_LENGTHS,
-        .word = "none", .fallback = "none", .text = "of the notch from below at mid-span"),
+        .word = "none", .fallback = "none",
+        .text = "depth of the notch in the lower side at mid-span"),
     KEY("notch_width", REAL, gn_scene, elements.beam.notch_width, .unit = "m", .range = GN_LENGTHS,
-        .word = "none", .fallback = "none", .text = "needed with notch_depth"),
+        .word = "none", .fallback = "none", .text = "width of the notch; needed with notch_depth"),
     KEY("cell", REAL, gn_scene, elements.beam.cell, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "largest side of a cell"),
     KEY("notch_cells", INTEGER, gn_scene, elements.beam.notch_cells, .range = "[1, 1000]",
@@ -47,12 +48,12 @@ static const gn_key beam_keys[] = {
         .text = "cells over half the width of the notch; they set the size of the cells at its "
                 "tip"),
     KEY("growth", REAL, gn_scene, elements.beam.growth, .unit = "1", .range = "[1.01, 3]",
-        .fallback = "1.2", .text = "how cells grow from one to the next away from the notch"),
+        .fallback = "1.2", .text = "ratio of neighbouring cells away from the notch"),
     KEY("origin", VECTOR, gn_scene, elements.beam.origin, .unit = "m", .range = GN_PLACES,
         .fallback = "0", .text = "lower corner"),
     KEY("diagonals", CHOICE, gn_scene, elements.beam.diagonals, .choices = diagonals,
         .fallback = "alternating",
-        .text = "as of a rectangle or box; parallel ones are mirrored at mid-span"),
+        .text = "as for a rectangle or box; parallel ones are mirrored at mid-span"),
 };
 TABLE_OF(beam);
 
@@ -61,13 +62,13 @@ TABLE_OF(beam);
 static const gn_key material_keys[] = {
     KEY("group", TEXT, gn_element_material, group, .fallback = "",
         PRESENT(TEXT, gn_element_material, group), PLACED(gn_element_material, group_where),
-        .text = "of elements in the mesh, by name or number; left out: all elements"),
+        .text = "group of elements in the mesh, by name or number; left out: all elements"),
     KEY("young", REAL, gn_element_material, young, .unit = "Pa", .range = GN_MODULI,
         .required = true, .text = "Young's modulus"),
     KEY("poisson", REAL, gn_element_material, poisson, .unit = "1", .range = "(-1, 0.5]",
         .required = true,
-        .text =
-            "Poisson's ratio, below 0.5: incompressible has no stable step in an explicit scheme"),
+        .text = "Poisson's ratio, below 0.5: an incompressible material has no stable step in an "
+                "explicit scheme"),
     KEY("density", REAL, gn_element_material, density, .unit = "kg/m3", .range = GN_DENSITIES,
         .required = true, .text = "mass density"),
 };
@@ -97,7 +98,7 @@ TABLE_OF(velocity);
 
 static const gn_key motion_keys[] = {
     KEY("name", NAME, gn_element_motion, name, .required = true,
-        .text = "what the rest of the scene and the columns of the history call it"),
+        .text = "name by which the rest of the scene and the columns of the history refer to it"),
     KEY("group", TEXT, gn_element_motion, region.group, .fallback = "",
         PRESENT(TEXT, gn_element_motion, region.group),
         PLACED(gn_element_motion, region.group_where),
@@ -128,18 +129,18 @@ TABLE_OF(force);
 
 static const gn_key load_keys[] = {
     KEY("name", TEXT, gn_element_load, name, .fallback = "",
-        .text = "by which --set finds it; may be left out"),
+        .text = "name for --set; may be left out"),
     KEY("group", TEXT, gn_element_load, region.group, .fallback = "",
         PRESENT(TEXT, gn_element_load, region.group), PLACED(gn_element_load, region.group_where),
         .text = "nodes or facets of a group of the mesh, by name or number"),
     SECTION("box", load_box_section, PRESENT(BOOL, gn_element_load, region.has_box),
-            .text = "nodes that start in a box, or the mesh's facets that lie in it whole; instead "
-                    "of group"),
+            .text = "nodes that start in a box, or facets of the mesh that lie entirely in it; "
+                    "instead of group"),
     SECTION("traction", traction_section, PRESENT(BOOL, gn_element_load, has_traction),
             .text = "force per area on facets, of fixed direction; each component constant or a "
                     "table"),
     SECTION("force", force_section, PRESENT(BOOL, gn_element_load, has_force),
-            .text = "total force, shared out by area over the facets of a group of facets, "
+            .text = "total force, distributed by area over the facets of a group of facets, "
                     "otherwise by mass; each component constant or a table"),
 };
 ELEMENTS_OF(load, gn_element_load);
@@ -153,7 +154,9 @@ static const gn_key contact_keys[] = {
         .word = "none", .fallback = "none",
         .text = "penalty stiffness k_n; needed by every law but hertz"),
     KEY("material", TEXT, gn_scene, elements.contact.material, .fallback = "",
-        PRESENT(TEXT, gn_scene, elements.contact.material), .text = "with hertz, as of walls"),
+        PRESENT(TEXT, gn_scene, elements.contact.material),
+        .text = "with hertz: name of the material; left out: rigid, with its own friction and the "
+                "restitution of the particles"),
     KEY("kratio", REAL, gn_scene, elements.contact.kratio, .unit = "1", .range = GN_RATIOS,
         .word = "none", .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
     KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = GN_SLOPE,
@@ -175,7 +178,7 @@ static const gn_key elements_keys[] = {
     SECTION("box", block_section, PRESENT(BOOL, gn_scene, elements.has_box), .shape_dimension = 3,
             .text = "built-in 3D mesh; groups body, x_lower, x_upper, y_lower, ..."),
     SECTION("beam", beam_section, PRESENT(BOOL, gn_scene, elements.has_beam),
-            .text = "built-in mesh of a beam for bending, with a notch if wanted; groups also "
+            .text = "built-in mesh of a beam for bending, with an optional notch; groups also "
                     "support_left, support_right, supports, load, notch, mouth_left, mouth_right"),
     KEY("formulation", CHOICE, gn_scene, elements.formulation, .choices = formulations,
         .fallback = "displacement",
@@ -183,15 +186,15 @@ static const gn_key elements_keys[] = {
                 "materials"),
     ARRAY("materials", LIST, gn_scene, elements.materials, elements.material_count,
           .section = &material_section, .range = "[1, 1000]", .required = true,
-          .text = "what elements are made of; a later one goes over an earlier one"),
+          .text = "materials of elements; a later one overrides an earlier one"),
     ARRAY("motions", LIST, gn_scene, elements.motions, elements.motion_count,
           .section = &motion_section, .range = "[0, 10000]",
-          .text = "nodes that move as prescribed, or are watched; a later one goes over an earlier "
-                  "one"),
+          .text = "nodes that move as prescribed, or are only observed; a later one overrides an "
+                  "earlier one"),
     ARRAY("loads", LIST, gn_scene, elements.loads, elements.load_count, .section = &load_section,
-          .range = "[0, 10000]", .text = "tractions and forces, added up"),
+          .range = "[0, 10000]", .text = "tractions and forces, which add up"),
     SECTION("contact", contact_section, PRESENT(BOOL, gn_scene, elements.has_contact),
-            .text = "particles touch the surface; without it they pass through"),
+            .text = "contact of particles with the surface; without it they pass through"),
 };
 const gn_section gn_elements_section = {elements_keys, sizeof elements_keys / sizeof(gn_key), 0,
                                         offsetof(gn_scene, elements.where)};

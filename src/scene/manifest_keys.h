@@ -1,13 +1,12 @@
-/* How the tables of keys are written: private to the files that hold them. */
+/* Macros for the tables of keys, private to the files that hold them. */
 #ifndef GN_SCENE_MANIFEST_KEYS_H
 #define GN_SCENE_MANIFEST_KEYS_H
 
 #include "scene/manifest.h"
 
-/* What quantities may be: wide enough for every scene that has a meaning, in SI units, so that a
- * slip (a missing unit, an exponent too many) is refused where it stands, and products of them stay
- * far from overflow. Limits (strengths, a servo's velocity) may be large to say that there is none.
- */
+/* Ranges of quantities in SI units. They are wide enough for every meaningful scene, refuse slips
+ * (a missing unit, an exponent too many) at their place, and keep products far from overflow.
+ * Limits (strengths, a servo's velocity) may be large to stand for none. */
 #define GN_AREAS         "[1e-18, 1e18]"  /* m2 */
 #define GN_SCALES        "[1e-12, 1e12]"  /* 1 */
 #define GN_DENSITIES     "[1e-9, 1e15]"   /* kg/m3 */
@@ -20,7 +19,7 @@
 #define GN_TOUGHNESSES   "[1e-30, 1e100]" /* J/m2 */
 #define GN_RATIOS        "[1e-6, 1e12]"   /* k_n/k_t */
 #define GN_FRICTIONS     "[0, 1e30]"
-#define GN_SPEEDS        "[-3e8, 3e8]"   /* m/s: that of light */
+#define GN_SPEEDS        "[-3e8, 3e8]"   /* m/s: up to the speed of light */
 #define GN_SPINS         "[-1e12, 1e12]" /* rad/s */
 #define GN_TURNS         "[-1e6, 1e6]"   /* rad */
 #define GN_ACCELERATIONS "[-1e12, 1e12]" /* m/s2 */
@@ -34,7 +33,7 @@
         .name = NAME, .type = GN_KEY_##TYPE, .offset = offsetof(STRUCT, FIELD),                    \
         .size = sizeof(((STRUCT *)0)->FIELD), __VA_ARGS__                                          \
     }
-/* An array of which FIELD points to the first element and COUNT is the number. */
+/* An array whose first element FIELD points to and whose count is COUNT. */
 #define ARRAY(NAME, TYPE, STRUCT, FIELD, COUNT, ...)                                               \
     KEY(NAME, TYPE, STRUCT, FIELD, .second = offsetof(STRUCT, COUNT), __VA_ARGS__)
 /* Keys one level down whose fields lie in the same struct. */
@@ -43,7 +42,7 @@
 #define PRESENT(KIND, STRUCT, FIELD)                                                               \
     .presence = GN_PRESENT_##KIND, .present_at = offsetof(STRUCT, FIELD)
 #define PLACED(STRUCT, FIELD) .place_at = offsetof(STRUCT, FIELD)
-/* One of the bodies that can be packed. */
+/* One of the shapes that can be packed. */
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
     PRESENT(SHAPE, gn_scene, specimen.pack.shape)
@@ -56,15 +55,15 @@
 
 /* The section `elements` (manifest_elements.c); its fields lie in gn_scene. */
 extern const gn_section gn_elements_section;
-/* The sections `test` and `membrane` (manifest_test.c); as above. */
+/* Sections `test` and `membrane` (manifest_test.c); their fields lie in gn_scene. */
 extern const gn_section gn_test_section, gn_membrane_section;
-/* The section `time` (manifest_time.c); as above. */
+/* Section `time` (manifest_time.c); its fields lie in gn_scene. */
 extern const gn_section gn_time_section;
-/* The section `output` (manifest_output.c); as above. */
+/* Section `output` (manifest_output.c); its fields lie in gn_scene. */
 extern const gn_section gn_output_section;
 /* Elements of `sources` and `sinks` (manifest_flow.c). */
 extern const gn_section gn_source_section, gn_sink_section;
-/* The section `couple` (manifest_couple.c), likewise. */
+/* Section `couple` (manifest_couple.c); its fields lie in gn_scene. */
 extern const gn_section gn_couple_section;
 
 #endif

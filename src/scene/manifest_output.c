@@ -1,4 +1,4 @@
-/* The keys of `output`. */
+/* Keys of `output`. */
 #include "scene/manifest_keys.h"
 
 static const gn_choice switches[] = {
@@ -10,7 +10,7 @@ static const gn_key output_keys[] = {
         .text = "folder of the results; left out: runs/ and the name of the scene"),
     KEY("history_rows", INTEGER, gn_scene, history_rows, .range = "[0, 10000000]",
         .fallback = "1000",
-        .text = "rows of the history up to time.end; up to twice as many where a test ends before"),
+        .text = "rows of the history up to time.end; up to twice as many if a test ends before"),
     KEY("snapshots", INTEGER, gn_scene, snapshots, .range = "[0, 1000000]", .fallback = "10",
         .text =
             "snapshots up to the end, besides those at the peak of a test and at half of it; 0: "
@@ -21,19 +21,18 @@ static const gn_key output_keys[] = {
     KEY("energy", CHOICE, gn_scene, energy, .choices = switches, .fallback = "auto",
         .text = "energy ledger; auto: on"),
     KEY("orientation", CHOICE, gn_scene, orientation, .choices = switches, .fallback = "auto",
-        .text =
-            "turns of particles from the start, in snapshots and results.h5, where they rotate; "
-            "auto: off"),
+        .text = "rotations of particles since the start, in snapshots and results.h5, if they "
+                "rotate; auto: off"),
     KEY("events", CHOICE, gn_scene, events, .choices = switches, .fallback = "auto",
-        .text = "list of when and where bonds broke, began to soften or to yield, in results.h5; "
-                "auto: on"),
+        .text = "list of the times and places at which bonds broke, began to soften or to yield, "
+                "in results.h5; auto: on"),
     KEY("contacts", CHOICE, gn_scene, contact_rows, .choices = switches, .fallback = "auto",
-        .text = "all contacts that act, never bonded ones and those with walls and bodies among "
-                "them, in snapshots and results.h5; auto: off"),
+        .text = "all acting contacts, including unbonded ones and those with walls and bodies, in "
+                "snapshots and results.h5; auto: off"),
     KEY("burst_reach", REAL, gn_scene, burst_reach, .unit = "1", .range = "[0, 1e6]",
         .fallback = "5",
-        .text = "breaks belong to one burst that are so many mean diameters of bonded particles "
-                "apart at most, and in time no more than a wave takes for that"),
+        .text = "breaks belong to one burst if they are at most this many mean diameters of bonded "
+                "particles apart, and in time at most what a wave takes over that distance"),
     ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
           .text =
               "what particles and bonds have in snapshots and results.h5 besides: spin, group, "

@@ -1,4 +1,4 @@
-/* Keys of the section `specimen`: where the particles come from. */
+/* Keys of the section `specimen`, the source of the particles. */
 #include "scene/manifest_keys.h"
 
 /* ---- words ---- */
@@ -74,15 +74,15 @@ TABLE_OF(cylinder);
 
 static const gn_key refinement_keys[] = {
     KEY("from", VECTOR, gn_refinement, lower, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
-        .text = "lower corner of a box, which may be flat or a point"),
+        .text = "lower corner of a box, which may have zero lengths"),
     KEY("to", VECTOR, gn_refinement, upper, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
         .text = "upper corner; given together with from"),
     KEY("boundary", CHOICE, gn_refinement, boundary, .choices = booleans, .fallback = "false",
-        .text = "the boundary of the body instead of a box"),
+        .text = "refines at the boundary of the body instead of a box"),
     KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "[1e-3, 1]", .required = true,
         .text = "size of the particles there over that elsewhere"),
     KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = GN_LENGTHS,
-        .required = true, .text = "over which the size grows back"),
+        .required = true, .text = "distance over which the size grows back"),
 };
 ELEMENTS_OF(refinement, gn_refinement);
 
@@ -100,7 +100,7 @@ static const gn_key packing_keys[] = {
                     "volume and porosity are those of the part"),
     KEY("size_ratio", REAL, gn_scene, specimen.pack.size_ratio, .unit = "1", .range = "[1.2, 100]",
         .fallback = "6", PRESENT(NONE, gn_scene, specimen.pack.sieve_count),
-        .text = "largest over smallest radius asked for; a sieve has its own"),
+        .text = "requested largest over smallest radius; a sieve curve implies its own"),
     KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
         .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
         .text =
@@ -108,19 +108,19 @@ static const gn_key packing_keys[] = {
             "normal"),
     KEY("sizes", CHOICE, gn_scene, specimen.pack.sizes, .choices = pack_sizes, .fallback = "fitted",
         PRESENT(ENUM, gn_scene, specimen.pack.sizes),
-        .text = "how radii are distributed; fitted: as it packs best. uniform and normal: by "
-                "number, from the smallest to size_ratio times that; sieve: by the curve. The fit "
-                "then changes each radius by a tenth at most, and packs less densely"),
+        .text = "distribution of the radii; fitted: the one that packs best. uniform and normal: "
+                "by number, from the smallest to size_ratio times that; sieve: by the curve. The "
+                "fit then changes each radius by at most a tenth, and packs less densely"),
     ARRAY("sieve", POINTS, gn_scene, specimen.pack.sieve, specimen.pack.sieve_count, .unit = "1",
           .range = "[0, 1]", .number = 2, PRESENT(COUNT, gn_scene, specimen.pack.sieve_count),
-          .text = "with sizes sieve: rows [size over the largest, share of the mass that passes], "
-                  "from [smallest, 0] to [1, 1]"),
+          .text = "with sizes sieve: rows [size over the largest, mass fraction that passes], from "
+                  "[smallest, 0] to [1, 1]"),
     KEY("overlap", CHOICE, gn_scene, specimen.pack.overlap, .choices = overlaps, .fallback = "none",
         .text = "passive: neighbours overlap by a few per cent, free of stress when bonded with "
                 "bonds.passive_gaps"),
     KEY("overlap_size", REAL, gn_scene, specimen.pack.overlap_size, .unit = "1",
         .range = "[0, 0.2]", .word = "auto", .word_value = -1, .fallback = "auto",
-        .text = "wanted overlap over the sum of the radii; with overlap passive"),
+        .text = "target overlap over the sum of the radii; with overlap passive"),
     KEY("gap", REAL, gn_scene, specimen.pack.gap, .unit = "1", .range = "[0, 0.5]", .word = "auto",
         .word_value = -1, .fallback = "auto",
         .text = "pairs up to this gap over the sum of the radii are closed"),
@@ -129,20 +129,20 @@ static const gn_key packing_keys[] = {
         .text = "centres at the start: well-spread random points, or the inner nodes of the mesh"),
     KEY("jiggle", REAL, gn_scene, specimen.pack.jiggle, .unit = "1", .range = "[0, 1]",
         .fallback = "0.3",
-        .text = "with start nodes: random shift of the nodes over their spacing"),
+        .text = "with start: nodes: random shift of the nodes over their spacing"),
     ARRAY("refine", LIST, gn_scene, specimen.pack.refinements, specimen.pack.refinement_count,
           .section = &refinement_section, .range = "[0, 1000]",
-          .text = "where particles are smaller"),
+          .text = "regions with smaller particles"),
     KEY("iterations", INTEGER, gn_scene, specimen.pack.iterations, .range = "[1, 1e6]",
-        .word = "auto", .fallback = "auto", .text = "most iterations of the fit"),
+        .word = "auto", .fallback = "auto", .text = "largest number of iterations of the fit"),
     KEY("residual", REAL, gn_scene, specimen.pack.residual, .unit = "1", .range = "(0, 1)",
         .word = "auto", .fallback = "auto",
-        .text = "stop once the root mean square gap of the closed pairs, over the sum of their "
-                "radii, is below"),
+        .text = "the fit stops once the root mean square gap of the closed pairs, over the sum of "
+                "their radii, is below this"),
     KEY("time", REAL, gn_scene, specimen.pack.time_limit, .unit = "s", .range = "(0, inf)",
         .word = "off", .fallback = "off",
-        .text = "wall time after which the best so far is taken; the result then depends on the "
-                "machine"),
+        .text = "wall time after which the best packing so far is taken; the result then depends "
+                "on the machine"),
 };
 TABLE_OF(packing);
 
@@ -153,23 +153,21 @@ static const gn_key specimen_keys[] = {
     KEY("from", FILE, gn_scene, specimen.from, .second = offsetof(gn_scene, specimen.from_path),
         PRESENT(TEXT, gn_scene, specimen.from), .in_folder = "results.h5",
         PLACED(gn_scene, specimen.from_where),
-        .text =
-            "folder of another run: its particles as they were at its end, without those that it "
-            "had removed; or of a packing; relative to the folder of the scene"),
+        .text = "folder of another run, whose particles at the end are taken without removed ones; "
+                "or of a packing; relative to the folder of the scene"),
     KEY("from_velocities", CHOICE, gn_scene, specimen.from_velocities, .choices = from_velocities,
-        .fallback = "keep", .text = "of particles from another run: as they were, or at rest"),
+        .fallback = "keep", .text = "velocities of particles from another run: kept, or zero"),
     KEY("from_bonds", CHOICE, gn_scene, specimen.from_bonds, .choices = from_bonds,
         .fallback = "none",
-        .text =
-            "keep: what was bonded in the other run and held is bonded, with its distance of no "
-            "normal force; none: bonds form as the section bonds says"),
+        .text = "keep: intact bonds of the other run are taken over with their stress-free "
+                "lengths; none: bonds form by the section bonds"),
     KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         PRESENT(BOOL, gn_scene, specimen.scale_given),
         .text = "lengths in the file, surface or mesh times this give metres"),
     ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
           .unit = "m", .number = offsetof(gn_scene, specimen.pack.count), .range = "[4, 1e8]",
           PRESENT(ROWS, gn_scene, specimen.particle_count),
-          .text = "the particles themselves: rows [x, y, z, r], in 2D [x, y, r]; or how many to "
+          .text = "rows [x, y, z, r] of particles, in 2D [x, y, r]; or the number of particles to "
                   "pack into a shape"),
     SECTION("lattice", lattice_section, PRESENT(ENUM, gn_scene, specimen.lattice.kind),
             .text = "a regular arrangement of equal particles"),
@@ -178,7 +176,7 @@ static const gn_key specimen_keys[] = {
     SECTION("disc", disc_section, SHAPE(DISC, 2), .text = "2D shape; its centre is at the origin"),
     ARRAY("polygon", POINTS, gn_scene, specimen.pack.corners, specimen.pack.corner_count,
           .unit = "m", .range = GN_PLACES, SHAPE(POLYGON, 2),
-          .text = "2D shape; its corners in either sense"),
+          .text = "2D shape: its corners in either sense of rotation"),
     SECTION("box", body_box_section, SHAPE(BOX, 3),
             .text = "3D shape; its lower corner is at the origin"),
     SECTION("cylinder", cylinder_section, SHAPE(CYLINDER, 3),
@@ -194,12 +192,12 @@ static const gn_key specimen_keys[] = {
             "--allow-gmsh, as such a file can execute commands"),
     KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .range = GN_PLACES,
         .fallback = "0", PRESENT(ENUM, gn_scene, specimen.pack.shape),
-        .text = "where a rectangle, disc, box or cylinder stands"),
+        .text = "position of the origin of a rectangle, disc, box or cylinder"),
     KEY("mean_radius", REAL, gn_scene, specimen.pack.mean_radius, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none",
-        .text = "of the particles to pack into a shape, instead of how many"),
+        .text = "mean radius of the particles to pack into a shape, instead of their number"),
     SECTION("packing", packing_section, PRESENT(BESIDE, gn_scene, specimen.pack.shape),
-            .text = "how a shape is packed"),
+            .text = "settings of the packing of a shape"),
     KEY("material", TEXT, gn_scene, specimen.material, .fallback = "",
         PRESENT(TEXT, gn_scene, specimen.material),
         .text = "name of the material; may be left out when there is only one"),
@@ -207,7 +205,7 @@ static const gn_key specimen_keys[] = {
         .text = "cohesive group: bonds form between particles of the same group; 0: never bonded"),
     KEY("density_basis", CHOICE, gn_scene, specimen.density_basis, .choices = density_bases,
         .fallback = "particle",
-        .text = "bulk: the material's density is that of the assembly, voids included"),
+        .text = "bulk: the material's density is that of the assembly, including voids"),
     KEY("porosity", REAL, gn_scene, specimen.porosity, .unit = "1", .range = "[0, 1)",
         .word = "measure", .word_value = -1, .fallback = "measure",
         .text = "with density_basis bulk: particle density is density/(1 - porosity)"),

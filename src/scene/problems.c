@@ -8,57 +8,59 @@
 #include <stdlib.h>
 #include <string.h>
 
-void gn_problem_place(gn_problems *p, gn_scene_place where, const char *path) {
-    p->at = where;
-    snprintf(p->path, sizeof p->path, "%s", path);
+void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *path) {
+    problems->at = where;
+    snprintf(problems->path, sizeof problems->path, "%s", path);
 }
 
-gneiss_status gn_problem_keep(gn_problems *p, gneiss_status status, const gneiss_error *error) {
+gneiss_status gn_problem_keep(gn_problems *problems, gneiss_status status,
+                              const gneiss_error *error) {
     if (status != GNEISS_ERROR_INPUT) return status;
-    if (p->count < GN_PROBLEMS_MAX) {
-        gn_problem *next = &p->problem[p->count];
-        next->where = p->at;
-        memcpy(next->path, p->path, sizeof next->path);
+    if (problems->count < GN_PROBLEMS_MAX) {
+        gn_problem *next = &problems->problem[problems->count];
+        next->where = problems->at;
+        memcpy(next->path, problems->path, sizeof next->path);
         memcpy(next->text, error->message, sizeof next->text);
     }
-    p->count++;
+    problems->count++;
     return GNEISS_OK;
 }
 
-static size_t kept(const gn_problems *p) {
-    return p->count < GN_PROBLEMS_MAX ? p->count : GN_PROBLEMS_MAX;
+static size_t kept(const gn_problems *problems) {
+    return problems->count < GN_PROBLEMS_MAX ? problems->count : GN_PROBLEMS_MAX;
 }
 
 /* --- the message --- */
 
-static int by_place(const void *a, const void *b) {
-    const gn_problem *x = *(gn_problem *const *)a, *y = *(gn_problem *const *)b;
+static int by_place(const void *left, const void *right) {
+    const gn_problem *x = *(gn_problem *const *)left, *y = *(gn_problem *const *)right;
     if (x->where.line != y->where.line) return x->where.line < y->where.line ? -1 : 1;
     if (x->where.column != y->where.column) return x->where.column < y->where.column ? -1 : 1;
     return (x > y) - (x < y);
 }
 
-/* A line each; what has no room is counted. */
-gneiss_status gn_problems_status(gn_problems *p, gneiss_error *error) {
+/* Each message takes a line; messages without room are counted. */
+gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error) {
     enum { REST = 48 };
     const gn_problem *order[GN_PROBLEMS_MAX];
     char text[GNEISS_MESSAGE_SIZE] = "";
     size_t shown = 0, used = 0;
-    if (!p->count) return GNEISS_OK;
-    for (size_t k = 0; k < kept(p); k++) order[k] = &p->problem[k];
-    qsort(order, kept(p), sizeof *order, by_place);
-    for (; shown < kept(p); shown++) {
+    if (!problems->count) return GNEISS_OK;
+    for (size_t k = 0; k < kept(problems); k++) order[k] = &problems->problem[k];
+    qsort(order, kept(problems), sizeof *order, by_place);
+    for (; shown < kept(problems); shown++) {
         size_t more = strlen(order[shown]->text) + 1;
         if (shown && used + more + REST > sizeof text) break;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", shown ? "\n" : "",
                                  order[shown]->text);
     }
-    if (shown < p->count && used + REST <= sizeof text)
-        snprintf(text + used, sizeof text - used, "\nand %zu more", p->count - shown);
+    if (shown < problems->count && used + REST <= sizeof text)
+        snprintf(text + used, sizeof text - used, "\nand %zu more", problems->count - shown);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
 }
 
-/* "FILE:LINE:COLUMN: PATH: text", or "--set KEY: text"; returns where PATH or KEY begins. */
+/* Writes "FILE:LINE:COLUMN: PATH: text", or "--set KEY: text"; returns the offset of PATH or KEY.
+ */
 static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                        const char *path, const char *text, char *out, size_t size) {
     char place[GN_PATH_SIZE + 64], stage[32] = "";
@@ -68,7 +70,7 @@ static int write_place(const gn_reader *reader, const gn_node *node, gn_scene_pl
     else
         snprintf(place, sizeof place, "%.*s:%d:%d", GN_PATH_SIZE, reader->name, where.line,
                  where.column);
-    /* A scene as a stage leaves it has the keys of a scene. */
+    /* The scene of a stage has the keys of a scene. */
     if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
         snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
     snprintf(out, size, "%s: %s%.*s%s%s", place, same ? "" : stage, GN_KEY_PATH_SIZE,
@@ -107,7 +109,7 @@ void gn_read_note(const gn_reader *reader, const gn_node *node, const char *path
     add_note(&reader->scene->notes, idle, key_at, note);
 }
 
-void gn_notes_unite(gn_scene_notes *to, const gn_scene_notes *from) {
+void gn_notes_merge(gn_scene_notes *to, const gn_scene_notes *from) {
     for (size_t k = 0; k < from->count; k++)
         add_note(to, from->idle[k], from->key_at[k], from->text[k]);
 }
@@ -118,7 +120,7 @@ static bool has_note(const gn_scene_notes *notes, const char *text) {
     return false;
 }
 
-void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
+void gn_notes_merge_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
     const gn_scene_notes before = *base;
     base->count = 0;
     for (size_t k = 0; k < before.count; k++)
@@ -128,36 +130,37 @@ void gn_notes_of_stage(gn_scene_notes *base, const gn_scene_notes *stage) {
         if (!stage->idle[k]) add_note(base, false, stage->key_at[k], stage->text[k]);
 }
 
-gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
+gneiss_status gn_read_keep_problem(const gn_reader *reader, gneiss_status status) {
     return gn_problem_keep(reader->problems, status, reader->error);
 }
 
-/* --- what is in doubt --- */
+/* --- keys in doubt --- */
 
-/* Whether a path is `top` or below it. */
+/* True if a path is `top` or below it. */
 static bool below(const char *path, const char *top) {
     size_t length = strlen(top);
     return strncmp(path, top, length) == 0 && (!path[length] || strchr(".[", path[length]));
 }
 
-bool gn_problem_at(const gn_problems *p, const char *path) {
-    for (size_t k = 0; k < kept(p); k++)
-        if (strcmp(p->problem[k].path, path) == 0) return true;
+bool gn_problem_at(const gn_problems *problems, const char *path) {
+    for (size_t k = 0; k < kept(problems); k++)
+        if (strcmp(problems->problem[k].path, path) == 0) return true;
     return false;
 }
 
-bool gn_problem_near(const gn_problems *p, const char *path) {
-    if (p->count > GN_PROBLEMS_MAX) return true;
-    for (size_t k = 0; k < kept(p); k++)
-        if (below(p->problem[k].path, path) || below(path, p->problem[k].path)) return true;
+bool gn_problem_near(const gn_problems *problems, const char *path) {
+    if (problems->count > GN_PROBLEMS_MAX) return true;
+    for (size_t k = 0; k < kept(problems); k++)
+        if (below(problems->problem[k].path, path) || below(path, problems->problem[k].path))
+            return true;
     return false;
 }
 
-bool gn_problem_names(const gn_problems *p, const char *list) {
-    if (p->count > GN_PROBLEMS_MAX) return true;
-    for (size_t k = 0; k < kept(p); k++) {
-        const char *path = p->problem[k].path;
-        if (below(list, path)) return true; /* the list itself, or what holds it */
+bool gn_problem_names(const gn_problems *problems, const char *list) {
+    if (problems->count > GN_PROBLEMS_MAX) return true;
+    for (size_t k = 0; k < kept(problems); k++) {
+        const char *path = problems->problem[k].path;
+        if (below(list, path)) return true; /* the list itself, or its parent */
         if (!below(path, list)) continue;
         const char *rest = strchr(path + strlen(list), ']');
         if (!rest || !rest[1] || strcmp(rest, "].name") == 0) return true;

@@ -1,4 +1,4 @@
-/* What is wrong with a scene, up to so many things at once. */
+/* A list of the first problems of a scene, reported together. */
 #ifndef GN_SCENE_PROBLEMS_H
 #define GN_SCENE_PROBLEMS_H
 
@@ -10,32 +10,34 @@ enum { GN_PROBLEMS_MAX = 12, GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_problem {
     gn_scene_place where;        /* line INT_MAX: of an override */
-    char path[GN_KEY_PATH_SIZE]; /* of the key it is about; of an unknown one what it should be */
+    char path[GN_KEY_PATH_SIZE]; /* path of the key; for an unknown key, that of the probably
+                                    intended one */
     char text[GNEISS_MESSAGE_SIZE];
 } gn_problem;
 
-/* Zeroed to begin with. `at` is where the message stands that is made now. */
+/* Zeroed initially. `at` is the place of the current message. */
 typedef struct gn_problems {
-    size_t count; /* all of them; the first GN_PROBLEMS_MAX are kept */
+    size_t count; /* number of all problems; the first GN_PROBLEMS_MAX are kept */
     gn_problem problem[GN_PROBLEMS_MAX];
     gn_scene_place at;
     char path[GN_KEY_PATH_SIZE];
 } gn_problems;
 
-/* Where the message stands that comes next. */
+/* Sets the place of the next message. */
 void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *path);
 
-/* Keeps the message in `error` if the status is GNEISS_ERROR_INPUT, so that reading can go on;
- * returns any other status as it is. */
+/* Keeps the message in `error` if the status is GNEISS_ERROR_INPUT, so that reading can continue;
+ * returns any other status unchanged. */
 gneiss_status gn_problem_keep(gn_problems *problems, gneiss_status status,
                               const gneiss_error *error);
 
-/* All messages, by their places in the file, as one in `error`; GNEISS_OK when there are none. */
+/* Joins all messages, ordered by place in the file, into one in `error`; GNEISS_OK if there are
+ * none. */
 gneiss_status gn_problems_status(gn_problems *problems, gneiss_error *error);
 
-/* Whether a problem is about the very key, or about anything at, above or below it; a list of
- * named elements has all its names. Where more problems came than are kept, anything may be wrong.
- */
+/* gn_problem_at: true if a problem concerns this very key; gn_problem_near: at, above or below it;
+ * gn_problem_names: the names in a list. If more problems came than are kept, every key is in
+ * doubt. */
 bool gn_problem_at(const gn_problems *problems, const char *path);
 bool gn_problem_near(const gn_problems *problems, const char *path);
 bool gn_problem_names(const gn_problems *problems, const char *list);

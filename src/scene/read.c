@@ -11,7 +11,7 @@
 
 /* ---- messages ---- */
 
-/* What stands at a node, for "found ...". */
+/* Describes the value of a node, for "found ...". */
 static const char *found(const gn_node *node, char *buffer, size_t size) {
     if (node->kind == GN_NODE_NULL) return "nothing";
     if (node->kind == GN_NODE_LIST) return "a list";
@@ -34,7 +34,8 @@ static gneiss_status no_memory(const gn_reader *reader) {
                    reader->name, reader->path);
 }
 
-/* Lengthens the path of the key being read; both give the length to go back to. */
+/* Each function appends to the path of the current key and returns the previous length, to restore
+ * it. */
 static size_t path_push_name(gn_reader *reader, const char *name) {
     size_t before = reader->path_length;
     snprintf(reader->path + before, sizeof reader->path - before, "%s%s", before ? "." : "", name);
@@ -58,7 +59,7 @@ static void path_pop(gn_reader *reader, size_t length) {
 
 bool gn_read_quantity(const gn_reader *reader, const char *text, const char *unit, double *value,
                       char *reason, size_t reason_size) {
-    /* The alternatives of "1/s|1" are units by themselves. */
+    /* The alternatives of "1/s|1" are separate units. */
     const char *bar = strchr(unit, '|');
     if (strcmp(unit, GN_SLOPE) == 0)
         return gn_units_read_slope(reader->units, text, value, reason, reason_size);
@@ -91,7 +92,7 @@ static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, co
     return unexpected(reader, node, expected, "");
 }
 
-/* A number in `unit`, without words. */
+/* Reads a number in `unit`; words are not accepted. */
 static gneiss_status read_number(const gn_reader *reader, const gn_key *key, const char *unit,
                                  const gn_node *node, double *value) {
     char reason[96] = "", expected[160], words[80];
@@ -163,7 +164,8 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
         snprintf(expected, sizeof expected, "at most %zu bytes of text", key->size - 1);
         return unexpected(reader, node, expected, "");
     }
-    /* What counts as left out when it is empty is left out, or it is a slip. */
+    /* An empty text of a key whose absence is an empty text would count as absent: refuse it as a
+     * slip. */
     if (!length && key->type == GN_KEY_TEXT && key->presence == GN_PRESENT_TEXT && node->key)
         return unexpected(reader, node, "a name, or the key left out", "");
     if (key->type == GN_KEY_TEXT && gn_has_control(node->text))
@@ -172,14 +174,14 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
     return GNEISS_OK;
 }
 
-/* A name must be fit to stand in an override (walls.top.motion.vz) and in the path of a data set of
+/* A name must be usable in an override (walls.top.motion.vz) and in the path of a data set of
  * results.h5 (history/wall_top_force_z). */
 static gneiss_status read_name(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *name) {
     GN_TRY(read_text(reader, key, node, name));
     char *rest;
     (void)strtod(name, &rest);
-    /* Nothing is left of a number, nor of an empty name. */
+    /* A name that reads as a number, or an empty one, is refused. */
     if (*rest && !strpbrk(name, "./[]=\n\t") && !gn_has_control(name)) return GNEISS_OK;
     return unexpected(reader, node,
                       "a name (not empty, not a number, without . / [ ] = and control characters)",
@@ -207,7 +209,7 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
     return unexpected(reader, node, expected, advice);
 }
 
-/* Only opened here; the contents are read when the particles are made. */
+/* The file is only opened here; its contents are read when the particles are created. */
 static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *file, char *path) {
     GN_TRY(read_text(reader, key, node, file));
@@ -263,7 +265,7 @@ static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const 
     GN_TRY(read_number(reader, &time, "s", row->first, &table->time[index]));
     GN_TRY(read_number(reader, key, key->unit, row->last, &table->value[index]));
     if (index > 0 && table->time[index] <= table->time[index - 1])
-        return unexpected(reader, row->first, "a time after that of the row before", "");
+        return unexpected(reader, row->first, "a time after that of the previous row", "");
     return GNEISS_OK;
 }
 
@@ -294,7 +296,7 @@ static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_n
 
 /* ---- arrays ---- */
 
-/* Puts a zeroed array and its number in place; the number stands at key->second. */
+/* Stores a zeroed array and its count; the count lies at key->second. */
 static gneiss_status make_array(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                 size_t size, char *base, void **array) {
     *array = gn_alloc_array(node->count, size);
@@ -320,7 +322,7 @@ static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
-/* One name stands for a list of one; its node is then the item. */
+/* A single name stands for a list of one; its node is then the item. */
 static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_node *node,
                                 char *base) {
     const gn_key name = {.size = GN_NAME_SIZE};
@@ -333,7 +335,7 @@ static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_n
     for (const gn_node *item = list.first ? list.first : node; item; item = item->next) {
         GN_TRY(read_text(reader, &name, item, names));
         names = (char *)names + GN_NAME_SIZE;
-        if (!list.first) break; /* its neighbours are other keys */
+        if (!list.first) break; /* its siblings are other keys */
     }
     return GNEISS_OK;
 }
@@ -354,7 +356,7 @@ static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const g
     return GNEISS_OK;
 }
 
-/* Of something else than a list or a number in range. */
+/* Fails at a value that is neither a list nor a number in range. */
 static gneiss_status no_particles(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char expected[96];
     snprintf(expected, sizeof expected, "a list of particles or a whole number in %s", key->range);
@@ -431,8 +433,9 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
     size_t index = 0;
     for (const gn_node *item = node->first; item; item = item->next, index++) {
         size_t mark = path_push_index(reader, index);
-        GN_TRY(gn_read_keep(reader, read_element(reader, key->section, item,
-                                                 (char *)array + index * key->section->size)));
+        GN_TRY(
+            gn_read_keep_problem(reader, read_element(reader, key->section, item,
+                                                      (char *)array + index * key->section->size)));
         path_pop(reader, mark);
     }
     return GNEISS_OK;
@@ -440,7 +443,7 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
 
 /* ---- keys and sections ---- */
 
-/* Told before its value is looked at, which the other dimension may have no use for. */
+/* Fails before the value is read, because another dimension may not read it. */
 static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char names[GN_SHAPE_NAMES_SIZE];
     if (!key->shape)
@@ -453,7 +456,7 @@ static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, con
                         (int)reader->scene->dimension, names, key->name);
 }
 
-/* A section that is a word: nothing of it. */
+/* Reads a section that is given by a word: each key takes its own word. */
 static gneiss_status read_words(gn_reader *reader, const gn_section *section, char *base) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
@@ -513,7 +516,7 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
-/* A default goes through the same code as a value of the file. */
+/* A default passes through the same code as a value of the file. */
 static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *base) {
     if (key->presence == GN_PRESENT_AXIS) *(int64_t *)(base + key->present_at) = -1;
     if (key->type == GN_KEY_SECTION &&
@@ -527,7 +530,7 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
-/* Whatever it stands for is in doubt: the key it should be, or any of the section. */
+/* The key that was probably intended is in doubt, or else every key of the section. */
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
     gn_names names = gn_names_for(node->key);
@@ -547,7 +550,7 @@ static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
     if (names.nearest || section != &gn_scene_section)
         gn_problem_place(reader->problems, reader->problems->at, reader->path);
     path_pop(reader, mark);
-    return gn_read_keep(reader, status);
+    return gn_read_keep_problem(reader, status);
 }
 
 static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const gn_node *node) {
@@ -556,17 +559,17 @@ static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const
         gn_read_fail(reader, node, node->key_where, reader->path,
                      "expected once, found again; first given in line %d", first->key_where.line);
     path_pop(reader, mark);
-    return gn_read_keep(reader, status);
+    return gn_read_keep_problem(reader, status);
 }
 
-/* The node of each key of the section; unknown and repeated ones are left out. */
+/* Finds the node of each key of the section; unknown and repeated keys are left out. */
 static gneiss_status match_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
                                 const gn_node *nodes[]) {
     for (const gn_node *child = map ? map->first : NULL; child; child = child->next) {
         size_t k = 0;
         while (k < section->key_count && strcmp(section->keys[k].name, child->key) != 0) k++;
         if (k == section->key_count && section == &gn_stage_section && gn_scene_key_at(child->key))
-            continue; /* stages.c */
+            continue; /* handled in stages.c */
         if (k == section->key_count)
             GN_TRY(unknown_key(reader, section, child));
         else if (nodes[k])
@@ -577,7 +580,7 @@ static gneiss_status match_keys(gn_reader *reader, const gn_section *section, co
     return GNEISS_OK;
 }
 
-/* The key of a section whose path is the reader's; `node` NULL: not given. */
+/* Reads the key of a section at the reader's path; `node` NULL: not given. */
 static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_node *node,
                                  const gn_node *map, char *base) {
     if (!node && key->required) {
@@ -585,7 +588,7 @@ static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_
         if (gn_problem_at(reader->problems, reader->path)) return GNEISS_OK; /* misspelt */
         return gn_read_fail(reader, map, where, reader->path, "required, but not given");
     }
-    /* The override that made it could not be read. */
+    /* The override that created the node could not be read. */
     if (node && node->set && gn_problem_at(reader->problems, reader->path)) return GNEISS_OK;
     if (node && key->place_at && !node->set)
         *(gn_scene_place *)(base + key->place_at) = node->where;
@@ -594,8 +597,8 @@ static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_
     return GNEISS_OK;
 }
 
-/* `map` NULL: the section was not given, its keys take their defaults. One that stands empty is
- * given. */
+/* `map` NULL: the section was not given and its keys take their defaults. An empty section counts
+ * as given. */
 static gneiss_status read_section(gn_reader *reader, const gn_section *section, const gn_node *map,
                                   char *base) {
     const gn_node *nodes[GN_SECTION_KEYS_MAX] = {NULL};
@@ -608,9 +611,9 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         const gn_key *key = &section->keys[k];
         if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;
         size_t mark = path_push_name(reader, key->name);
-        GN_TRY(gn_read_keep(reader, read_member(reader, key, nodes[k], map, base)));
+        GN_TRY(gn_read_keep_problem(reader, read_member(reader, key, nodes[k], map, base)));
         path_pop(reader, mark);
-        /* How many components a vector has, and which shapes there are, is not known then. */
+        /* The number of components of a vector and the possible shapes are then unknown. */
         if (gn_problem_at(reader->problems, "dimension")) return GNEISS_OK;
     }
     return GNEISS_OK;

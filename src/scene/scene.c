@@ -1,4 +1,4 @@
-/* What scenes call for, whatever is built. */
+/* Effects that scenes need, before effects that are not built are removed. */
 #define GN_EVERY_EFFECT
 #include "scene/scene.h"
 #include "scene/sides.h"
@@ -23,29 +23,31 @@ static const char *key_of(const gn_override *override) {
     return override->key ? override->key : "";
 }
 
-static gneiss_status note_overrides(gn_scene *s, const gn_override *overrides, size_t count,
+static gneiss_status note_overrides(gn_scene *scene, const gn_override *overrides, size_t count,
                                     gneiss_error *error) {
     size_t size = 1, used = 0;
     for (size_t k = 0; k < count; k++) size += strlen(key_of(&overrides[k])) + 1;
-    s->overridden = gn_alloc(size);
-    if (!s->overridden) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    scene->overridden = gn_alloc(size);
+    if (!scene->overridden)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", scene->source);
     for (size_t k = 0; k < count; k++)
-        used += (size_t)snprintf(s->overridden + used, size - used, "%s\n", key_of(&overrides[k]));
+        used +=
+            (size_t)snprintf(scene->overridden + used, size - used, "%s\n", key_of(&overrides[k]));
     return GNEISS_OK;
 }
 
-/* Whether the path of one key is that of another or of what is below it. */
+/* True if the path of a key is `top` or below it. */
 static bool within(const char *path, size_t length, const char *top, size_t top_length) {
     if (length < top_length || memcmp(path, top, top_length) != 0) return false;
     return length == top_length || strchr(".[", path[top_length]);
 }
 
-/* The key on the command line that gave what stands at a path, or around it; below it where no file
- * did; its length, 0: none. */
-static size_t overriding(const gn_scene *s, bool filed, const char *path, const char **key) {
+/* Finds the key on the command line that gave the value at a path or around it, or below it if no
+ * file gave one; returns its length, 0: none. */
+static size_t overriding(const gn_scene *scene, bool filed, const char *path, const char **key) {
     const size_t length = strlen(path);
     const bool below = !filed || strchr(path, '.');
-    for (const char *at = s->overridden; at && *at; at += strcspn(at, "\n") + 1) {
+    for (const char *at = scene->overridden; at && *at; at += strcspn(at, "\n") + 1) {
         const size_t size = strcspn(at, "\n");
         *key = at;
         if (within(path, length, at, size) || (below && within(at, size, path, length)))
@@ -54,19 +56,19 @@ static size_t overriding(const gn_scene *s, bool filed, const char *path, const 
     return 0;
 }
 
-gn_place_text gn_scene_at(const gn_scene *s, gn_scene_place where, const char *path) {
+gn_place_text gn_scene_at(const gn_scene *scene, gn_scene_place where, const char *path) {
     gn_place_text place;
     const char *key = "";
-    size_t size = overriding(s, where.line > 0, path, &key);
+    size_t size = overriding(scene, where.line > 0, path, &key);
     if (size && strlen(path) == size && memcmp(path, key, size) == 0)
         snprintf(place.text, sizeof place.text, "--set %s", path);
     else if (size)
         snprintf(place.text, sizeof place.text, "--set %.*s: %s", (int)size, key, path);
     else if (where.line > 0)
-        snprintf(place.text, sizeof place.text, "%s:%d:%d: %s", s->source, where.line, where.column,
-                 path);
+        snprintf(place.text, sizeof place.text, "%s:%d:%d: %s", scene->source, where.line,
+                 where.column, path);
     else
-        snprintf(place.text, sizeof place.text, "%s: %s", s->source, path);
+        snprintf(place.text, sizeof place.text, "%s: %s", scene->source, path);
     return place;
 }
 
@@ -75,10 +77,10 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     GN_TRY(note_overrides(reader->scene, overrides, override_count, reader->error));
     for (size_t k = 0; k < override_count; k++) {
         gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key_of(&overrides[k]));
-        GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
+        GN_TRY(gn_read_keep_problem(reader, gn_tree_override(tree, &overrides[k], reader->error)));
     }
     const gn_node *root = gn_tree_root(tree);
-    GN_TRY(gn_stages_lay_membrane(reader, tree));
+    GN_TRY(gn_stages_add_membrane(reader, tree));
     GN_TRY(gn_read_scene(reader, root));
     GN_TRY(reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root));
     bool sound = !reader->problems->count && !reader->specimen_only;
@@ -86,7 +88,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     return gn_problems_status(reader->problems, reader->error);
 }
 
-/* The reader keeps messages even for a caller who does not want them. */
+/* The reader keeps messages even if the caller does not ask for them. */
 static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                size_t override_count) {
     gneiss_error own = {0}, *error = reader->error;
@@ -117,7 +119,7 @@ static gneiss_status check_length(const char *text, size_t length, const char *n
     return GNEISS_OK;
 }
 
-/* Fills reader->scene; what else the reader needs is there. */
+/* Fills reader->scene; all other fields of the reader are set. */
 static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
                            const gn_override *overrides, size_t override_count) {
     const char *name = reader->name;
@@ -126,7 +128,7 @@ static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
     GN_TRY(check_length(text, length, name, reader->error));
     snprintf(scene->source, sizeof scene->source, "%s", name);
     gn_tree *tree = NULL;
-    /* Numbers have a point, whatever the locale of the calling program says. */
+    /* Numbers have a decimal point in any locale of the calling program. */
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c_locale) return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
     locale_t previous = uselocale(c_locale);
@@ -148,7 +150,7 @@ gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t leng
     return parse(&reader, text, length, overrides, override_count);
 }
 
-/* With units of its own. */
+/* Parses with a separate unit system. */
 static gneiss_status parse_alone(gn_reader *reader, const char *text, size_t length,
                                  const gn_override *overrides, size_t override_count) {
     memset(reader->scene, 0, sizeof *reader->scene);
@@ -180,7 +182,7 @@ gneiss_status gn_scene_parse_stage(const char *text, const char *name, size_t st
     return parse_alone(&reader, text, strlen(text), NULL, 0);
 }
 
-/* The whole file with a NUL behind it; stops one byte above the limit. */
+/* Reads the whole file and appends a NUL; stops one byte above the limit. */
 static gneiss_status read_all(FILE *file, const char *path, char **text, size_t *length,
                               gneiss_error *error) {
     size_t capacity = 1 << 16;
@@ -209,7 +211,7 @@ static gneiss_status read_scene_file(const char *path, char **text, size_t *leng
                                      gneiss_error *error) {
     FILE *file = fopen(path, "rb");
     if (!file) {
-        /* A scene that is not there is a slip of the one who named it, not of the disk. */
+        /* A missing scene is an input error, not an I/O error. */
         bool absent = errno == ENOENT || errno == ENOTDIR;
         return gn_fail(error,
                        absent            ? GNEISS_ERROR_INPUT
@@ -293,7 +295,7 @@ void gn_scene_free(gn_scene *scene) {
 
 /* ---- copying ---- */
 
-/* The array at *slot gives way to a copy of its own; without memory for it, or empty, to NULL. */
+/* Replaces the array at *slot by a copy; by NULL if it is empty or memory is lacking. */
 static bool own_array(void *slot, size_t count, size_t size) {
     void *from, *own = NULL;
     memcpy(&from, slot, sizeof from);
@@ -340,90 +342,91 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
 
 /* ---- effects ---- */
 
-static bool bonds_possible(const gn_scene *s) {
-    if (s->bonds != GN_SWITCH_ON) return false;
-    bool some = s->specimen.group != 0;
-    for (size_t k = 0; k < s->set_count; k++) some = some || s->sets[k].group > 0;
+static bool bonds_possible(const gn_scene *scene) {
+    if (scene->bonds != GN_SWITCH_ON) return false;
+    bool some = scene->specimen.group != 0;
+    for (size_t k = 0; k < scene->set_count; k++) some = some || scene->sets[k].group > 0;
     return some;
 }
 
-/* Of bonds with tangential springs. */
-static gn_effects strength_effects(const gn_scene *s) {
+/* Effects of bonds with tangential springs. */
+static gn_effects strength_effects(const gn_scene *scene) {
     bool frictional = false, yields = false;
-    for (size_t k = 0; k < s->material_count; k++) {
-        frictional = frictional || s->materials[k].bond_friction > 0;
-        yields = yields || s->materials[k].yield_stress[0] > 0;
+    for (size_t k = 0; k < scene->material_count; k++) {
+        frictional = frictional || scene->materials[k].bond_friction > 0;
+        yields = yields || scene->materials[k].yield_stress[0] > 0;
     }
-    for (size_t k = 0; k < s->contact_count; k++)
-        frictional = frictional || s->contacts[k].bond_friction > 0;
-    bool softens = s->softening != GN_SOFTENING_NONE || yields;
-    if (!softens && !frictional && s->coupling != GN_COUPLING_QUADRATIC) return 0;
+    for (size_t k = 0; k < scene->contact_count; k++)
+        frictional = frictional || scene->contacts[k].bond_friction > 0;
+    bool softens = scene->softening != GN_SOFTENING_NONE || yields;
+    if (!softens && !frictional && scene->coupling != GN_COUPLING_QUADRATIC) return 0;
     gn_effects mask = GN_FX_MOHR;
     if (softens) mask |= GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U);
-    if (s->coupling == GN_COUPLING_QUADRATIC) mask |= GN_FX_COUPLED_QUADRATIC;
-    if (s->coupling == GN_COUPLING_LINEAR) mask |= GN_FX_COUPLED_LINEAR;
-    if (frictional && s->confinement == GN_CONFINEMENT_MEAN) mask |= GN_FX_CONFINED;
+    if (scene->coupling == GN_COUPLING_QUADRATIC) mask |= GN_FX_COUPLED_QUADRATIC;
+    if (scene->coupling == GN_COUPLING_LINEAR) mask |= GN_FX_COUPLED_LINEAR;
+    if (frictional && scene->confinement == GN_CONFINEMENT_MEAN) mask |= GN_FX_CONFINED;
     return mask;
 }
 
-bool gn_scene_rolls(const gn_scene *s) {
+bool gn_scene_has_rolling(const gn_scene *scene) {
     bool rolls = false;
-    for (size_t k = 0; k < s->material_count; k++)
-        rolls =
-            rolls || s->materials[k].rolling_friction > 0 || s->materials[k].twisting_friction > 0;
-    for (size_t k = 0; k < s->contact_count; k++)
-        rolls =
-            rolls || s->contacts[k].rolling_friction > 0 || s->contacts[k].twisting_friction > 0;
-    for (size_t k = 0; k < gn_scene_sides(s); k++) {
-        gn_scene_surface side = gn_scene_side(s, k);
+    for (size_t k = 0; k < scene->material_count; k++)
+        rolls = rolls || scene->materials[k].rolling_friction > 0 ||
+                scene->materials[k].twisting_friction > 0;
+    for (size_t k = 0; k < scene->contact_count; k++)
+        rolls = rolls || scene->contacts[k].rolling_friction > 0 ||
+                scene->contacts[k].twisting_friction > 0;
+    for (size_t k = 0; k < gn_scene_sides(scene); k++) {
+        gn_scene_surface side = gn_scene_surface_at(scene, k);
         rolls = rolls || side.rolling > 0 || side.twisting > 0;
     }
     return rolls;
 }
 
-/* Friction and damping of any pair. */
-static gn_effects hertz_effects(const gn_scene *s) {
-    bool friction = false, damping = s->restitution >= 0 || s->damping_fraction > 0;
-    for (size_t k = 0; k < s->material_count; k++) {
-        friction = friction || s->materials[k].friction > 0;
-        damping = damping || s->materials[k].restitution >= 0;
+/* Effects of friction and damping of any pair. */
+static gn_effects hertz_effects(const gn_scene *scene) {
+    bool friction = false, damping = scene->restitution >= 0 || scene->damping_fraction > 0;
+    for (size_t k = 0; k < scene->material_count; k++) {
+        friction = friction || scene->materials[k].friction > 0;
+        damping = damping || scene->materials[k].restitution >= 0;
     }
-    for (size_t k = 0; k < s->contact_count; k++) {
-        friction = friction || s->contacts[k].friction > 0;
-        damping = damping || s->contacts[k].restitution >= 0;
+    for (size_t k = 0; k < scene->contact_count; k++) {
+        friction = friction || scene->contacts[k].friction > 0;
+        damping = damping || scene->contacts[k].restitution >= 0;
     }
-    return GN_FX_PAIRS | GN_FX_HERTZ | (s->pull ? 0U : GN_FX_NO_PULL) |
+    return GN_FX_PAIRS | GN_FX_HERTZ | (scene->pull ? 0U : GN_FX_NO_PULL) |
            (friction ? GN_FX_SHEAR | GN_FX_FRICTION : 0U) | (damping ? GN_FX_CONTACT_DAMPING : 0U);
 }
 
-static gn_effects contact_effects(const gn_scene *s) {
-    if (gn_scene_hertz(s)) return hertz_effects(s);
-    bool bonds = bonds_possible(s), area = gn_scene_by_area(s), friction = false, shear = false;
-    for (size_t k = 0; k < s->material_count; k++) {
-        const gn_material *m = &s->materials[k];
-        friction = friction || m->friction > 0;
-        shear = shear || (area ? m->beta : m->kratio) > 0;
+static gn_effects contact_effects(const gn_scene *scene) {
+    if (gn_scene_hertz(scene)) return hertz_effects(scene);
+    bool bonds = bonds_possible(scene), area = gn_scene_by_area(scene), friction = false,
+         shear = false;
+    for (size_t k = 0; k < scene->material_count; k++) {
+        const gn_material *material = &scene->materials[k];
+        friction = friction || material->friction > 0;
+        shear = shear || (area ? material->beta : material->kratio) > 0;
     }
-    for (size_t k = 0; k < s->contact_count; k++) {
-        const gn_contact_def *d = &s->contacts[k];
-        friction = friction || d->friction > 0;
-        shear = shear || (area ? d->beta : d->kratio) > 0;
+    for (size_t k = 0; k < scene->contact_count; k++) {
+        const gn_contact_def *contact = &scene->contacts[k];
+        friction = friction || contact->friction > 0;
+        shear = shear || (area ? contact->beta : contact->kratio) > 0;
     }
     shear = shear && (friction || bonds);
     gn_effects mask = GN_FX_PAIRS;
     if (bonds) mask |= GN_FX_BONDS | (area ? GN_FX_AREA : 0U);
     if (shear) mask |= GN_FX_SHEAR;
     if (shear && friction) mask |= GN_FX_FRICTION;
-    if (bonds && shear && s->rotation != GN_SWITCH_OFF && s->bond_radius_multiplier > 0)
+    if (bonds && shear && scene->rotation != GN_SWITCH_OFF && scene->bond_radius_multiplier > 0)
         mask |= GN_FX_BOND_MOMENTS;
-    if (shear && bonds) mask |= strength_effects(s);
-    if (bonds && s->events != GN_SWITCH_OFF) mask |= GN_FX_EVENTS;
-    if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
+    if (shear && bonds) mask |= strength_effects(scene);
+    if (bonds && scene->events != GN_SWITCH_OFF) mask |= GN_FX_EVENTS;
+    if (scene->restitution >= 0 || scene->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
     return mask;
 }
 
-static gn_effects background_effect(const gn_scene *s) {
-    switch (s->background) {
+static gn_effects background_effect(const gn_scene *scene) {
+    switch (scene->background) {
     case GN_BACKGROUND_NONE:
         return 0;
     case GN_BACKGROUND_VISCOUS:
@@ -442,48 +445,50 @@ static bool is_prescribed(const gn_motion *motion) {
     return points > 0;
 }
 
-gn_effects gn_scene_effects(const gn_scene *s) {
-    gn_effects mask = s->has_specimen ? contact_effects(s) : GN_FX_PAIRS;
-    if (s->dimension == 3) mask |= GN_FX_SPACE;
-    if (s->has_specimen && s->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
-    if (s->has_elements) mask |= GN_FX_ELEMENTS;
-    if (s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0) mask |= GN_FX_GRAVITY;
-    for (size_t k = 0; k < s->set_count; k++) {
-        if (s->sets[k].has_force) mask |= GN_FX_APPLIED;
-        if (is_prescribed(&s->sets[k].motion)) mask |= GN_FX_PRESCRIBED;
+gn_effects gn_scene_effects(const gn_scene *scene) {
+    gn_effects mask = scene->has_specimen ? contact_effects(scene) : GN_FX_PAIRS;
+    if (scene->dimension == 3) mask |= GN_FX_SPACE;
+    if (scene->has_specimen && scene->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
+    if (scene->has_elements) mask |= GN_FX_ELEMENTS;
+    if (scene->gravity[0] != 0 || scene->gravity[1] != 0 || scene->gravity[2] != 0)
+        mask |= GN_FX_GRAVITY;
+    for (size_t k = 0; k < scene->set_count; k++) {
+        if (scene->sets[k].has_force) mask |= GN_FX_APPLIED;
+        if (is_prescribed(&scene->sets[k].motion)) mask |= GN_FX_PRESCRIBED;
     }
-    if (s->has_membrane) mask |= GN_FX_APPLIED | GN_FX_MEMBRANE;
-    if (s->wall_count) mask |= GN_FX_WALLS;
-    for (size_t k = 0; k < s->wall_count; k++)
-        if (s->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
-    bool touched = s->has_elements && s->elements.has_contact && s->has_specimen;
-    if (s->body_count || touched) mask |= GN_FX_WALLS | GN_FX_FACETS;
-    if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
-    for (size_t k = 0; k < s->body_count; k++)
-        if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
-    for (size_t k = 0; k < gn_scene_sides(s); k++)
-        if (mask & GN_FX_FRICTION && *gn_scene_side(s, k).material) mask |= GN_FX_WALL_SHEAR;
-    /* Its moments stand beside tangential forces, which may be none. */
-    if (s->has_specimen && gn_scene_rolls(s))
+    if (scene->has_membrane) mask |= GN_FX_APPLIED | GN_FX_MEMBRANE;
+    if (scene->wall_count) mask |= GN_FX_WALLS;
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (scene->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    bool touched = scene->has_elements && scene->elements.has_contact && scene->has_specimen;
+    if (scene->body_count || touched) mask |= GN_FX_WALLS | GN_FX_FACETS;
+    if (touched && scene->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
+    for (size_t k = 0; k < scene->body_count; k++)
+        if (scene->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    for (size_t k = 0; k < gn_scene_sides(scene); k++)
+        if (mask & GN_FX_FRICTION && *gn_scene_surface_at(scene, k).material)
+            mask |= GN_FX_WALL_SHEAR;
+    /* Its moments need the storage of tangential forces even if these are zero. */
+    if (scene->has_specimen && gn_scene_has_rolling(scene))
         mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
-    if (s->has_couple) mask |= GN_FX_OVERLAP;
-    if (s->has_periodic) mask |= GN_FX_PERIODIC;
-    if (gn_scene_box_moves(s)) mask |= GN_FX_CONTACT_FORCES;
-    if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
-    if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
-    if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
-    if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
-    /* Of stages one world holds all that any of them needs; background damping needs nothing. */
+    if (scene->has_couple) mask |= GN_FX_OVERLAP;
+    if (scene->has_periodic) mask |= GN_FX_PERIODIC;
+    if (gn_scene_box_moves(scene)) mask |= GN_FX_CONTACT_FORCES;
+    if (scene->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
+    if (scene->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
+    if (scene->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
+    if (scene->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
+    /* The world holds what any of the stages needs; background damping needs no storage. */
     const gn_effects background =
         GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
-    return mask | (s->united & ~background) | background_effect(s);
+    return mask | (scene->united & ~background) | background_effect(scene);
 }
 
-gn_effects gn_scene_not_built(const gn_scene *s) {
-    gn_effects mask = gn_scene_effects(s);
-    if (s->has_elements) mask |= GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY;
-    if (s->has_elements && s->elements.formulation == GN_FORMULATION_PRESSURE)
+gn_effects gn_scene_not_built(const gn_scene *scene) {
+    gn_effects mask = gn_scene_effects(scene);
+    if (scene->has_elements) mask |= GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY;
+    if (scene->has_elements && scene->elements.formulation == GN_FORMULATION_PRESSURE)
         mask |= GN_FX_PRESSURE;
     return mask & (gn_effects)(GN_WITHOUT);
 }
@@ -524,15 +529,15 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name) {
     return -1;
 }
 
-gn_spins gn_body_spins(const gn_scene *s, const gn_body_def *b) {
-    int first = s->dimension == 3 ? 0 : 2, led = 0;
-    if (!b->free) return GN_SPINS_LED;
-    for (int a = first; a < 3; a++) led += b->motion.spin[a].count > 0;
-    return led == 0 ? GN_SPINS_FREE : led == 3 - first ? GN_SPINS_LED : GN_SPINS_SOME;
+gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body) {
+    int first = scene->dimension == 3 ? 0 : 2, led = 0;
+    if (!body->free) return GN_SPINS_PRESCRIBED;
+    for (int a = first; a < 3; a++) led += body->motion.spin[a].count > 0;
+    return led == 0 ? GN_SPINS_FREE : led == 3 - first ? GN_SPINS_PRESCRIBED : GN_SPINS_SOME;
 }
 
-bool gn_body_is_weighed(const gn_body_def *b) {
-    return b->free && !(b->has_reference && b->mass > 0 && b->has_inertia);
+bool gn_body_mass_is_from_surface(const gn_body_def *body) {
+    return body->free && !(body->has_reference && body->mass > 0 && body->has_inertia);
 }
 
 int gn_scene_find_body(const gn_scene *scene, const char *name) {
@@ -553,17 +558,17 @@ int gn_scene_find_element_motion(const gn_scene *scene, const char *name) {
     return -1;
 }
 
-static bool names(const gn_contact_def *d, const char *a, const char *b) {
-    if (!d->between_count) return false; /* could not be read */
-    const char *first = d->between[0], *second = d->between[d->between_count - 1];
-    return (strcmp(first, a) == 0 && strcmp(second, b) == 0) ||
-           (strcmp(first, b) == 0 && strcmp(second, a) == 0);
+static bool names(const gn_contact_def *contact, const char *name, const char *other) {
+    if (!contact->between_count) return false; /* could not be read */
+    const char *first = contact->between[0], *second = contact->between[contact->between_count - 1];
+    return (strcmp(first, name) == 0 && strcmp(second, other) == 0) ||
+           (strcmp(first, other) == 0 && strcmp(second, name) == 0);
 }
 
-const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
-                                            const gn_material *b) {
+const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *first,
+                                            const gn_material *second) {
     for (size_t k = 0; k < scene->contact_count; k++)
-        if (names(&scene->contacts[k], a->name, b->name)) return &scene->contacts[k];
+        if (names(&scene->contacts[k], first->name, second->name)) return &scene->contacts[k];
     return NULL;
 }
 
@@ -586,18 +591,19 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
     return false;
 }
 
-/* Nodes take no moments: on finite elements nothing resists rolling. */
-gn_scene_surface gn_scene_side(const gn_scene *s, size_t place) {
-    const size_t walls = s->wall_count, bodies = walls + s->body_count;
-    const gn_wall_def *w = place < walls ? &s->walls[place] : NULL;
-    const gn_body_def *b = !w && place < bodies ? &s->bodies[place - walls] : NULL;
-    if (w)
-        return (gn_scene_surface){w->material, w->friction, w->rolling_friction,
-                                  w->twisting_friction};
-    if (b)
-        return (gn_scene_surface){b->material, b->friction, b->rolling_friction,
-                                  b->twisting_friction};
-    return (gn_scene_surface){s->elements.contact.material, s->elements.contact.friction, 0.0, 0.0};
+/* Nodes take no moments, so that nothing resists rolling on finite elements. */
+gn_scene_surface gn_scene_surface_at(const gn_scene *scene, size_t place) {
+    const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
+    const gn_wall_def *wall = place < walls ? &scene->walls[place] : NULL;
+    const gn_body_def *body = !wall && place < bodies ? &scene->bodies[place - walls] : NULL;
+    if (wall)
+        return (gn_scene_surface){wall->material, wall->friction, wall->rolling_friction,
+                                  wall->twisting_friction};
+    if (body)
+        return (gn_scene_surface){body->material, body->friction, body->rolling_friction,
+                                  body->twisting_friction};
+    return (gn_scene_surface){scene->elements.contact.material, scene->elements.contact.friction,
+                              0.0, 0.0};
 }
 
 int gn_scene_find_material(const gn_scene *scene, const char *name) {

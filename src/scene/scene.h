@@ -1,5 +1,6 @@
-/* A scene as a plain struct: what the scene file says, in SI units, with defaults filled in.
- * The manifest in scene/manifest.h drives parsing, defaults, range checks and the key reference. */
+/* A scene as a plain struct holds the contents of a scene file in SI units, with defaults filled
+ * in. The manifest in scene/manifest.h drives parsing, defaults, range checks and the key
+ * reference. */
 #ifndef GN_SCENE_SCENE_H
 #define GN_SCENE_SCENE_H
 
@@ -14,11 +15,12 @@
 
 #include <stdio.h>
 
-/* Coordinates and sizes that a scene, or a file that it names, may hold (manifest_keys.h). */
-static const double GN_PLACE_MOST = 1e9;    /* m, either side of the origin */
+/* Limits of coordinates and sizes in a scene and in the files that it names (manifest_keys.h). */
+static const double GN_PLACE_MOST = 1e9;    /* m, on either side of the origin */
 static const double GN_LENGTH_LEAST = 1e-9; /* m */
 
-/* How normal stiffness and bond strength follow from the radii (Rojek et al. 2012, sec. 2). */
+/* The model says how normal stiffness and bond strength follow from the radii (Rojek et al. 2012,
+ * sec. 2). */
 typedef enum gn_stiffness_model {
     GN_STIFFNESS_UNIFORM,         /* given k_n, R_n, R_t, the same for every contact */
     GN_STIFFNESS_ARITHMETIC,      /* model 1: mean radius of the pair */
@@ -28,20 +30,20 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_MEAN_HARMONIC,   /* model 3c: uniform, mean over contacts of model 2 */
     GN_STIFFNESS_DEMPACK,         /* by area (Santasusana 2013): Dempack's section times gamma */
     GN_STIFFNESS_POLYHEDRON,      /* by area: sections of virtual polyhedra about the particles */
-    GN_STIFFNESS_HERTZ            /* no bonds: from the overlap of spheres, E and nu */
+    GN_STIFFNESS_HERTZ            /* no bonds: stiffness from the overlap of spheres, E and nu */
 } gn_stiffness_model;
 
-/* Where gamma comes from when it is not given. */
+/* The rule gives gamma when the scene does not state it. */
 typedef enum gn_gamma_rule {
     GN_GAMMA_VOLUME,  /* sum of sections times lengths = dimension times volume */
     GN_GAMMA_POROSITY /* 40 e/n_c (Santasusana 2013, 4.5) */
 } gn_gamma_rule;
 
-/* What a property of bonds is multiplied by: a number drawn for each, 1 in the mean. */
+/* Distribution of the random factor, of mean 1, that multiplies a property of each bond. */
 typedef enum gn_scatter_kind {
     GN_SCATTER_NONE,
-    GN_SCATTER_WEIBULL, /* of modulus m, scale 1/Gamma(1 + 1/m) */
-    GN_SCATTER_NORMAL   /* of mean 1, those in (0, 2) */
+    GN_SCATTER_WEIBULL, /* Weibull of modulus m, scale 1/Gamma(1 + 1/m) */
+    GN_SCATTER_NORMAL   /* normal of mean 1, restricted to (0, 2) */
 } gn_scatter_kind;
 typedef struct gn_scatter {
     gn_scatter_kind kind;
@@ -52,13 +54,13 @@ typedef enum gn_background_damping {
     GN_BACKGROUND_NONE,
     GN_BACKGROUND_VISCOUS,              /* coefficient in 1/s */
     GN_BACKGROUND_NONVISCOUS_VECTOR,    /* coefficient is a fraction in [0, 1) */
-    GN_BACKGROUND_NONVISCOUS_COMPONENT, /* the same */
+    GN_BACKGROUND_NONVISCOUS_COMPONENT, /* coefficient is a fraction in [0, 1) */
 } gn_background_damping;
 
-/* Whose sign nonviscous_component damping opposes. */
+/* The velocity whose sign nonviscous_component damping opposes. */
 typedef enum gn_damped_velocity {
-    GN_VELOCITY_HALF_STEP, /* of the last half step */
-    GN_VELOCITY_INSTANT    /* of the instant: that of the last half step plus dt F/(2 m) */
+    GN_VELOCITY_HALF_STEP, /* that of the last half step */
+    GN_VELOCITY_INSTANT    /* that at the instant: the last half step's plus dt F/(2 m) */
 } gn_damped_velocity;
 
 typedef enum gn_lattice_kind {
@@ -70,7 +72,7 @@ typedef enum gn_lattice_kind {
     GN_LATTICE_HCP        /* 3D */
 } gn_lattice_kind;
 
-/* Bodies that are packed with particles. */
+/* Shapes that are packed with particles. */
 typedef enum gn_shape_kind {
     GN_SHAPE_NONE,
     GN_SHAPE_RECTANGLE, /* 2D */
@@ -84,7 +86,7 @@ typedef enum gn_shape_kind {
 
 typedef enum gn_overlap_kind {
     GN_OVERLAP_NONE,
-    GN_OVERLAP_PASSIVE /* neighbours overlap, to be bonded free of stress */
+    GN_OVERLAP_PASSIVE /* neighbours overlap; their bonds form free of stress */
 } gn_overlap_kind;
 
 typedef enum gn_pack_start {
@@ -97,31 +99,31 @@ typedef enum gn_contact_arm {
     GN_ARM_RADIUS    /* contact point at r_i from i, as Rojek et al. 2012 */
 } gn_contact_arm;
 
-/* What tension does to the strength of a bond in shear. */
+/* Effect of tension on the strength of a bond in shear. */
 typedef enum gn_coupling {
     GN_COUPLING_NONE,
     GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
-    GN_COUPLING_LINEAR     /* it loses mu_1 f_n, as it gains that under pressure */
+    GN_COUPLING_LINEAR     /* it loses mu_1 f_n under tension as it gains that under pressure */
 } gn_coupling;
 typedef enum gn_confinement { GN_CONFINEMENT_OWN, GN_CONFINEMENT_MEAN } gn_confinement;
-/* How far apart a bond is pulled (sheared) when nothing is left of its strength. */
+/* The rule gives the elongation (slip in shear) at which a bond has lost all its strength. */
 typedef enum gn_softening {
     GN_SOFTENING_NONE,   /* it breaks at once */
-    GN_SOFTENING_ENERGY, /* where it has dissipated a given energy per area */
-    GN_SOFTENING_STRAIN, /* at a given strain of its length (shear: root of its area) */
+    GN_SOFTENING_ENERGY, /* when it has dissipated a given energy per area */
+    GN_SOFTENING_STRAIN, /* at a given strain of its length (in shear: of the root of its area) */
     GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
 } gn_softening;
-/* The line from the strength of a bond down to nothing. */
+/* Shape of the curve from the strength of a bond down to zero. */
 typedef enum gn_softening_curve {
     GN_SOFTENING_LINEAR,
     GN_SOFTENING_BILINEAR /* steep first, then flat (Petersson 1981) */
 } gn_softening_curve;
 typedef enum gn_fracture { GN_FRACTURE_CONTACT, GN_FRACTURE_BODY } gn_fracture;
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
-/* Where explicit steps begin. */
+/* State at which explicit steps begin. */
 typedef enum gn_start { GN_START_REST, GN_START_FIRST_BREAK } gn_start;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
-/* Whether particles with more mass than their own may have a weight: their own. */
+/* Gravity on particles with scaled mass: refused, or the weight of their own mass. */
 typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_gravity;
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
@@ -135,7 +137,7 @@ typedef struct gn_material {
     double normal_stiffness; /* k_n, N/m; uniform model */
     double kratio;           /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
     double young, poisson;   /* E, Pa, nu; laws by area, Hertz */
-    double alpha, beta;      /* of E in k_n and of G in k_t; laws by area */
+    double alpha, beta;      /* factors of E in k_n and of G in k_t; laws by area */
     double friction, rolling_friction, twisting_friction; /* mu, mu_r, mu_t */
     double restitution;                                   /* Hertz; negative: that of the scene */
     double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
@@ -147,17 +149,17 @@ typedef struct gn_material {
     double fracture_energy, shear_fracture_energy; /* J/m2, per area of a bond; 0: none */
     double fracture_strain, shear_fracture_strain;
     double fracture_ratio;
-    double yield_stress[3], yield_ratio[3]; /* Pa; k_n over the stiffness beyond it; 0: none */
+    double yield_stress[3], yield_ratio[3]; /* Pa; k_n over the stiffness beyond yield; 0: none */
     gn_scene_place where;
 } gn_material;
 
-/* Contacts between two materials that differ from what follows from both. */
-/* J/m2: a shear_fracture_energy that follows from fracture_energy, strengths and stiffnesses. */
+/* A contact between two materials whose values differ from those that follow from both. */
+/* J/m2: shear_fracture_energy follows from fracture_energy, strengths and stiffnesses. */
 #define GN_SHEAR_ENERGY_AUTO (-1.0)
-#define GN_COMBINED          (-2.0) /* no value of its own */
+#define GN_COMBINED          (-2.0) /* the pair states no value */
 typedef struct gn_contact_def {
     size_t between_count;
-    char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
+    char (*between)[GN_NAME_SIZE]; /* [between_count], one or two names */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
         tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
         fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction;
@@ -173,34 +175,35 @@ typedef struct gn_lattice {
     double jitter;    /* random shift of each centre, uniform in a cube of +- jitter * radius */
 } gn_lattice;
 
-/* Where a packing has smaller particles: inside a box and near it, or near the boundary. */
+/* A packing has smaller particles inside and near a box, or near the boundary. */
 typedef struct gn_refinement {
     bool has_region;
-    double lower[3], upper[3]; /* of the box, which may be flat or a point, m */
+    double lower[3], upper[3]; /* corners of the box, which may have zero lengths, m */
     bool boundary;             /* instead of a box */
-    double size;               /* of particles there over that elsewhere, (0, 1] */
-    double distance;           /* over which the size grows back, m */
+    double size;               /* size of particles there over that elsewhere, (0, 1] */
+    double distance;           /* m, over which the size grows back */
     gn_scene_place where;
 } gn_refinement;
 
-/* A body that is to be filled with particles, and how. */
+/* A shape that is filled with particles, and the settings of the fit. */
 typedef struct gn_pack_def {
     gn_shape_kind shape;
-    double size[3];  /* of a rectangle (two) and a box, m */
-    double diameter; /* of a disc and a cylinder, m */
-    double height;   /* of a cylinder, m */
+    double size[3];  /* rectangle (two lengths) and box, m */
+    double diameter; /* disc and cylinder, m */
+    double height;   /* cylinder, m */
     size_t corner_count;
-    double *corners;            /* of a polygon, [corner_count][2], m */
+    double *corners;            /* polygon, [corner_count][2], m */
     char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
-    char mesh[GN_PATH_SIZE]; /* the same */
+    char mesh[GN_PATH_SIZE]; /* as written; "" when the shape is another */
     char mesh_path[GN_PATH_SIZE];
-    bool has_region; /* only what is in a box, to which rectangles and boxes are cut once they are
-                      * read (check.c): as the scene has it, not shifted */
+    bool has_region; /* Only the part inside a box is packed, to which rectangles and boxes are cut
+                        once they are read (check.c). The box is in coordinates of the scene, not
+                        shifted. */
     double region_min[3], region_max[3]; /* m */
-    double origin[3];   /* see docs/scene.md, m; 0 with a polygon; with a surface or mesh what has
-                         * to be added to places in the file: see gn_scene_shift */
-    int64_t count;      /* of particles; 0: not given */
+    double origin[3];   /* m, see docs/scene.md; 0 with a polygon. With a surface or mesh: added to
+                           the coordinates in the file, see gn_scene_shift */
+    int64_t count;      /* number of particles; 0: not given */
     double mean_radius; /* m; 0: not given */
     double size_ratio;  /* largest over smallest radius */
     double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
@@ -214,39 +217,41 @@ typedef struct gn_pack_def {
     double jiggle; /* random shift of mesh nodes over their spacing */
     size_t refinement_count;
     gn_refinement *refinements;
-    int64_t iterations; /* most of the fit; 0: automatic */
-    double residual;    /* root mean square gap over r_i + r_j that is enough; 0: automatic */
+    int64_t iterations; /* largest number of iterations of the fit; 0: automatic */
+    double residual;    /* sufficient root mean square gap over r_i + r_j; 0: automatic */
     double time_limit;  /* s of wall time; 0: none */
 } gn_pack_def;
 
-/* What `gneiss pack` writes into its folder, by which a specimen that comes from one is known. */
+/* `gneiss pack` writes this file into its folder; the file identifies a specimen as a packing. */
 #define GN_PACKING_FILE "packing.h5"
 
 typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
-    /* The same of another run's results, or of a packing. */
+    /* Results of another run, or a packing, as written and resolved. */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE];
     gn_scene_place from_where;
-    bool from_velocities, from_bonds; /* what else is taken over of it */
+    bool from_velocities, from_bonds; /* quantities that are taken over besides */
     double scale; /* lengths in a file, surface or mesh times this give metres */
     bool scale_given;
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     gn_pack_def pack;
-    size_t packed_count; /* of a file or shape read or packed already (no key): its particles, as */
-    double *packed;      /* above, but relative to the scene's origin */
-    double packed_volume; /* of that shape, m3 (2D: m2); 0: a file or run */
+    /* Particles of a file or shape that is already read or packed (no key): as `particles`, but
+     * relative to the scene's origin. */
+    size_t packed_count;
+    double *packed;
+    double packed_volume; /* m3 (2D: m2), volume of that shape; 0: a file or run */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
-    double porosity;                /* with bulk; negative: measure it */
+    double porosity;                /* with bulk; negative: it is measured */
     gn_scene_place where;
 } gn_specimen;
 
-/* A named selection of particles and what is done to it. Selections are conjunctions: every one
- * that is given must hold. A later set overrides an earlier one where both say something. */
+/* A named selection of particles and the actions on it. Selections are conjunctions: each given
+ * condition must hold. Where two sets state the same property, the later one holds. */
 typedef struct gn_set_def {
     char name[GN_NAME_SIZE];
     bool all;
@@ -257,12 +262,12 @@ typedef struct gn_set_def {
     int64_t end_axis;            /* -1 none, else 0 1 2 */
     bool end_upper;              /* upper end instead of lower */
     double end_depth;            /* m */
-    bool end_by_surface;         /* surface within the depth instead of the centre */
+    bool end_by_surface;         /* the surface, not the centre, lies within the depth */
     char material[GN_NAME_SIZE]; /* "" keep */
     int64_t group;               /* negative: keep */
     double initial_velocity[3], initial_spin[3];
     bool has_initial_velocity, has_initial_spin;
-    double force[3]; /* total, shared out by mass, N */
+    double force[3]; /* total, distributed by mass, N */
     bool has_force;
     gn_motion motion;
     gn_scene_place where;
@@ -270,17 +275,17 @@ typedef struct gn_set_def {
 
 typedef struct gn_servo {
     bool active;
-    gn_table force;      /* wanted normal force, compressive positive, N; or */
-    gn_table stress;     /* Pa, times the area */
-    double area;         /* m2 (2D: m x 1 m); 0: between the walls that face each other */
+    gn_table force;      /* target normal force, compression positive, N; or */
+    gn_table stress;     /* Pa, target stress on the area */
+    double area;         /* m2 (2D: m x 1 m); 0: section between the walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* fraction of the force error corrected per step, (0, 1] */
 } gn_servo;
 
 typedef struct gn_wall_def {
-    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* material: Hertz; "": rigid */
+    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* with a material: Hertz contact; "": rigid */
     double point[3];                                 /* m */
-    double normal[3]; /* into the side where particles are; any length in the file, unit here */
+    double normal[3]; /* towards the particles; any length in the file, a unit vector here */
     double stiffness; /* penalty k_n, N/m */
     double kratio;    /* k_n/k_t; used when friction > 0 */
     double friction, rolling_friction, twisting_friction;
@@ -297,9 +302,9 @@ typedef struct gn_body_cylinder {
     bool open; /* without end faces */
 } gn_body_cylinder;
 
-/* A rigid body: a surface that particles touch, and how it moves. */
+/* A rigid body: its surface, its contact parameters and its motion. */
 typedef struct gn_body_def {
-    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* material: Hertz; "": rigid */
+    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* with a material: Hertz contact; "": rigid */
     char surface[GN_PATH_SIZE];                      /* as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
     bool has_box, has_cylinder;
@@ -309,16 +314,17 @@ typedef struct gn_body_def {
     double *polygon, *polyline; /* [count][2], m */
     double scale;               /* lengths of the shape times this give metres */
     bool scale_given;
-    double origin[3]; /* m, where the shape's own origin stands */
+    double origin[3]; /* m, position of the shape's own origin */
     bool has_rotation;
-    double rotation[3]; /* rad, vector about the shape's origin, before it is put in its place */
+    double rotation[3]; /* rad, rotation vector about the shape's origin, applied before the
+                           translation */
     double stiffness;   /* penalty k_n, N/m */
     double kratio;      /* k_n/k_t; used when friction > 0 */
     double friction, rolling_friction, twisting_friction;
     bool has_reference;
-    double reference[3];  /* m: point about which a prescribed spin turns the body */
-    bool free;            /* channels without prescribed motion follow the forces */
-    double density, mass; /* kg/m3, kg, of free bodies: one of the two, the other 0 */
+    double reference[3];  /* m: centre of rotation of a prescribed spin */
+    bool free;            /* components without prescribed motion follow the forces */
+    double density, mass; /* kg/m3, kg, of free bodies; exactly one is nonzero */
     bool has_inertia;
     double inertia[3]; /* kg m2 about the centre of mass, along x y z at the start; 2D: the third */
     bool has_initial_velocity, has_initial_spin;
@@ -327,16 +333,16 @@ typedef struct gn_body_def {
     gn_scene_place where;
 } gn_body_def;
 
-/* Linear finite elements: what they are made of. */
+/* Material of linear finite elements. */
 typedef struct gn_element_material {
-    char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
+    char group[GN_NAME_SIZE];       /* group of elements, by name or tag; "": all elements */
     gn_scene_place group_where;     /* line 0: not in the file */
     double young, poisson, density; /* Pa, -, kg/m3 */
     gn_scene_place where;
 } gn_element_material;
 
-/* Nodes (facets, for tractions) by a group of the mesh or by a box about their places at the start:
- * one of the two. */
+/* Nodes (for tractions: facets), selected either by a group of the mesh or by a box about their
+ * initial positions. */
 typedef struct gn_region {
     char group[GN_NAME_SIZE]; /* name or tag; "": box */
     gn_scene_place group_where;
@@ -344,7 +350,8 @@ typedef struct gn_region {
     double box_min[3], box_max[3]; /* m, boundary included */
 } gn_region;
 
-/* Nodes that move as prescribed, or whose mean displacement is recorded when all is free. */
+/* Nodes with a prescribed motion, or, if no component is prescribed, nodes whose mean displacement
+ * is recorded. */
 typedef struct gn_element_motion {
     char name[GN_NAME_SIZE];
     gn_region region;
@@ -355,17 +362,17 @@ typedef struct gn_element_motion {
 typedef struct gn_element_load {
     char name[GN_NAME_SIZE]; /* "": none */
     gn_region region;
-    bool has_traction, has_force; /* one of the two */
+    bool has_traction, has_force; /* exactly one is true */
     gn_table traction[3];         /* Pa on facets, of fixed direction */
-    gn_table force[3];            /* N in all; shared out by area (facets) or mass */
+    gn_table force[3];            /* N in total; distributed by area (facets) or mass */
     gn_scene_place where;
 } gn_element_load;
 
 typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSURE } gn_formulation;
 
-/* How particles meet the surface of finite elements. */
+/* Contact parameters of particles on the surface of finite elements. */
 typedef struct gn_element_contact_def {
-    char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
+    char group[GN_NAME_SIZE]; /* group of facets; "": the whole boundary */
     gn_scene_place group_where;
     char material[GN_NAME_SIZE]; /* as of walls */
     double stiffness;            /* penalty k_n, N/m */
@@ -384,23 +391,23 @@ typedef struct gn_element_def {
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];
     double distortion;      /* random shift of inner nodes over the sides of a cell */
-    gn_diagonals diagonals; /* of a rectangle or box */
+    gn_diagonals diagonals; /* rectangle or box */
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;
-    gn_element_material *materials; /* an element has the last that names it */
+    gn_element_material *materials; /* the last entry that names an element holds for it */
     size_t motion_count;
-    gn_element_motion *motions; /* a later one goes over an earlier one */
+    gn_element_motion *motions; /* a later motion overrides an earlier one */
     size_t load_count;
-    gn_element_load *loads; /* on top of each other */
+    gn_element_load *loads; /* loads add up */
     bool has_contact;
     gn_element_contact_def contact;
     gn_scene_place where;
 } gn_element_def;
 
-/* What is valid in a scene file, and may not be what its writer means: "FILE:LINE:COLUMN: KEY:
- * ...", each once. `idle`: those of keys that change nothing in the scene; `key_at`: where KEY
- * begins. */
+/* Notes on a valid scene whose meaning is probably not the intended one: "FILE:LINE:COLUMN: KEY:
+ * ...", each once. `idle` notes are about keys that change nothing in the scene; `key_at` is the
+ * offset at which KEY begins. */
 enum { GN_SCENE_NOTES_MAX = 12, GN_SCENE_NOTE_SIZE = 480 };
 typedef struct gn_scene_notes {
     size_t count;
@@ -411,17 +418,17 @@ typedef struct gn_scene_notes {
 
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
-    char *overridden;          /* keys that the command line gave, a line each, for messages */
-    bool allow_gmsh; /* the user lets gmsh mesh a geometry, which may execute commands (no key: a
-                      * file cannot say it) */
-    gn_scene_notes notes; /* what its reader is to be told of it */
+    char *overridden;          /* keys given on the command line, one per line, for messages */
+    bool allow_gmsh; /* the user permits gmsh to mesh a geometry, which may execute commands (no
+                        key: a file cannot permit it) */
+    gn_scene_notes notes; /* notes for the user */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;
-    double origin[3]; /* m: what positions are computed relative to */
+    double origin[3]; /* m: positions are computed relative to it */
 
-    bool has_specimen;   /* particles, now or later */
-    bool specimen_given; /* from the start */
+    bool has_specimen;   /* particles exist, at the start or later */
+    bool specimen_given; /* particles exist at the start */
     gn_specimen specimen;
     size_t material_count;
     gn_material *materials;
@@ -439,25 +446,25 @@ typedef struct gn_scene {
     gn_gamma_rule gamma_rule;
     gn_contact_arm contact_arm;
     gn_coupling coupling;
-    gn_confinement confinement; /* what mu_1 of a bond acts on */
+    gn_confinement confinement; /* stress that mu_1 of a bond acts on */
     gn_softening softening;
     gn_softening_curve softening_curve;
-    double kink_stress;             /* bilinear: share of the strength where the lines meet */
+    double kink_stress;             /* bilinear: share of the strength at the kink */
     double initial_energy;          /* bilinear: share of the energy under the first line */
-    gn_fracture fracture_energy_of; /* what fracture energies are per area of */
-    bool pull;                      /* Hertz: the dashpot may pull */
+    gn_fracture fracture_energy_of; /* area that fracture energies refer to */
+    bool pull;                      /* Hertz: the dashpot may exert tension */
     gn_switch rotation;             /* auto: on */
 
     gn_switch bonds;               /* on when the scene has a `bonds` section */
     double interaction_range;      /* beta: bonds at gaps up to beta (r_i + r_j) */
     double overlap_range;          /* bonds at overlaps up to this times (r_i + r_j) */
     double bond_radius_multiplier; /* beam radius over the smaller radius; 0: no moments */
-    double bond_moment_share;      /* of moments in the strength of a bond */
+    double bond_moment_share;      /* share of moments in the strength of a bond */
     bool passive_gaps;             /* bonds are stress-free at the distance where they form */
 
     gn_background_damping background;
     double background_coefficient;
-    double background_spin; /* the same of spins; -1: as of velocities */
+    double background_spin; /* coefficient for spins; -1: that of velocities */
     gn_damped_velocity background_velocity;
     double restitution;      /* c_r in [0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
@@ -469,8 +476,8 @@ typedef struct gn_scene {
 
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
-    gn_box_side box[3];                      /* how its sides across x, y, z move */
-    int64_t periodic_open;                   /* axis along which it has no sides: 0 1 2; -1: none */
+    gn_box_side box[3];                      /* motion of the sides across x, y, z */
+    int64_t periodic_open;                   /* axis along which the box is open: 0 1 2; -1: none */
     gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
@@ -491,49 +498,49 @@ typedef struct gn_scene {
 
     gn_scene_place time_where;
     double step;          /* dt, s; 0: automatic */
-    double safety;        /* of 2/w_max */
-    double contact_steps; /* that a collision lasts at least; 0: GN_STEPS_PER_CONTACT */
+    double safety;        /* share of 2/w_max */
+    double contact_steps; /* least duration of a collision in steps; 0: GN_STEPS_PER_CONTACT */
     gn_step_estimate estimate;
     bool has_mass_scaling;
-    double scaled_step;   /* s, that masses are raised for; 0: scaled_factor */
-    double scaled_factor; /* of the step without */
+    double scaled_step;   /* s, target of mass scaling; 0: scaled_factor */
+    double scaled_factor; /* target over the step without mass scaling */
     gn_scaled_gravity scaled_gravity;
     gn_scene_place scaling_where;
-    gn_policy on_unstable; /* what a step above its limit does */
+    gn_policy on_unstable; /* reaction to a step above its limit */
     double end;            /* s */
-    gn_start start;        /* at rest, or where statics end */
+    gn_start start;        /* at rest, or where the static analysis ends */
     gn_scene_place start_where;
-    double start_fraction;  /* of the time of the first break; with GN_START_FIRST_BREAK */
+    double start_fraction;  /* fraction of the time of the first break; with GN_START_FIRST_BREAK */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off,
-                               below 0: nothing is said of the end (scene/stops.h) */
+                               below 0: the scene states no end (scene/stops.h) */
     double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
     gn_switch energy, orientation, events, contact_rows;
     double burst_reach; /* mean diameters of bonded particles */
     size_t field_count;
-    char (*fields)[GN_NAME_SIZE]; /* asked for besides what files have anyway */
-    unsigned asked;               /* the same, GN_ASKED(name) each (base/asked.h) */
+    char (*fields)[GN_NAME_SIZE]; /* fields requested besides the default ones */
+    unsigned asked;               /* the same fields as bits, GN_ASKED(name) each (base/asked.h) */
 
     double skin; /* m; 0: automatic */
 
     char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
-    int64_t history_rows;                /* wanted rows up to `end` */
-    int64_t snapshots;      /* wanted snapshots up to `end`; 0: none but the last state */
+    int64_t history_rows;                /* requested rows up to `end` */
+    int64_t snapshots;      /* requested snapshots up to `end`; 0: only the last state */
     double checkpoint_wall; /* s of wall time between checkpoints; 0: on a signal and at the end */
     uint64_t seed;
     int64_t threads; /* 0: all cores */
     gn_precision precision;
     gn_isa isa;
     gn_scene_place isa_where;
-    double residual_warning; /* of the energy ledger, from which a run warns; 0: off */
-    double residual_limit;   /* from which it has gone bad; 0: off */
+    double residual_warning; /* residual of the energy ledger above which a run warns; 0: off */
+    double residual_limit;   /* residual of the energy ledger above which a run stops; 0: off */
 
     size_t stage_count; /* 0: the run is one stage */
     struct gn_stage *stages;
-    size_t bonds_stage;    /* base 1: the last that says anything of bonds; 0: none */
-    size_t membrane_stage; /* the same of the membrane */
-    gn_effects united;     /* what any of the stages calls for */
+    size_t bonds_stage;    /* base 1: the last stage that changes bonds; 0: none */
+    size_t membrane_stage; /* base 1: the last stage that changes the membrane; 0: none */
+    gn_effects united;     /* effects of any stage */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */
@@ -541,84 +548,86 @@ typedef struct gn_override {
     const char *key, *value;
 } gn_override;
 
-/* Reads, overrides, checks. On failure nothing is held and `error` says file:line:column, key,
- * expected, found. GNEISS_ERROR_IO: a file that is there cannot be read; else GNEISS_ERROR_INPUT.
- */
+/* Reads a scene file, applies overrides and checks the result. On failure the scene owns nothing
+ * and `error` states file:line:column, key, expected and found value. The status is GNEISS_ERROR_IO
+ * if an existing file cannot be read, else GNEISS_ERROR_INPUT. */
 gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
                             gn_scene *scene, gneiss_error *error);
 
-/* The same from text; relative paths in it are taken from `folder`, `name` stands in messages. */
+/* Parses a scene as gn_scene_load does, from text. Relative paths in it start at `folder`; `name`
+ * appears in messages. */
 gneiss_status gn_scene_parse(const char *text, const char *name, const char *folder,
                              const gn_override *overrides, size_t override_count, gn_scene *scene,
                              gneiss_error *error);
 
-/* The same from what gn_scene_write wrote, for going on with a run: the files it names are not
- * looked for. */
+/* Parses text that gn_scene_write wrote, to resume a run: the files that it names need not exist.
+ */
 gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_override *overrides,
                                    size_t override_count, gn_scene *scene, gneiss_error *error);
 
-/* Reads only what a packing needs: `title`, `dimension`, `specimen`, `output` and `run`. The
+/* Reads only the keys of a packing: `title`, `dimension`, `specimen`, `output` and `run`. The
  * specimen must be a shape; its material is not looked up. Of other sections only the names are
- * checked, their fields stay zero. */
+ * checked; their fields stay zero. */
 gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overrides,
                                      size_t override_count, gn_scene *scene, gneiss_error *error);
 
 void gn_scene_free(gn_scene *scene);
 
-/* A copy that shares nothing with the original, without specimen.packed. On failure nothing is
- * held.
- */
+/* Makes a deep copy, without specimen.packed. On failure the copy owns nothing. */
 gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error);
 
-/* Takes scene->origin off the points of the scene: what a world computes with. Not off the boxes of
- * sets and regions, which are held against places as the user sees them: relative ones may be
- * rounded otherwise than the corners of a box. Not off files, which is up to their readers (a
- * surface or mesh to pack finds it in specimen.pack.origin), nor specimen.packed. */
+/* Subtracts scene->origin from the points of the scene; a world computes with the result. Boxes of
+ * sets and regions stay as they are, because they are compared with positions in the user's
+ * coordinates: relative ones may round differently from the corners of a box. Coordinates in files
+ * are shifted by their readers (a surface or mesh to pack finds the shift in specimen.pack.origin),
+ * and specimen.packed is relative already. */
 void gn_scene_shift(gn_scene *scene);
 
-/* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g,
- * SI, absolute specimen path). The caller frees the text with free(). NULL: out of memory. */
+/* Returns the resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit
+ * (%.17g, SI, absolute specimen path). The caller frees the text with free(). NULL: out of memory.
+ */
 char *gn_scene_write(const gn_scene *scene);
 
-/* The same of `dimension`, `specimen` and `run.seed` alone: what gn_scene_load_specimen needs. */
+/* Writes `dimension`, `specimen` and `run.seed` alone, as gn_scene_load_specimen needs them. */
 char *gn_scene_write_specimen(const gn_scene *scene);
 
-/* The effects the scene calls for; those of them that this build leaves out. */
+/* The first returns the effects that the scene needs, the second those of them that this build
+ * omits. */
 gn_effects gn_scene_effects(const gn_scene *scene);
 gn_effects gn_scene_not_built(const gn_scene *scene);
 
-/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. The words `sought`
- * [sought_count] (none: every key) restrict it to keys that hold all of them in any letters: first
- * those that begin with them, then those with them in their name, then in what stands behind, or of
- * which another word is used. Returns the number of keys printed. */
+/* Prints the key reference: plain text for the terminal, or Markdown for docs/keys.md. The words
+ * `sought` [sought_count] (none: every key) restrict it to keys that contain all of them in any
+ * case: first the keys that begin with them, then those with them in their name, then in their text
+ * or a synonym. Returns the number of keys printed. */
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *const *sought,
                            size_t sought_count);
 
-/* The key, by its name alone or with all above it, that `sought` is probably a slip for; false, and
- * "": none is near enough. */
+/* Finds the key, by its name alone or with its full path, that `sought` is probably a misspelling
+ * of. Returns false and "" if none is near enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
-/* By name; -1: none. */
+/* Each find function returns the index of the entry with a name; -1: none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
-/* Who turns a body: its motion alone; forces alone; forces about some axes of space, while the
- * motion holds it about the others. */
-typedef enum gn_spins { GN_SPINS_LED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
-gn_spins gn_body_spins(const gn_scene *scene, const gn_body_def *body);
-/* Whether mass, centre and inertia of a body are those of its closed surface. */
-bool gn_body_is_weighed(const gn_body_def *body);
+/* A body's rotation is given by its motion alone; by forces alone; or by forces about some axes of
+ * space while the motion prescribes it about the others. */
+typedef enum gn_spins { GN_SPINS_PRESCRIBED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
+gn_spins gn_body_spin_kind(const gn_scene *scene, const gn_body_def *body);
+/* True if mass, centre and inertia of a body are those of its closed surface. */
+bool gn_body_mass_is_from_surface(const gn_body_def *body);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
-/* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
-const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
-                                            const gn_material *b);
-/* Whether the membrane lies on the surface of a shape, and not where particles bear. */
+/* Returns the entry of `contacts` for two materials; NULL: none. */
+const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *first,
+                                            const gn_material *second);
 static inline bool gn_scene_tested(const gn_scene *scene) {
     return scene->test.kind != GN_TEST_NONE;
 }
 static inline const gn_test_descriptor *gn_scene_test(const gn_scene *scene) {
     return gn_test_of(scene->test.kind);
 }
+/* True if the membrane lies on the surface of a shape, not on the loaded particles. */
 static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
     return scene->specimen.pack.shape != GN_SHAPE_NONE &&
            scene->membrane.surface == GN_SURFACE_SHAPE;
@@ -626,47 +635,51 @@ static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
 }
-/* What a message begins with: "FILE:LINE:COLUMN: PATH", or "--set KEY: PATH" where the command line
- * gave what stands at the path or around it (with a path of a key also what is below it). */
+/* A message begins with this text: "FILE:LINE:COLUMN: PATH", or "--set KEY: PATH" where the command
+ * line gave the value at the path or around it (with the path of a key also the values below it).
+ */
 typedef struct gn_place_text {
     char text[GN_PATH_SIZE + 512];
 } gn_place_text;
 gn_place_text gn_scene_at(const gn_scene *scene, gn_scene_place where, const char *path);
-/* Whether the sides along an axis are the same place. */
+/* True if the box is periodic along an axis. */
 static inline bool gn_scene_periodic_along(const gn_scene *scene, int axis) {
     return scene->has_periodic && axis < scene->dimension && axis != scene->periodic_open;
 }
-/* Of a box that is periodic along some axes and open along another one. */
+/* True for a box that is periodic along some axes and open along another one. */
 static inline bool gn_scene_half_periodic(const gn_scene *scene) {
     return scene->has_periodic && scene->periodic_open >= 0;
 }
-/* Whether sides of its periodic box move. */
+/* True if sides of the periodic box move. */
 static inline bool gn_scene_box_moves(const gn_scene *scene) {
     bool moves = false;
     for (int a = 0; scene->has_periodic && a < 3; a++)
         moves |= scene->box[a].stress.count || scene->box[a].rate.count;
     return moves;
 }
-/* The coefficient of the background damping of spins. */
+/* Returns the coefficient of the background damping of spins. */
 static inline double gn_scene_spin_damping(const gn_scene *scene) {
     return scene->background_spin >= 0 ? scene->background_spin : scene->background_coefficient;
 }
-/* Whether stiffness follows from E, nu and sections. */
+/* True if stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;
 }
-/* Whether particles come and go while the run goes on. */
-static inline bool gn_scene_flows(const gn_scene *scene) {
+/* True if particles enter or leave during the run. */
+static inline bool gn_scene_has_flow(const gn_scene *scene) {
     return scene->has_specimen && (scene->source_count || scene->sink_count);
 }
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
-/* What keeps time.start: first_break from a scene; NULL: nothing that shows in it. */
-const char *gn_scene_no_statics(const gn_scene *scene);
+/* Returns the reason why the scene cannot have time.start: first_break; NULL: none is visible in
+ * the scene. */
+const char *gn_scene_statics_refusal(const gn_scene *scene);
 
-/* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that
- * nothing is prescribed for and no force acts on are only watched. */
+/* True if specimen.from is a packing, not the results of a run. */
 bool gn_scene_from_packing(const gn_scene *scene);
+
+/* True if a part of the end loads the specimen along the axis of the test. Sets and nodes without
+ * prescribed motion and force are only observed. */
 bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end);
 
 #endif

@@ -1,22 +1,22 @@
-/* What particles touch besides each other, and which contacts there are. */
+/* Objects that particles touch besides each other, and the kinds of contacts. */
 #ifndef GN_SCENE_SIDES_H
 #define GN_SCENE_SIDES_H
 
 #include "scene/scene.h"
 
-/* Whether stiffness follows from the overlap (Hertz-Mindlin); whether any contact resists rolling
- * or twisting. */
+/* gn_scene_hertz: true if stiffness follows from the overlap (Hertz-Mindlin); gn_scene_has_rolling:
+ * true if any contact resists rolling or twisting. */
 static inline bool gn_scene_hertz(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_HERTZ;
 }
-bool gn_scene_rolls(const gn_scene *scene);
+bool gn_scene_has_rolling(const gn_scene *scene);
 
-/* Walls, bodies, finite elements, counted through. */
+/* A wall, body or the surface of finite elements, by a running index. */
 typedef struct gn_scene_surface {
     const char *material; /* "": none */
     double friction, rolling, twisting;
 } gn_scene_surface;
-gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place);
+gn_scene_surface gn_scene_surface_at(const gn_scene *scene, size_t place);
 static inline size_t gn_scene_sides(const gn_scene *scene) {
     return scene->wall_count + scene->body_count + 1;
 }

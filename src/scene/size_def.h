@@ -1,12 +1,12 @@
-/* How radii are to be distributed. */
+/* Distributions of radii. */
 #ifndef GN_SCENE_SIZE_DEF_H
 #define GN_SCENE_SIZE_DEF_H
 
 typedef enum gn_pack_sizes {
-    GN_SIZES_FITTED,  /* of packings alone: whatever fits best, log-normal at the start */
-    GN_SIZES_UNIFORM, /* by number, between the smallest and the largest */
-    GN_SIZES_NORMAL,  /* by number, cut there */
-    GN_SIZES_SIEVE    /* by a curve of shares of the mass that pass */
+    GN_SIZES_FITTED,  /* packings only: determined by the fit, log-normal at the start */
+    GN_SIZES_UNIFORM, /* by number, uniform between smallest and largest */
+    GN_SIZES_NORMAL,  /* by number, normal, truncated at smallest and largest */
+    GN_SIZES_SIEVE    /* by a curve of the mass fractions that pass */
 } gn_pack_sizes;
 
 #endif

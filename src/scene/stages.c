@@ -1,6 +1,6 @@
-/* Stages: what one changes is laid over the tree of the scene as it stands before, and the whole is
- * read again. So every key that may change has its one meaning, its checks and its place in the
- * file. */
+/* Stages: the changes of a stage are merged into the tree of the previous scene, and the result is
+ * read as a whole. Every key that may change thus keeps its one meaning, its checks and its place
+ * in the file. */
 #include "scene/stages.h"
 
 #include "base/memory.h"
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what may change ---- */
+/* ---- keys that may change ---- */
 
-/* A path that begins with these steps; a star stands for any step. */
+/* A path that begins with these steps may change; a star stands for any step. */
 static const char *const may_change[] = {
     "gravity",
     "damping",
@@ -54,7 +54,7 @@ static const char *const may_change[] = {
     "membrane.pressure",
     "membrane.ramp",
     "membrane.surface",
-    "membrane.faces", /* as they are from the start on, check_stages.c */
+    "membrane.faces", /* must equal those at the start, see check_stages.c */
     "membrane.axis",
     "membrane.follow",
     "elements.motions.*.motion",
@@ -76,30 +76,30 @@ static const char *const may_change[] = {
 static const struct {
     const char *path, *reason;
 } fixed[] = {
-    {"specimen", "particles are made once, when the run begins"},
-    {"sources", "sources are the same throughout; each has its start and end"},
-    {"sinks", "sinks are the same throughout"},
-    {"elements", "elements are made once, when the run begins; motions and loads may change"},
-    {"time.end", "it bounds the whole run; a stage ends by what stands under its end"},
-    {"time.stop", "a stage ends by what stands under its end"},
+    {"specimen", "particles are created once, when the run begins"},
+    {"sources", "sources hold for the whole run; each has its start and end"},
+    {"sinks", "sinks hold for the whole run"},
+    {"elements", "elements are created once, when the run begins; motions and loads may change"},
+    {"time.end", "it bounds the whole run; a stage ends by the conditions under its end"},
+    {"time.stop", "a stage ends by the conditions under its end"},
     {"time.mass_scaling", "masses are raised once, when the run begins"},
-    {"time", "it says how the run begins"},
+    {"time", "it is the initial state of the run"},
     {"initial", "it is the state at the start of the run"},
     {"walls", "of a wall, motion, servo and friction may change"},
     {"bodies", "of a body, motion and friction may change"},
     {"sets", "of a set, motion and force may change"},
     {"materials", "of a material, friction, stiffness and strength may change"},
     {"contacts", "of a pair of materials, friction may change"},
-    {"periodic", "of a periodic box, what its sides follow may change"},
-    {"membrane", "it covers the specimen for all of the run; pressure and ramp may change"},
-    {"bonds", "the law of bonds is one for the whole run"},
-    {"test", "the readings of all stages are those of one test"},
-    {"output", "it holds for all of the run; history_rows, snapshots and fields may change"},
-    {"", "it holds for all of the run"},
+    {"periodic", "of a periodic box, stress and rate of its sides may change"},
+    {"membrane", "it covers the specimen for the whole run; pressure and ramp may change"},
+    {"bonds", "the law of bonds is fixed for the whole run"},
+    {"test", "all stages belong to one test"},
+    {"output", "it is fixed for the whole run; history_rows, snapshots and fields may change"},
+    {"", "it is fixed for the whole run"},
 };
 
-/* Whether a path and a pattern are alike as far as the shorter one goes; leaves of each what is
- * longer than the other. */
+/* True if a path and a pattern agree over the length of the shorter one; advances both past the
+ * common part. */
 static bool alike(const char **path, const char **pattern) {
     while (**path && **pattern) {
         size_t step = strcspn(*path, "."), wanted = strcspn(*pattern, ".");
@@ -121,7 +121,7 @@ static bool allowed(const char *path) {
     return false;
 }
 
-/* Whether a stage may change anything at a path or below it. */
+/* True if a stage may change anything at a path or below it. */
 static bool holds_allowed(const char *path) {
     for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++) {
         const char *own = path, *pattern = may_change[k];
@@ -136,33 +136,33 @@ static const char *reason_of(const char *path) {
     return fixed[k].reason;
 }
 
-/* ---- laying a stage over the scene ---- */
+/* ---- merging a stage into the scene ---- */
 
-typedef struct layer {
+typedef struct stage_layer {
     gn_reader *reader;
     gn_tree *tree;
     size_t stage; /* base 0 */
     char path[GN_KEY_PATH_SIZE];
-} layer;
+} stage_layer;
 
 static gneiss_status no_memory(const gn_reader *reader) {
     return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading stages",
                    reader->name);
 }
 
-/* Messages say the stage besides the place. */
-static gneiss_status wrong(const layer *l, const gn_node *node, const char *format,
-                           const char *what, const char *more) {
+/* Messages state the stage in addition to the place. */
+static gneiss_status fail_at_key(const stage_layer *layer, const gn_node *node, const char *format,
+                                 const char *what, const char *more) {
     char path[GN_KEY_PATH_SIZE + 32], text[512];
-    snprintf(path, sizeof path, "stages[%zu].%s", l->stage, l->path);
+    snprintf(path, sizeof path, "stages[%zu].%s", layer->stage, layer->path);
     snprintf(text, sizeof text, format, what, more);
-    return gn_read_keep(l->reader,
-                        gn_read_fail(l->reader, node, node->key_where, path, "%s", text));
+    return gn_read_keep_problem(
+        layer->reader, gn_read_fail(layer->reader, node, node->key_where, path, "%s", text));
 }
 
-static size_t push(layer *l, const char *name) {
-    size_t before = strlen(l->path);
-    snprintf(l->path + before, sizeof l->path - before, "%s%s", before ? "." : "", name);
+static size_t push(stage_layer *layer, const char *name) {
+    size_t before = strlen(layer->path);
+    snprintf(layer->path + before, sizeof layer->path - before, "%s%s", before ? "." : "", name);
     return before;
 }
 
@@ -180,46 +180,47 @@ static void drop(gn_node *map, const char *key) {
     map->last = last;
 }
 
-static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over);
+static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node *over);
 
-/* Elements by name: of a map its keys, of a list what `name` says. */
-static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
+/* Merges elements by name: of a map its keys, of a list the value of `name`. */
+static gneiss_status merge_list(stage_layer *layer, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
         bool named = said && said->kind == GN_NODE_SCALAR;
         const char *name = over->kind == GN_NODE_MAP ? item->key : named ? said->text : "";
         gn_node *element = base && *name ? (gn_node *)gn_node_element(base, name) : NULL;
         if (!element || item->kind != GN_NODE_MAP) {
-            const char *nameless = "expected a name (what has none goes by its number, as in "
-                                   "contacts: {0: {friction: 0.3}}), found none%s%s";
-            GN_TRY(wrong(l, item,
-                         !*name    ? nameless
-                         : element ? "expected what changes of '%s', a section%s"
-                                   : "expected the name of an element that the scene has, found "
-                                     "'%s'%s",
-                         name, ""));
+            const char *nameless = "expected a name (an element without one is addressed by its "
+                                   "number, as in contacts: {0: {friction: 0.3}}), found none%s%s";
+            GN_TRY(fail_at_key(layer, item,
+                               !*name ? nameless
+                               : element
+                                   ? "expected a section with the changed keys of '%s'%s"
+                                   : "expected the name of an element of the scene, found '%s'%s",
+                               name, ""));
             continue;
         }
-        size_t mark = push(l, name);
-        GN_TRY(lay_map(l, element, item));
-        l->path[mark] = '\0';
+        size_t mark = push(layer, name);
+        GN_TRY(merge_map(layer, element, item));
+        layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
-static gneiss_status lay_value(layer *l, gn_node *base, const gn_node *over, const gn_key *key) {
+static gneiss_status merge_value(stage_layer *layer, gn_node *base, const gn_node *over,
+                                 const gn_key *key) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
-    if (key && !allowed(l->path))
-        return wrong(l, over, "expected a key that a stage may change, found '%s': %s", l->path,
-                     reason_of(l->path));
+    if (key && !allowed(layer->path))
+        return fail_at_key(layer, over, "expected a key that a stage may change, found '%s': %s",
+                           layer->path, reason_of(layer->path));
     bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
     if (off && key && key->type == GN_KEY_SECTION) {
         drop(base, over->key);
         return GNEISS_OK;
     }
     if (!old) {
-        old = gn_tree_add(l->tree, base, over);
-        if (!old) return no_memory(l->reader);
+        old = gn_tree_add(layer->tree, base, over);
+        if (!old) return no_memory(layer->reader);
     } else {
         gn_node *next = old->next;
         *old = *over;
@@ -228,24 +229,25 @@ static gneiss_status lay_value(layer *l, gn_node *base, const gn_node *over, con
     return GNEISS_OK;
 }
 
-static gneiss_status lay_section(layer *l, gn_node *base, const gn_node *over) {
+static gneiss_status merge_section(stage_layer *layer, gn_node *base, const gn_node *over) {
     gn_node *old = (gn_node *)gn_node_child(base, over->key);
     if (!old || old->kind != GN_NODE_MAP) {
         drop(base, over->key);
-        old = gn_tree_add_map(l->tree, base, over);
+        old = gn_tree_add_map(layer->tree, base, over);
     }
-    return old ? lay_map(l, old, over) : no_memory(l->reader);
+    return old ? merge_map(layer, old, over) : no_memory(layer->reader);
 }
 
-/* A wall has one of both, and so has a servo: what is said last takes the place of the other. */
-static void make_way(gn_node *base, const gn_node *over) {
+/* A wall has either `motion` or `servo`, and a servo either `force` or `stress`: the later key
+ * replaces the other. */
+static void drop_alternative(gn_node *base, const gn_node *over) {
     const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
     if (motion && !servo) drop(base, "servo");
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
 }
 
-/* Sides of a periodic box follow a stress or a rate. */
-static void make_way_in_box(gn_node *base, const gn_node *over) {
+/* Sides of a periodic box follow either a stress or a rate. */
+static void drop_box_alternative(gn_node *base, const gn_node *over) {
     const gn_node *stress = gn_node_child(over, "stress"), *rate = gn_node_child(over, "rate");
     if (stress && !rate) drop(base, "rate");
     if (stress || !rate) return;
@@ -254,7 +256,7 @@ static void make_way_in_box(gn_node *base, const gn_node *over) {
     drop(base, "relaxation");
 }
 
-static void make_way_in_servo(gn_node *base, const gn_node *over) {
+static void drop_servo_alternative(gn_node *base, const gn_node *over) {
     const gn_node *force = gn_node_child(over, "force"), *stress = gn_node_child(over, "stress");
     if (stress && !force) drop(base, "force");
     if (stress || !force) return;
@@ -262,49 +264,49 @@ static void make_way_in_servo(gn_node *base, const gn_node *over) {
     drop(base, "area");
 }
 
-/* The first of several keys of one name counts, and the others are told. */
+/* The first of several keys of one name counts; the others are reported. */
 static bool seen(const gn_node *map, const gn_node *child) {
     for (const gn_node *other = map->first; other != child; other = other->next)
         if (strcmp(other->key, child->key) == 0) return true;
     return false;
 }
 
-static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
-    const gn_key *key = gn_scene_key_at(l->path);
+static gneiss_status merge_child(stage_layer *layer, gn_node *base, const gn_node *child) {
+    const gn_key *key = gn_scene_key_at(layer->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
     const bool empty = key && (map || list) && !child->first && key->type != GN_KEY_TREE;
-    if (empty && !holds_allowed(l->path)) return lay_value(l, base, child, key);
+    if (empty && !holds_allowed(layer->path)) return merge_value(layer, base, child, key);
     if (key && key->type == GN_KEY_LIST && (map || list))
-        return lay_list(l, (gn_node *)gn_node_child(base, child->key), child);
-    if (key && key->type == GN_KEY_SECTION && map) return lay_section(l, base, child);
-    return lay_value(l, base, child, key);
+        return merge_list(layer, (gn_node *)gn_node_child(base, child->key), child);
+    if (key && key->type == GN_KEY_SECTION && map) return merge_section(layer, base, child);
+    return merge_value(layer, base, child, key);
 }
 
-static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
-    if (begins_with(l->path, "walls.*")) make_way(base, over);
-    if (begins_with(l->path, "walls.*.servo")) make_way_in_servo(base, over);
-    if (begins_with(l->path, "periodic.*")) make_way_in_box(base, over);
+static gneiss_status merge_map(stage_layer *layer, gn_node *base, const gn_node *over) {
+    if (begins_with(layer->path, "walls.*")) drop_alternative(base, over);
+    if (begins_with(layer->path, "walls.*.servo")) drop_servo_alternative(base, over);
+    if (begins_with(layer->path, "periodic.*")) drop_box_alternative(base, over);
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
-        size_t mark = push(l, child->key);
+        size_t mark = push(layer, child->key);
         if (seen(over, child))
-            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(fail_at_key(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(l, base, child));
-        l->path[mark] = '\0';
+            GN_TRY(merge_child(layer, base, child));
+        layer->path[mark] = '\0';
     }
     return GNEISS_OK;
 }
 
-/* Own keys of a stage are no changes. */
-static gneiss_status lay_stage(layer *l, gn_node *root, const gn_node *stage) {
+/* The stage's own keys (name, end) are no changes. */
+static gneiss_status merge_stage(stage_layer *layer, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
-        snprintf(l->path, sizeof l->path, "%s", child->key);
+        snprintf(layer->path, sizeof layer->path, "%s", child->key);
         if (seen(stage, child))
-            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+            GN_TRY(fail_at_key(layer, child, "expected once, found '%s' again%s", child->key, ""));
         else
-            GN_TRY(lay_child(l, root, child));
+            GN_TRY(merge_child(layer, root, child));
     }
     return GNEISS_OK;
 }
@@ -329,8 +331,8 @@ static gneiss_status keep_changes(gn_reader *reader, const gn_node *node, gn_sta
     return size == 1 || stage->changes ? GNEISS_OK : no_memory(reader);
 }
 
-/* The tree as it is now, as a scene by itself. Its messages are about keys that the stage changed,
- * or about what does not go with them. */
+/* Reads the current tree as a scene. Its messages concern keys that the stage changed, or keys that
+ * conflict with them. */
 static gneiss_status read_whole(const gn_reader *reader, const gn_node *root, gn_scene *scene) {
     gn_reader own = *reader;
     memset(scene, 0, sizeof *scene);
@@ -355,8 +357,8 @@ static void point_at_elements(const gn_key *key, const char *from, char *to, gn_
                  stage);
 }
 
-/* Places are those of the file, not of the text that the scene of a stage is read from; of what
- * only stages have that of the stage. */
+/* Copies the places of the file into the scene of a stage, which was read from another text; values
+ * that only stages have get the place of the stage. */
 static void point_at(const gn_section *section, const char *from, char *to, gn_scene_place stage) {
     if (section->where != GN_NO_WHERE) {
         gn_scene_place given, own;
@@ -374,16 +376,17 @@ static void point_at(const gn_section *section, const char *from, char *to, gn_s
     }
 }
 
-/* Messages while running point at the stage. */
-static void point_at_stage(gn_scene *s, gn_scene_place where) {
-    s->time_where = where;
-    for (size_t k = 0; k < s->wall_count; k++) s->walls[k].where = where;
-    for (size_t k = 0; k < s->body_count; k++) s->bodies[k].where = where;
-    for (size_t k = 0; k < s->set_count; k++) s->sets[k].where = where;
-    for (size_t k = 0; k < s->elements.motion_count; k++) s->elements.motions[k].where = where;
+/* Sets the places for messages during the run to that of the stage. */
+static void point_at_stage(gn_scene *scene, gn_scene_place where) {
+    scene->time_where = where;
+    for (size_t k = 0; k < scene->wall_count; k++) scene->walls[k].where = where;
+    for (size_t k = 0; k < scene->body_count; k++) scene->bodies[k].where = where;
+    for (size_t k = 0; k < scene->set_count; k++) scene->sets[k].where = where;
+    for (size_t k = 0; k < scene->elements.motion_count; k++)
+        scene->elements.motions[k].where = where;
 }
 
-/* The last stage that a value under the node is from. */
+/* Returns the last stage that gave a value under the node. */
 static size_t last_stage_in(const gn_node *node) {
     size_t stage = node ? node->stage : 0;
     for (const gn_node *child = node ? node->first : NULL; child; child = child->next) {
@@ -398,9 +401,9 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     gn_node *root = (gn_node *)gn_tree_root(tree);
     gn_node *node = (gn_node *)gn_node_item(gn_node_child(root, "stages"), stage);
     gn_reader own = *reader;
-    layer l = {.reader = &own, .tree = tree, .stage = stage};
+    stage_layer l = {.reader = &own, .tree = tree, .stage = stage};
     mark_stage(node, stage + 1);
-    GN_TRY(lay_stage(&l, root, node));
+    GN_TRY(merge_stage(&l, root, node));
     memset(now, 0, sizeof *now);
     GN_TRY(gn_check_stage_asleep(&own, root, stage));
     if (own.problems->count) return GNEISS_OK;
@@ -411,8 +414,8 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     return gn_check_stage(reader, root, before, now, stage);
 }
 
-/* The base is checked by itself before. What a later stage inherits is not told again: the first
- * that is wrong ends it. */
+/* The base is checked separately before. Problems that a later stage inherits are not repeated: the
+ * first stage with a problem ends the loop. */
 static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before, gn_scene *now) {
     gn_scene *base = reader->scene;
     const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");
@@ -427,8 +430,8 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
         status = read_stage(reader, tree, k ? before : NULL, k, now);
         if (status == GNEISS_OK) { /* else lists may be missing */
             united |= gn_scene_effects(now);
-            presses |= gn_scene_squeezes(now);
-            gn_notes_of_stage(&base->notes, &now->notes);
+            presses |= gn_scene_may_compress(now);
+            gn_notes_merge_stage(&base->notes, &now->notes);
         }
         gn_scene_free(before);
         *before = *now;
@@ -448,8 +451,8 @@ static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before
     base->united = united;
     if (status != GNEISS_OK || reader->problems->count || !count) return status;
     const check whole = {.reader = reader, .map = gn_tree_root(tree)};
-    GN_TRY(gn_check_keep(&whole, gn_check_asked(&whole, base)));
-    return gn_check_keep(&whole, gn_check_pressed(&whole, presses));
+    GN_TRY(gn_check_keep_problem(&whole, gn_check_requested_fields(&whole, base)));
+    return gn_check_keep_problem(&whole, gn_check_hydrostatic_load(&whole, presses));
 }
 
 gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
@@ -460,7 +463,7 @@ gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
     return status;
 }
 
-/* ---- a membrane that begins later ---- */
+/* ---- a membrane that begins in a later stage ---- */
 
 static const gn_node *first_membrane(const gn_node *stages) {
     for (size_t k = 0; stages && stages->kind == GN_NODE_LIST && k < stages->count; k++) {
@@ -470,7 +473,7 @@ static const gn_node *first_membrane(const gn_node *stages) {
     return NULL;
 }
 
-gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
+gneiss_status gn_stages_add_membrane(const gn_reader *reader, gn_tree *tree) {
     static const char *const kept[] = {"pressure", "surface", "faces", "axis", "follow"};
     gn_node *root = (gn_node *)gn_tree_root(tree);
     const gn_node *first = first_membrane(gn_node_child(root, "stages"));
@@ -479,7 +482,7 @@ gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
     if (!base) return no_memory(reader);
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) {
         const gn_node *said = gn_node_child(first, kept[k]);
-        if (!said) continue; /* a pressure that is missing is asked for */
+        if (!said) continue; /* the check asks for the missing pressure */
         gn_node *own = gn_tree_add(tree, base, said);
         if (!own) return no_memory(reader);
         if (k > 0) continue;
@@ -491,31 +494,31 @@ gneiss_status gn_stages_lay_membrane(const gn_reader *reader, gn_tree *tree) {
     return GNEISS_OK;
 }
 
-/* ---- a stage by itself ---- */
+/* ---- one stage ---- */
 
-typedef struct visit {
+typedef struct section_visit {
     void (*visit)(void *context, gn_table *table);
     void *context;
-} visit;
+} section_visit;
 
-static void visit_section(const gn_section *section, char *base, const visit *v) {
+static void visit_section(const gn_section *section, char *base, const section_visit *visit) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         char *at = base + key->offset;
-        if (key->type == GN_KEY_SECTION) visit_section(key->section, at, v);
-        if (key->type == GN_KEY_TABLE) v->visit(v->context, (gn_table *)at);
+        if (key->type == GN_KEY_SECTION) visit_section(key->section, at, visit);
+        if (key->type == GN_KEY_TABLE) visit->visit(visit->context, (gn_table *)at);
         if (key->type != GN_KEY_LIST) continue;
         char *array;
         memcpy(&array, at, sizeof array);
         size_t count = array ? *(size_t *)(base + key->second) : 0;
         for (size_t item = 0; item < count; item++)
-            visit_section(key->section, array + item * key->section->size, v);
+            visit_section(key->section, array + item * key->section->size, visit);
     }
 }
 
 void gn_scene_tables(gn_scene *scene, void (*visit_one)(void *context, gn_table *table),
                      void *context) {
-    const visit v = {visit_one, context};
+    const section_visit v = {visit_one, context};
     visit_section(&gn_scene_section, (char *)scene, &v);
 }
 

@@ -1,6 +1,6 @@
-/* Stages: a run goes through them one after the other. A stage says what it changes, with the keys
- * of the scene, and when it ends. Each is the scene with all changes laid over it up to its own,
- * read and checked like any other scene (stages.c). */
+/* Stages of a run, executed one after the other. A stage gives its changes in keys of the scene,
+ * and the conditions that end it. Its scene is the base with all changes up to its own merged, read
+ * and checked like any other scene (stages.c). */
 #ifndef GN_SCENE_STAGES_H
 #define GN_SCENE_STAGES_H
 
@@ -8,34 +8,34 @@
 
 typedef struct gn_stage {
     char name[GN_NAME_SIZE];
-    double time;       /* s since it began; negative: no condition */
-    int64_t steps;     /* the same; negative: none */
-    double strain;     /* of the test, since it began; 0: none */
-    double stress;     /* of the test, Pa; 0: none */
-    double peak_drop;  /* fraction of the stage's peak of stress; 0: none */
-    double unbalanced; /* ratio to fall below; 0: none */
-    double held;       /* share of the wanted force that no servo misses by more; 0: none */
+    double time;       /* s since its start; negative: no condition */
+    int64_t steps;     /* since its start; negative: no condition */
+    double strain;     /* strain of the test since the stage's start; 0: no condition */
+    double stress;     /* stress of the test, Pa; 0: no condition */
+    double peak_drop;  /* fraction of the stage's peak of stress; 0: no condition */
+    double unbalanced; /* upper bound of the ratio; 0: no condition */
+    double held; /* upper bound of every servo's force error over its target; 0: no condition */
     size_t change_size;
-    char *changes; /* [change_size] what it changes, as YAML, a key a line; with its NUL */
+    char *changes; /* [change_size], changed keys as YAML, one per line, NUL included */
     gn_scene_place where;
 } gn_stage;
 
-/* Whether it names a condition; the last one need not, time.end is its end. */
+/* True if the stage has a condition; the last stage needs none, because it ends at time.end. */
 static inline bool gn_stage_has_end(const gn_stage *stage) {
     return stage->time >= 0 || stage->steps >= 0 || stage->strain > 0 || stage->stress > 0 ||
            stage->peak_drop > 0 || stage->unbalanced > 0 || stage->held > 0;
 }
 
-/* The scene of a stage, base 0, from one that gn_scene_parse or gn_scene_write gave: of its tables
- * those that stages give count from their own start (gn_table.stage). Places in it are that of the
+/* Makes the scene of a stage, base 0, from one that gn_scene_parse or gn_scene_write gave. Tables
+ * that a stage gives count from its own start (gn_table.stage). All places in it are that of the
  * stage. */
 gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
                              gneiss_error *error);
 
-/* The condition of the first stage that never comes true unless contacts begin with a force, as
- * nothing acts but ends that stand or part, and why, `why` [size]; NULL: it is not so. `scene`: of
- * that stage. */
-const char *gn_stage_waits(const gn_scene *scene, size_t stage, char *why, size_t size);
+/* Returns the condition of the first stage that never comes true unless contacts begin with a
+ * force, because only ends that are fixed or separate act, and writes the reason to `why` [size];
+ * NULL: there is none. `scene`: that of the stage. */
+const char *gn_stage_never_ends(const gn_scene *scene, size_t stage, char *why, size_t size);
 
 /* Calls `visit` for every table of the scene. */
 void gn_scene_tables(gn_scene *scene, void (*visit)(void *context, gn_table *table), void *context);

@@ -12,7 +12,8 @@ typedef struct gn_table {
     size_t count;
     double *time;  /* [count], s, strictly increasing */
     double *value; /* [count] */
-    size_t stage;  /* whose start times count from, base 1; 0: the run's */
+    size_t
+        stage; /* base 1: times count from the start of this stage; 0: from the start of the run */
 } gn_table;
 
 /* Motion of a set, a wall or a body. Walls use the first three channels only. */
@@ -23,7 +24,7 @@ typedef struct gn_motion {
 
 /* Value of a table at a time; 0 for an empty table. */
 double gn_table_at(const gn_table *table, double time);
-/* Its integral over time. */
+/* Integral of a table over time. */
 double gn_table_between(const gn_table *table, double from, double to);
 
 #endif

@@ -11,7 +11,7 @@
 
 enum { CHUNK_SIZE = 1 << 16, DEPTH_LIMIT = 32 };
 
-/* Nodes and texts live in chunks that go together: no path of failure can leak one. */
+/* Nodes and texts live in chunks that are freed together, so that no failure can leak one. */
 typedef struct chunk {
     struct chunk *next;
     size_t used, size;
@@ -83,94 +83,96 @@ gn_node *gn_tree_add_map(gn_tree *tree, gn_node *map, const gn_node *like) {
 
 /* ---- reading ---- */
 
-typedef struct builder {
+typedef struct tree_builder {
     gn_tree *tree;
     struct fy_parser *parser;
     struct fy_diag *diag;
     gneiss_error *error;
-    const char *set; /* the override being read, NULL for the file */
+    const char *set; /* the current override, NULL for the file */
     int depth;
-} builder;
+} tree_builder;
 
 static gn_scene_place event_where(struct fy_event *event) {
     const struct fy_mark *mark = event ? fy_event_start_mark(event) : NULL;
     return mark ? (gn_scene_place){mark->line + 1, mark->column + 1} : (gn_scene_place){1, 1};
 }
 
-static gneiss_status fail_at(builder *b, gn_scene_place where, const char *text) {
-    if (b->set) return gn_fail(b->error, GNEISS_ERROR_INPUT, "--set %s: %s", b->set, text);
-    return gn_fail(b->error, GNEISS_ERROR_INPUT, "%s:%d:%d: %s", b->tree->name, where.line,
-                   where.column, text);
+static gneiss_status fail_at(tree_builder *builder, gn_scene_place where, const char *text) {
+    if (builder->set)
+        return gn_fail(builder->error, GNEISS_ERROR_INPUT, "--set %s: %s", builder->set, text);
+    return gn_fail(builder->error, GNEISS_ERROR_INPUT, "%s:%d:%d: %s", builder->tree->name,
+                   where.line, where.column, text);
 }
 
-static gneiss_status fail_memory(builder *b) {
-    return gn_fail(b->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading the scene",
-                   b->tree->name);
+static gneiss_status fail_memory(tree_builder *builder) {
+    return gn_fail(builder->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading the scene",
+                   builder->tree->name);
 }
 
-static gneiss_status fail_syntax(builder *b) {
+static gneiss_status fail_syntax(tree_builder *builder) {
     void *iterator = NULL;
-    struct fy_diag_error *first = fy_diag_errors_iterate(b->diag, &iterator);
-    if (!first) return fail_at(b, (gn_scene_place){1, 1}, "not valid YAML");
+    struct fy_diag_error *first = fy_diag_errors_iterate(builder->diag, &iterator);
+    if (!first) return fail_at(builder, (gn_scene_place){1, 1}, "not valid YAML");
     char text[512];
     snprintf(text, sizeof text, "not valid YAML: %s", first->msg ? first->msg : "unknown reason");
-    char *slip = strstr(text, "indendation"); /* the library's spelling */
+    char *slip = strstr(text, "indendation"); /* the library's misspelling */
     if (slip) slip[5] = 't';
     return fail_at(
-        b,
+        builder,
         (gn_scene_place){first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1},
         text);
 }
 
-static gneiss_status next_event(builder *b, struct fy_event **event) {
-    *event = fy_parser_parse(b->parser);
-    return *event ? GNEISS_OK : fail_syntax(b);
+static gneiss_status next_event(tree_builder *builder, struct fy_event **event) {
+    *event = fy_parser_parse(builder->parser);
+    return *event ? GNEISS_OK : fail_syntax(builder);
 }
 
-static gneiss_status read_scalar(builder *b, struct fy_event *event, gn_node **node) {
+static gneiss_status read_scalar(tree_builder *builder, struct fy_event *event, gn_node **node) {
     struct fy_token *token = event->scalar.value;
     enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
     gn_scene_place where = event_where(event);
-    if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) where.column--; /* its quote */
-    if (event->scalar.tag) return fail_at(b, where, "YAML tags are not part of a scene");
+    if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED)
+        where.column--; /* the opening quote */
+    if (event->scalar.tag) return fail_at(builder, where, "YAML tags are not part of a scene");
     size_t length = 0;
     const char *text = token ? fy_token_get_text(token, &length) : "";
-    if (!text) return fail_memory(b);
+    if (!text) return fail_memory(builder);
     if (memchr(text, 0, length))
-        return fail_at(b, where, "expected text, found a NUL character in it");
-    bool nothing = length == 0 && style == FYSS_PLAIN; /* then the library knows no place of it */
-    *node = tree_node(b->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
-    if (!*node) return fail_memory(b);
-    (*node)->set = b->set;
-    (*node)->text = tree_text(b->tree, text, length);
-    return (*node)->text ? GNEISS_OK : fail_memory(b);
+        return fail_at(builder, where, "expected text, found a NUL character in it");
+    bool nothing = length == 0 && style == FYSS_PLAIN; /* the library reports no place for it */
+    *node = tree_node(builder->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
+    if (!*node) return fail_memory(builder);
+    (*node)->set = builder->set;
+    (*node)->text = tree_text(builder->tree, text, length);
+    return (*node)->text ? GNEISS_OK : fail_memory(builder);
 }
 
-static gneiss_status read_node(builder *b, struct fy_event *event, gn_node **node);
+static gneiss_status read_node(tree_builder *builder, struct fy_event *event, gn_node **node);
 
 /* Reads up to the end of the list or map that `open` began. */
-static gneiss_status read_children(builder *b, gn_node *open, enum fy_event_type end) {
+static gneiss_status read_children(tree_builder *builder, gn_node *open, enum fy_event_type end) {
     for (;;) {
         struct fy_event *event;
-        GN_TRY(next_event(b, &event));
+        GN_TRY(next_event(builder, &event));
         if (event->type == end) {
-            fy_parser_event_free(b->parser, event);
+            fy_parser_event_free(builder->parser, event);
             return GNEISS_OK;
         }
         gn_node *key = NULL, *child = NULL;
         gneiss_status status = GNEISS_OK;
         if (open->kind == GN_NODE_MAP) {
             if (event->type == FYET_SCALAR)
-                status = read_scalar(b, event, &key);
+                status = read_scalar(builder, event, &key);
             else
-                status = fail_at(b, event_where(event),
+                status = fail_at(builder, event_where(event),
                                  "expected a key, found something else than text");
-            fy_parser_event_free(b->parser, event);
+            fy_parser_event_free(builder->parser, event);
             GN_TRY(status);
-            GN_TRY(next_event(b, &event));
+            GN_TRY(next_event(builder, &event));
         }
-        status = read_node(b, event, &child);
-        fy_parser_event_free(b->parser, event);
+        status = read_node(builder, event, &child);
+        fy_parser_event_free(builder->parser, event);
         GN_TRY(status);
         if (key) {
             child->key = key->text;
@@ -181,63 +183,65 @@ static gneiss_status read_children(builder *b, gn_node *open, enum fy_event_type
     }
 }
 
-static gneiss_status read_open(builder *b, struct fy_event *event, gn_node **node) {
+static gneiss_status read_open(tree_builder *builder, struct fy_event *event, gn_node **node) {
     bool map = event->type == FYET_MAPPING_START;
     struct fy_token *tag = map ? event->mapping_start.tag : event->sequence_start.tag;
     gn_scene_place where = event_where(event);
-    if (tag) return fail_at(b, where, "YAML tags are not part of a scene");
-    if (b->depth >= DEPTH_LIMIT) return fail_at(b, where, "nested too deeply");
-    *node = tree_node(b->tree, map ? GN_NODE_MAP : GN_NODE_LIST, where);
-    if (!*node) return fail_memory(b);
-    (*node)->set = b->set;
-    b->depth++;
-    gneiss_status status = read_children(b, *node, map ? FYET_MAPPING_END : FYET_SEQUENCE_END);
-    b->depth--;
+    if (tag) return fail_at(builder, where, "YAML tags are not part of a scene");
+    if (builder->depth >= DEPTH_LIMIT) return fail_at(builder, where, "nested too deeply");
+    *node = tree_node(builder->tree, map ? GN_NODE_MAP : GN_NODE_LIST, where);
+    if (!*node) return fail_memory(builder);
+    (*node)->set = builder->set;
+    builder->depth++;
+    gneiss_status status =
+        read_children(builder, *node, map ? FYET_MAPPING_END : FYET_SEQUENCE_END);
+    builder->depth--;
     return status;
 }
 
-static gneiss_status read_node(builder *b, struct fy_event *event, gn_node **node) {
+static gneiss_status read_node(tree_builder *builder, struct fy_event *event, gn_node **node) {
     gn_scene_place where = event_where(event);
     switch (event->type) {
     case FYET_SCALAR:
-        return read_scalar(b, event, node);
+        return read_scalar(builder, event, node);
     case FYET_MAPPING_START:
     case FYET_SEQUENCE_START:
-        return read_open(b, event, node);
+        return read_open(builder, event, node);
     case FYET_ALIAS:
-        where.column--; /* the mark is behind the star */
-        return fail_at(b, where, "YAML aliases are not part of a scene; repeat the value");
+        where.column--; /* the reported place is after the star */
+        return fail_at(builder, where, "YAML aliases are not part of a scene; repeat the value");
     default:
-        return fail_at(b, where, "expected a value, found the end of the document");
+        return fail_at(builder, where, "expected a value, found the end of the document");
     }
 }
 
-/* The whole stream: one document, or none (then *node stays NULL). */
-static gneiss_status read_stream(builder *b, gn_node **node) {
+/* Reads the whole stream: one document, or none (then *node stays NULL). */
+static gneiss_status read_stream(tree_builder *builder, gn_node **node) {
     *node = NULL;
     for (;;) {
-        struct fy_event *event = fy_parser_parse(b->parser);
-        /* After the last event the parser gives NULL too: only a diagnostic tells an error. */
+        struct fy_event *event = fy_parser_parse(builder->parser);
+        /* After the last event the parser returns NULL too: only a diagnostic indicates an error.
+         */
         if (!event)
-            return fy_parser_get_stream_error(b->parser) || fy_diag_got_error(b->diag)
-                       ? fail_syntax(b)
+            return fy_parser_get_stream_error(builder->parser) || fy_diag_got_error(builder->diag)
+                       ? fail_syntax(builder)
                        : GNEISS_OK;
         gneiss_status status = GNEISS_OK;
         bool last = event->type == FYET_STREAM_END;
         if (event->type == FYET_SCALAR || event->type == FYET_MAPPING_START ||
             event->type == FYET_SEQUENCE_START || event->type == FYET_ALIAS)
-            status = read_node(b, event, node);
+            status = read_node(builder, event, node);
         else if (event->type == FYET_DOCUMENT_START && *node)
-            status =
-                fail_at(b, event_where(event), "expected one YAML document, found a second one");
-        fy_parser_event_free(b->parser, event);
+            status = fail_at(builder, event_where(event),
+                             "expected one YAML document, found a second one");
+        fy_parser_event_free(builder->parser, event);
         if (status != GNEISS_OK || last) return status;
     }
 }
 
 static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, const char *set,
                                gn_node **node, gneiss_error *error) {
-    builder b = {.tree = tree, .error = error, .set = set};
+    tree_builder b = {.tree = tree, .error = error, .set = set};
     struct fy_diag_cfg diag_cfg;
     fy_diag_cfg_default(&diag_cfg);
     diag_cfg.fp = NULL;
@@ -245,7 +249,7 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
     errno = 0;
     b.diag = fy_diag_create(&diag_cfg);
     if (!b.diag) return fail_memory(&b);
-    /* Collected errors are not printed: nothing of the library's own reaches stderr. */
+    /* Errors are collected, so that the library prints nothing to stderr. */
     fy_diag_set_collect_errors(b.diag, true);
     struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET | FYPCF_JSON_NONE | FYPCF_ALLOW_DUPLICATE_KEYS,
                                .diag = b.diag};
@@ -255,24 +259,28 @@ static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, c
         status = fail_memory(&b);
     else
         status = read_stream(&b, node);
-    /* To the library a lack of memory is an error like any other, or a shorter text. */
+    /* The library reports lack of memory as any other error, or as a shorter text. */
     if (errno == ENOMEM) status = fail_memory(&b);
     if (b.parser) fy_parser_destroy(b.parser);
     fy_diag_destroy(b.diag);
     return status;
 }
 
-/* Length of the UTF-8 sequence at `s` (Unicode 15, table 3-7), 0 when it is none or a control. */
-static size_t utf8_length(const unsigned char *s, size_t left) {
-    if (s[0] < 0x80) return s[0] >= 0x20 || s[0] == '\t' || s[0] == '\n' || s[0] == '\r' ? 1 : 0;
-    size_t length = s[0] >= 0xc2 && s[0] < 0xe0 ? 2 : s[0] >= 0xe0 && s[0] < 0xf0 ? 3 : 4;
-    if (s[0] < 0xc2 || s[0] > 0xf4 || length > left) return 0;
+/* Returns the length of the UTF-8 sequence at `bytes` (Unicode 15, table 3-7), 0 if it is invalid
+ * or a control character. */
+static size_t utf8_length(const unsigned char *bytes, size_t left) {
+    if (bytes[0] < 0x80)
+        return bytes[0] >= 0x20 || bytes[0] == '\t' || bytes[0] == '\n' || bytes[0] == '\r' ? 1 : 0;
+    size_t length = bytes[0] >= 0xc2 && bytes[0] < 0xe0   ? 2
+                    : bytes[0] >= 0xe0 && bytes[0] < 0xf0 ? 3
+                                                          : 4;
+    if (bytes[0] < 0xc2 || bytes[0] > 0xf4 || length > left) return 0;
     for (size_t k = 1; k < length; k++)
-        if ((s[k] & 0xc0) != 0x80) return 0;
-    if (s[0] == 0xe0 && s[1] < 0xa0) return 0;
-    if (s[0] == 0xed && s[1] > 0x9f) return 0;
-    if (s[0] == 0xf0 && s[1] < 0x90) return 0;
-    if (s[0] == 0xf4 && s[1] > 0x8f) return 0;
+        if ((bytes[k] & 0xc0) != 0x80) return 0;
+    if (bytes[0] == 0xe0 && bytes[1] < 0xa0) return 0;
+    if (bytes[0] == 0xed && bytes[1] > 0x9f) return 0;
+    if (bytes[0] == 0xf0 && bytes[1] < 0x90) return 0;
+    if (bytes[0] == 0xf4 && bytes[1] > 0x8f) return 0;
     return length;
 }
 
@@ -366,11 +374,11 @@ const gn_node *gn_node_item(const gn_node *list, size_t index) {
 
 /* ---- overrides ---- */
 
-static gneiss_status fail_override(const gn_override *o, gneiss_error *error, const char *format,
-                                   int length, const char *step) {
+static gneiss_status fail_override(const gn_override *override, gneiss_error *error,
+                                   const char *format, int length, const char *step) {
     char text[512];
     snprintf(text, sizeof text, format, length, step);
-    return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: %s", o->key, text);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: %s", override->key, text);
 }
 
 static gn_node *list_element(const gn_node *list, const char *step, size_t length) {
@@ -393,9 +401,9 @@ gn_node *gn_node_element(const gn_node *list, const char *name) {
     return list_element(list, name, strlen(name));
 }
 
-/* By what `name` its elements could be reached. */
+/* Fails with a list of the names of the list's elements. */
 static gneiss_status no_such_element(const gn_node *list, const char *step, int shown,
-                                     const gn_override *o, gneiss_error *error) {
+                                     const gn_override *override, gneiss_error *error) {
     char wanted[96], advice[GN_ADVICE_SIZE] = "";
     snprintf(wanted, sizeof wanted, "%.*s", shown, step);
     gn_names names = gn_names_for(wanted);
@@ -405,85 +413,90 @@ static gneiss_status no_such_element(const gn_node *list, const char *step, int 
     }
     if (names.known[0]) gn_names_advice(&names, advice, sizeof advice);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "--set %s: no element '%s' in this list (index base 0, or name)%s", o->key,
-                   wanted, advice);
+                   "--set %s: no element '%s' in this list (index base 0, or name)%s",
+                   override->key, wanted, advice);
 }
 
-/* One step down a key of an override; makes sections that are not there. */
+/* Goes one step down the key of an override; creates missing sections. */
 static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size_t length,
-                             const gn_override *o, gneiss_error *error) {
+                             const gn_override *override, gneiss_error *error) {
     gn_node *node = *at, *child = NULL;
     int shown = length < 80 ? (int)length : 80;
-    /* A section that the file leaves empty, or says that there is none of. */
+    /* A section that is empty in the file, or switched off. */
     const bool none = node->kind == GN_NODE_SCALAR && strcmp(node->text, "none") == 0;
     if (node->kind == GN_NODE_NULL || (none && *step != '[')) node->kind = GN_NODE_MAP;
     if (node->kind == GN_NODE_SCALAR)
-        return fail_override(o, error, "'%.*s' is below a value, not in a section", shown, step);
+        return fail_override(override, error, "'%.*s' is below a value, not in a section", shown,
+                             step);
     if (node->kind == GN_NODE_LIST) {
         child = list_element(node, step, length);
-        if (!child) return no_such_element(node, step, shown, o, error);
+        if (!child) return no_such_element(node, step, shown, override, error);
     } else {
         child = child_span(node, step, length);
     }
     if (!child) {
         child = tree_node(tree, GN_NODE_NULL, (gn_scene_place){0, 0});
-        if (!child) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        if (!child)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
         child->key = tree_text(tree, step, length);
         child->text = "";
-        child->set = tree_text(tree, o->key, strlen(o->key));
+        child->set = tree_text(tree, override->key, strlen(override->key));
         if (!child->key || !child->set)
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
         append(node, child);
     }
     *at = child;
     return GNEISS_OK;
 }
 
-/* Lists and sections are YAML; anything else is taken as it stands, so that no shell quoting of
- * quotes is needed. */
-static gneiss_status override_value(gn_tree *tree, const gn_override *o, gn_node **value,
+/* Lists and sections are parsed as YAML; anything else is taken literally, so that the shell needs
+ * no nested quotes. */
+static gneiss_status override_value(gn_tree *tree, const gn_override *override, gn_node **value,
                                     gneiss_error *error) {
-    const char *set = tree_text(tree, o->key, strlen(o->key));
-    if (!set) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
-    const char *text = o->value;
+    const char *set = tree_text(tree, override->key, strlen(override->key));
+    if (!set) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
+    const char *text = override->value;
     size_t length = strlen(text);
     if (check_characters(text, length, "", NULL) != GNEISS_OK)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: expected UTF-8 text in the value",
-                       o->key);
+                       override->key);
     while (length && (*text == ' ' || *text == '\t')) text++, length--;
     while (length && (text[length - 1] == ' ' || text[length - 1] == '\t')) length--;
     if (length && (*text == '[' || *text == '{'))
         return read_yaml(tree, text, length, set, value, error);
     *value = tree_node(tree, length ? GN_NODE_SCALAR : GN_NODE_NULL, (gn_scene_place){0, 0});
-    if (!*value) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+    if (!*value)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
     (*value)->set = set;
     (*value)->text = tree_text(tree, text, length);
     if ((*value)->text) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
 }
 
-/* One component is put onto a list that the file leaves out: the other ones keep their default. */
+/* One component overrides a list that the file omits: the others keep their defaults. */
 static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step,
-                                  const gn_override *o, gneiss_error *error) {
+                                  const gn_override *override, gneiss_error *error) {
     char path[256];
-    int length = (int)(step - o->key) - 1;
-    snprintf(path, sizeof path, "%.*s", length, o->key);
+    int length = (int)(step - override->key) - 1;
+    snprintf(path, sizeof path, "%.*s", length, override->key);
     const gn_key *key = length < (int)sizeof path ? gn_scene_key_at(path) : NULL;
     if (!key || !key->fallback || (key->type != GN_KEY_VECTOR && key->type != GN_KEY_SPIN))
-        return fail_override(o, error, "expected a list that is there, such as by --set %.*s=[...]",
-                             length < 200 ? length : 200, o->key);
+        return fail_override(override, error,
+                             "expected an existing list, such as by --set %.*s=[...]",
+                             length < 200 ? length : 200, override->key);
     node->kind = GN_NODE_LIST;
     while (node->count < 3) {
         gn_node *item = tree_node(tree, GN_NODE_SCALAR, (gn_scene_place){0, 0});
-        if (!item) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        if (!item)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", override->key);
         item->text = key->fallback;
-        item->set = node->set ? node->set : tree_text(tree, o->key, strlen(o->key));
+        item->set = node->set ? node->set : tree_text(tree, override->key, strlen(override->key));
         append(node, item);
     }
     return GNEISS_OK;
 }
 
-/* The step of a key that begins at `from`, which is moved behind it; false: it is no key. */
+/* Returns the step of a key that begins at `from` and moves `from` past it; false: not a key. */
 static bool next_step(const char *key, const char **from, const char **step, size_t *length) {
     const char *at = *from;
     bool bracket = *at == '[' && at > key;
@@ -514,33 +527,33 @@ void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t siz
     }
 }
 
-/* Those in the text of an override are none in the file. */
+/* Places in the text of an override are no places in the file. */
 static void forget_places(gn_node *node) {
     node->where = node->key_where = (gn_scene_place){0, 0};
     for (gn_node *child = node->first; child; child = child->next) forget_places(child);
 }
 
-gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error *error) {
-    if (!o->key || !o->value || !*o->key)
+gneiss_status gn_tree_override(gn_tree *tree, const gn_override *override, gneiss_error *error) {
+    if (!override->key || !override->value || !*override->key)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected key=value such as time.end=2ms");
-    if (check_characters(o->key, strlen(o->key), "", NULL) != GNEISS_OK)
+    if (check_characters(override->key, strlen(override->key), "", NULL) != GNEISS_OK)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected UTF-8 text in the key");
     gn_node *at = tree->root, *value = NULL;
-    for (const char *from = o->key, *step; *from;) {
+    for (const char *from = override->key, *step; *from;) {
         size_t length;
-        if (!next_step(o->key, &from, &step, &length))
+        if (!next_step(override->key, &from, &step, &length))
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "--set %s: expected a key such as walls.top.motion.vz or materials[0].density",
-                o->key);
+                override->key);
         if (at->kind == GN_NODE_NULL && strspn(step, "0123456789") >= length)
-            GN_TRY(default_list(tree, at, step, o, error));
-        GN_TRY(descend(tree, &at, step, length, o, error));
+            GN_TRY(default_list(tree, at, step, override, error));
+        GN_TRY(descend(tree, &at, step, length, override, error));
     }
-    GN_TRY(override_value(tree, o, &value, error));
-    if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", o->key);
+    GN_TRY(override_value(tree, override, &value, error));
+    if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", override->key);
     forget_places(value);
-    /* The new value takes the place of the old one in the list of its parent. */
+    /* The new value replaces the old one in the list of its parent. */
     at->kind = value->kind;
     at->text = value->text;
     at->set = value->set;

@@ -26,9 +26,9 @@ struct gn_units {
     conversion cache[CACHE_SIZE];
 };
 
-/* Units of keys. Where one is a name of this table alone, `si` is what UDUNITS-2 knows it as. A
- * number with a unit of the same dimension and another kind is refused with `hint`: angles by the
- * power of the radian, others by a word of `refused`. */
+/* Units of keys. If a unit is named in this table alone, `si` is its name in UDUNITS-2. A number
+ * with a unit of the same dimension and another kind is refused with `hint`: angles by the power of
+ * the radian, others by a word of `refused`. */
 typedef struct unit_kind {
     const char *unit, *text, *si, *hint;
     const char *refused[8];
@@ -163,8 +163,8 @@ static int angle_power(const ut_unit *unit) {
 
 /* ---- factors ---- */
 
-/* The factor between two units; false and a reason for an unknown one, another dimension, or a
- * scale with an offset or a logarithm, which a factor cannot express. */
+/* Finds the factor between two units; false and a reason for an unknown unit, another dimension, or
+ * a scale with an offset or a logarithm, which a factor cannot express. */
 static bool find_factor(ut_system *system, const char *from, const char *to, double *factor,
                         const char **reason) {
     ut_unit *source = ut_parse(system, from, UT_UTF8);
@@ -181,7 +181,7 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
     if (!ok) *reason = source ? "another dimension" : "unknown unit";
     if (ok && angle_power(source) != angle_power(target)) {
         ok = false;
-        *reason = angle_power(source) ? "an angle is in it" : "no angle is in it";
+        *reason = angle_power(source) ? "it contains an angle" : "it contains no angle";
     }
     ut_free(source);
     ut_free(target);
@@ -191,8 +191,8 @@ static bool find_factor(ut_system *system, const char *from, const char *to, dou
 /* The library crashes without memory. Its database takes 0.6 MB. */
 enum { SYSTEM_BYTES = 2 << 20, PARSER_BYTES = 1 << 17 };
 
-/* The database has "degree" but not the "deg" that everybody writes. Without memory the library may
- * leave units out and call that a success: min would be a milli-inch. Only errno tells. */
+/* The database has "degree" but not the common "deg". When memory is lacking the library may omit
+ * units and report success: min would be a milli-inch. Only errno shows it. */
 static ut_system *open_system(bool *exhausted) {
     *exhausted = !gn_memory_is_left(SYSTEM_BYTES);
     if (*exhausted) return NULL;
@@ -236,43 +236,43 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
     }
 }
 
-static bool is_letter(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80 ||
-           c == '%' || c == '_';
+static bool is_letter(char letter) {
+    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+           (unsigned char)letter >= 0x80 || letter == '%' || letter == '_';
 }
 
-/* One factor of a unit, "mm" or "m-3" or "s^2": what comes behind it, NULL when there is none. */
-static const char *skip_factor(const char *s) {
+/* Skips one factor of a unit, "mm" or "m-3" or "s^2", and returns its end; NULL: there is none. */
+static const char *skip_factor(const char *text) {
     static const char *const words[] = {"since", "after", "from", "ref", "per"};
-    const char *start = s;
-    while (is_letter(*s)) s++;
-    size_t length = (size_t)(s - start);
+    const char *start = text;
+    while (is_letter(*text)) text++;
+    size_t length = (size_t)(text - start);
     for (size_t k = 0; k < sizeof words / sizeof *words; k++)
         if (strlen(words[k]) == length && strncasecmp(start, words[k], length) == 0) return NULL;
     if (length == 0) return NULL;
-    bool sign = *s == '^';
-    if (sign) s++;
-    if (*s == '-' || *s == '+') s++, sign = true;
-    if (sign && !(*s >= '1' && *s <= '9')) return NULL;
-    if (*s >= '1' && *s <= '9') s++;
-    return s;
+    bool sign = *text == '^';
+    if (sign) text++;
+    if (*text == '-' || *text == '+') text++, sign = true;
+    if (sign && !(*text >= '1' && *text <= '9')) return NULL;
+    if (*text >= '1' && *text <= '9') text++;
+    return text;
 }
 
 /* Only products and quotients of powers reach the parser of UDUNITS-2: "23 10 mm" is a slip, not
- * 230 mm; times since a date are of no use here; and the parser loses memory over bad syntax. */
-static bool looks_like_unit(const char *s) {
-    if (strlen(s) >= UNIT_SIZE) return false;
-    if (strncmp(s, "1/", 2) == 0) s += 2;
+ * 230 mm; times since a date have no use here; and the parser leaks memory on bad syntax. */
+static bool looks_like_unit(const char *text) {
+    if (strlen(text) >= UNIT_SIZE) return false;
+    if (strncmp(text, "1/", 2) == 0) text += 2;
     for (;;) {
-        s = skip_factor(s);
-        if (!s) return false;
-        if (!*s) return true;
-        const char *gap = s;
-        while (*s == ' ') s++;
-        bool joined = *s == '/' || *s == '.' || *s == '*';
-        if (joined) s++;
-        if (!joined && gap == s) return false;
-        while (*s == ' ') s++;
+        text = skip_factor(text);
+        if (!text) return false;
+        if (!*text) return true;
+        const char *gap = text;
+        while (*text == ' ') text++;
+        bool joined = *text == '/' || *text == '.' || *text == '*';
+        if (joined) text++;
+        if (!joined && gap == text) return false;
+        while (*text == ' ') text++;
     }
 }
 
@@ -283,8 +283,8 @@ static bool starts_a_number(const char *text) {
     return *text >= '0' && *text <= '9';
 }
 
-/* The factor comes with rounding of its own. 46 mm shall be the double nearest to 0.046, and 2.65
- * g/cm3 be 2650: factors that are whole numbers, or one over them, are taken as such. */
+/* The factor itself is rounded. 46 mm must give the double nearest to 0.046, and 2.65 g/cm3 must
+ * give 2650: a factor near a whole number, or near one over a whole number, is replaced by it. */
 static double scaled(double number, double factor) {
     double whole = nearbyint(factor), inverse = nearbyint(1.0 / factor);
     if (factor > 0.5 && fabs(whole / factor - 1.0) < 1e-14) return number * whole;
@@ -293,7 +293,7 @@ static double scaled(double number, double factor) {
     return number * factor;
 }
 
-/* Tells whether `word` stands in the text of a unit, by itself or behind a prefix ("kHz"). */
+/* True if `word` occurs in the text of a unit, by itself or after a prefix ("kHz"). */
 static bool has_word(const char *text, const char *word) {
     for (; *text; text++) {
         if (!is_letter(*text)) continue;
@@ -376,7 +376,7 @@ bool gn_units_read_slope(gn_units *units, const char *text, double *value, char 
     return false;
 }
 
-/* Tells whether a word of a unit is `name`, with a prefix or in the plural. */
+/* True if a word of a unit is `name`, with a prefix or in the plural. */
 static bool is_named(const char *word, size_t length, const char *name) {
     static const char *const prefixes[] = {"", "k", "M", "kilo", "mega"};
     size_t own = strlen(name);

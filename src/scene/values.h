@@ -1,4 +1,4 @@
-/* What the structs of a scene are made of. */
+/* Basic types of the structs of a scene. */
 #ifndef GN_SCENE_VALUES_H
 #define GN_SCENE_VALUES_H
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* %.17g gives back the same double. */
+/* %.17g reproduces the same double. */
 static void write_number(FILE *out, double value) {
     fprintf(out, "%.17g", value);
 }
@@ -62,7 +62,7 @@ static void write_points(FILE *out, const double *points, size_t count) {
     fputc(']', out);
 }
 
-/* Rows, or their wanted number. */
+/* Writes rows, or their requested number. */
 static void write_particles(FILE *out, const gn_key *key, const char *base, bool plane,
                             int indent) {
     const double *particles;
@@ -77,7 +77,7 @@ static void write_particles(FILE *out, const gn_key *key, const char *base, bool
     }
 }
 
-/* In one line. A scalar that is quoted is read as the same text. */
+/* Writes a node in one line. A quoted scalar is read back as the same text. */
 static void write_node(FILE *out, const gn_node *node) {
     bool map = node->kind == GN_NODE_MAP;
     if (node->kind == GN_NODE_NULL) return;
@@ -177,7 +177,7 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
     case GN_KEY_POINTS:
         write_points(out, array, *(const size_t *)(base + key->second));
         break;
-    case GN_KEY_TREE: /* of no scene */
+    case GN_KEY_TREE: /* no scene has one */
     case GN_KEY_CHANGES:
     case GN_KEY_SECTION:
     case GN_KEY_LIST:
@@ -197,7 +197,7 @@ static void write_list(FILE *out, const gn_key *key, const char *base, bool plan
         write_section(out, key->section, array + k * key->section->size, plane, indent + 4, true);
 }
 
-/* Lines of their own, which stand under the element as its other keys do. */
+/* Writes changes on separate lines, indented as the other keys of the element. */
 static void write_changes(FILE *out, const gn_key *key, const char *base, int indent) {
     const char *line;
     memcpy(&line, base + key->offset, sizeof line);
@@ -205,7 +205,7 @@ static void write_changes(FILE *out, const gn_key *key, const char *base, int in
         fprintf(out, "%*s%.*s\n", indent, "", (int)strcspn(line, "\n"), line);
 }
 
-/* `element`: the first key stands behind the dash of a list. */
+/* `element`: the first key follows the dash of a list. */
 static void write_section(FILE *out, const gn_section *section, const char *base, bool plane,
                           int indent, bool element) {
     for (size_t k = 0; k < section->key_count; k++) {

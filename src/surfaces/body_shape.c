@@ -91,7 +91,7 @@ static gneiss_status make_mesh(const gn_scene *scene, size_t index, gn_mesh *mes
     else
         status = gn_mesh_read_stl(def->surface_path, 1.0, mesh, error);
     double volume;
-    if (status == GNEISS_OK && gn_body_is_weighed(def))
+    if (status == GNEISS_OK && gn_body_mass_is_from_surface(def))
         status = gn_mesh_close_surface(mesh, "surface", &volume, error);
     if (status == GNEISS_OK) return status;
     gn_mesh_free(mesh);
@@ -271,7 +271,8 @@ gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_sh
     gn_mesh_free(&mesh);
     if (status == GNEISS_OK) {
         status = check_places(shape, error);
-        if (status == GNEISS_OK && gn_body_is_weighed(def)) status = weigh(shape, corners, error);
+        if (status == GNEISS_OK && gn_body_mass_is_from_surface(def))
+            status = weigh(shape, corners, error);
         if (status != GNEISS_OK)
             gn_fail_context(error, "%s (%s): ", place_of(scene, index).text, def->name);
     }

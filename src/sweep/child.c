@@ -16,7 +16,7 @@
 
 /* ---- starting ---- */
 
-/* A new file, whatever has the name: a link of somebody's is not followed. */
+/* Creates a new file in place of any existing one; an existing link is not followed. */
 static int open_log(const char *folder, const char *name) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -24,8 +24,8 @@ static int open_log(const char *folder, const char *name) {
     return open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
 }
 
-/* In the child, between fork and exec: system calls only. A process group of its own keeps the
- * terminal's Ctrl-C from it: its parent passes signals on, once. */
+/* Runs in the child between fork and exec, with system calls only. A separate process group keeps
+ * the terminal's Ctrl-C from it: the parent passes signals on, once. */
 static void become(const gn_child_way *way, char *const *arguments, const int descriptor[3],
                    pid_t parent) {
     setpgid(0, 0);
@@ -92,7 +92,7 @@ int64_t gn_newest_checkpoint(const char *folder) {
 
 /* ---- watching ---- */
 
-/* The last `size` - 1 bytes of a file; "" when it cannot be read. */
+/* Reads the last `size` - 1 bytes of a file; "" if it cannot be read. */
 static void read_tail(const char *folder, const char *name, char *text, size_t size) {
     char path[GN_PATH_SIZE + 32];
     snprintf(path, sizeof path, "%s/%s", folder, name);
@@ -105,7 +105,7 @@ static void read_tail(const char *folder, const char *name, char *text, size_t s
     close(descriptor);
 }
 
-/* The last whole line: {"step":12, ..., "eta":3.5, ...}. */
+/* Reads the last complete line: {"step":12, ..., "eta":3.5, ...}. */
 double gn_child_remaining(gn_child *child) {
     char text[1 << 10];
     read_tail(child->folder, "progress.jsonl", text, sizeof text);
@@ -123,8 +123,8 @@ double gn_child_remaining(gn_child *child) {
 
 /* ---- the end ---- */
 
-/* From the last "gneiss: ..." that is no warning to the end, without its line breaks. */
-static void last_words(const char *folder, char *message, size_t size) {
+/* Reads from the last "gneiss: ..." that is no warning to the end, without line breaks. */
+static void last_message(const char *folder, char *message, size_t size) {
     char text[1 << 13];
     read_tail(folder, "messages.txt", text, sizeof text);
     const char *from = NULL;
@@ -138,21 +138,22 @@ static void last_words(const char *folder, char *message, size_t size) {
     message[used] = '\0';
 }
 
-void gn_child_outcome(const gn_child *child, int wait_status, gn_outcome *o) {
-    *o = (gn_outcome){.state = GN_RUN_FAILED};
+void gn_child_outcome(const gn_child *child, int wait_status, gn_outcome *outcome) {
+    *outcome = (gn_outcome){.state = GN_RUN_FAILED};
     if (WIFSIGNALED(wait_status)) {
         int number = WTERMSIG(wait_status);
-        o->code = 128 + number;
-        snprintf(o->message, sizeof o->message, "ended by signal %d (%s)", number,
+        outcome->code = 128 + number;
+        snprintf(outcome->message, sizeof outcome->message, "ended by signal %d (%s)", number,
                  strsignal(number));
         return;
     }
-    o->code = WEXITSTATUS(wait_status);
-    if (o->code == GNEISS_OK) {
-        o->state = GN_RUN_DONE;
+    outcome->code = WEXITSTATUS(wait_status);
+    if (outcome->code == GNEISS_OK) {
+        outcome->state = GN_RUN_DONE;
         return;
     }
-    last_words(child->folder, o->message, sizeof o->message);
-    if (!o->message[0])
-        snprintf(o->message, sizeof o->message, "exit code %d without a message", o->code);
+    last_message(child->folder, outcome->message, sizeof outcome->message);
+    if (!outcome->message[0])
+        snprintf(outcome->message, sizeof outcome->message, "exit code %d without a message",
+                 outcome->code);
 }

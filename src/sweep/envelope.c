@@ -8,25 +8,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct points {
+typedef struct point_set {
     const double *x, *y;
     size_t count, stride;
-} points;
+} point_set;
 
-static bool has(const points *p, size_t k) {
-    return isfinite(p->x[k * p->stride]) && isfinite(p->y[k * p->stride]);
+static bool has(const point_set *points, size_t k) {
+    return isfinite(points->x[k * points->stride]) && isfinite(points->y[k * points->stride]);
 }
 
-/* Confinements that differ by more than a millionth of the largest. */
-static size_t different(const points *p) {
+/* Counts confinements that differ by more than a millionth of the largest. */
+static size_t different(const point_set *points) {
     double largest = 0.0;
     size_t count = 0;
-    for (size_t k = 0; k < p->count; k++)
-        if (has(p, k)) largest = fmax(largest, fabs(p->x[k * p->stride]));
-    for (size_t k = 0; k < p->count; k++) {
-        bool found = !has(p, k);
+    for (size_t k = 0; k < points->count; k++)
+        if (has(points, k)) largest = fmax(largest, fabs(points->x[k * points->stride]));
+    for (size_t k = 0; k < points->count; k++) {
+        bool found = !has(points, k);
         for (size_t q = 0; q < k && !found; q++)
-            found = has(p, q) && fabs(p->x[q * p->stride] - p->x[k * p->stride]) <= 1e-6 * largest;
+            found = has(points, q) && fabs(points->x[q * points->stride] -
+                                           points->x[k * points->stride]) <= 1e-6 * largest;
         count += !found;
     }
     return count;
@@ -40,55 +41,56 @@ static double squared_deviator(double s3, double s1) {
     return (s1 - s3) * (s1 - s3);
 }
 
-/* Least squares about the means, so that large pressures lose nothing. */
-static void fit_line(const points *p, double (*of)(double s3, double s1), double *slope,
+/* Fits by least squares about the means, so that large pressures lose no precision. */
+static void fit_line(const point_set *points, double (*of)(double s3, double s1), double *slope,
                      double *start) {
     double n = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
-    for (size_t k = 0; k < p->count; k++) {
-        if (!has(p, k)) continue;
-        double x = p->x[k * p->stride], y = of(x, p->y[k * p->stride]);
+    for (size_t k = 0; k < points->count; k++) {
+        if (!has(points, k)) continue;
+        double x = points->x[k * points->stride], y = of(x, points->y[k * points->stride]);
         n += 1.0;
         mx += (x - mx) / n;
         my += (y - my) / n;
     }
-    for (size_t k = 0; k < p->count; k++) {
-        if (!has(p, k)) continue;
-        double x = p->x[k * p->stride] - mx;
+    for (size_t k = 0; k < points->count; k++) {
+        if (!has(points, k)) continue;
+        double x = points->x[k * points->stride] - mx;
         xx += x * x;
-        xy += x * (of(p->x[k * p->stride], p->y[k * p->stride]) - my);
+        xy += x * (of(points->x[k * points->stride], points->y[k * points->stride]) - my);
     }
     *slope = xy / xx;
     *start = my - *slope * mx;
 }
 
-static void fit_coulomb(const points *p, gn_envelope *e) {
+static void fit_coulomb(const point_set *points, gn_envelope *envelope) {
     double k, c;
-    fit_line(p, strength, &k, &c);
+    fit_line(points, strength, &k, &c);
     if (!(k >= 1.0 && c >= 0.0)) {
-        snprintf(e->no_coulomb, sizeof e->no_coulomb,
-                 "the line has a slope of %.3g (at least 1) and begins at %.3g Pa (at least 0)", k,
-                 c);
+        snprintf(envelope->no_coulomb, sizeof envelope->no_coulomb,
+                 "the fitted line has a slope of %.3g (at least 1 needed) and an intercept of %.3g "
+                 "Pa (at least 0 needed)",
+                 k, c);
         return;
     }
-    e->friction_angle = asin((k - 1.0) / (k + 1.0)) * 180.0 / M_PI;
-    e->cohesion = c / (2.0 * sqrt(k));
+    envelope->friction_angle = asin((k - 1.0) / (k + 1.0)) * 180.0 / M_PI;
+    envelope->cohesion = c / (2.0 * sqrt(k));
 }
 
-static void fit_hoek_brown(const points *p, gn_envelope *e) {
+static void fit_hoek_brown(const point_set *points, gn_envelope *envelope) {
     double slope, start;
-    fit_line(p, squared_deviator, &slope, &start);
+    fit_line(points, squared_deviator, &slope, &start);
     if (!(slope > 0.0 && start > 0.0)) {
-        snprintf(e->no_hoek_brown, sizeof e->no_hoek_brown,
-                 "the square of the deviator does not grow from above zero along a line");
+        snprintf(envelope->no_hoek_brown, sizeof envelope->no_hoek_brown,
+                 "the fitted line of the squared deviator has no positive slope and intercept");
         return;
     }
-    e->hoek_brown_strength = sqrt(start);
-    e->hoek_brown_mi = slope / e->hoek_brown_strength;
+    envelope->hoek_brown_strength = sqrt(start);
+    envelope->hoek_brown_mi = slope / envelope->hoek_brown_strength;
 }
 
 gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,
                             size_t stride) {
-    const points p = {confinement, axial, count, stride};
+    const point_set p = {confinement, axial, count, stride};
     gn_envelope e = {
 #define X(name, unit, text) .name = NAN,
         GN_ENVELOPE_READINGS(X)
@@ -115,7 +117,7 @@ static bool ends_with(const char *key, const char *end) {
     return length >= own && strcmp(key + length - own, end) == 0;
 }
 
-/* Tells whether a parameter is what confines the specimen. */
+/* True if a parameter is the confinement of the specimen. */
 static bool is_confinement(const char *key) {
     static const char *const ends[] = {"membrane.pressure", "servo.stress",
                                        "servo.force",       "periodic.x.stress",
@@ -125,7 +127,7 @@ static bool is_confinement(const char *key) {
     return false;
 }
 
-/* Tells whether a parameter says how a test is carried out, and nothing of the specimen. */
+/* True if a parameter belongs to the test procedure, not to the specimen. */
 static bool is_procedure(const char *key) {
     static const char *const lists[] = {"walls", "sets",   "bodies", "membrane", "time",
                                         "test",  "output", "run",    "stages",   "periodic"};
@@ -135,9 +137,10 @@ static bool is_procedure(const char *key) {
     return false;
 }
 
-static int compare_values(const gn_sweep *s, size_t a, size_t b, size_t p) {
-    const gn_sweep_value *x = gn_sweep_value_of(s, a, p), *y = gn_sweep_value_of(s, b, p);
-    if (!s->parameters[p].numeric) return strcmp(x->text, y->text);
+static int compare_values(const gn_sweep *sweep, size_t first, size_t second, size_t p) {
+    const gn_sweep_value *x = gn_sweep_value_of(sweep, first, p),
+                         *y = gn_sweep_value_of(sweep, second, p);
+    if (!sweep->parameters[p].numeric) return strcmp(x->text, y->text);
     return (x->number > y->number) - (x->number < y->number);
 }
 
@@ -146,86 +149,87 @@ typedef struct run_order {
     const bool *counts; /* [parameter_count] */
 } run_order;
 
-static int compare_groups(const run_order *o, size_t a, size_t b) {
+static int compare_groups(const run_order *o, size_t first, size_t second) {
     int order = 0;
     for (size_t p = 0; p < o->sweep->parameter_count && !order; p++)
-        if (o->counts[p]) order = compare_values(o->sweep, a, b, p);
+        if (o->counts[p]) order = compare_values(o->sweep, first, second, p);
     return order;
 }
 
-/* Runs of a group stand together, in the order of the sweep. */
-static int compare_runs(const void *a, const void *b, void *context) {
-    size_t x = *(const size_t *)a, y = *(const size_t *)b;
+/* Orders runs by group, and within a group as in the sweep. */
+static int compare_runs(const void *left, const void *right, void *context) {
+    size_t x = *(const size_t *)left, y = *(const size_t *)right;
     int order = compare_groups(context, x, y);
     return order ? order : (x > y) - (x < y);
 }
 
-static void sort_runs(const gn_sweep *s, const bool *counts, size_t *runs) {
-    run_order order = {s, counts};
-    for (size_t k = 0; k < s->run_count; k++) runs[k] = k;
-    qsort_r(runs, s->run_count, sizeof *runs, compare_runs, &order);
+static void sort_runs(const gn_sweep *sweep, const bool *counts, size_t *runs) {
+    run_order order = {sweep, counts};
+    for (size_t k = 0; k < sweep->run_count; k++) runs[k] = k;
+    qsort_r(runs, sweep->run_count, sizeof *runs, compare_runs, &order);
 }
 
-/* Envelopes differ in every parameter but the confinement and what goes along with it in the
- * procedure of the test, as a speed that is zipped with the pressure. */
-static void choose_grouping(const gn_sweep *s, size_t *runs, bool *confines, bool *grouping) {
-    const run_order order = {s, confines};
-    for (size_t p = 0; p < s->parameter_count; p++)
-        confines[p] = is_confinement(s->parameters[p].key);
-    sort_runs(s, confines, runs);
-    for (size_t p = 0; p < s->parameter_count; p++) {
-        const char *key = s->parameters[p].key;
+/* Envelopes are distinguished by every parameter but the confinement and those parameters of the
+ * procedure that vary with it, such as a speed that is zipped with the pressure. */
+static void choose_grouping(const gn_sweep *sweep, size_t *runs, bool *confines, bool *grouping) {
+    const run_order order = {sweep, confines};
+    for (size_t p = 0; p < sweep->parameter_count; p++)
+        confines[p] = is_confinement(sweep->parameters[p].key);
+    sort_runs(sweep, confines, runs);
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        const char *key = sweep->parameters[p].key;
         bool follows = is_procedure(key);
-        for (size_t k = 1; follows && k < s->run_count; k++)
+        for (size_t k = 1; follows && k < sweep->run_count; k++)
             follows = compare_groups(&order, runs[k - 1], runs[k]) != 0 ||
-                      compare_values(s, runs[k - 1], runs[k], p) == 0;
+                      compare_values(sweep, runs[k - 1], runs[k], p) == 0;
         grouping[p] = !confines[p] && !follows && strcmp(key, "run.seed") != 0;
     }
 }
 
-/* The place of a reading; the number of readings: it is not there. */
-static size_t place_of(const gn_summary *m, const char *name) {
+/* Returns the index of a reading; the number of readings: not found. */
+static size_t place_of(const gn_summary *summary, const char *name) {
     size_t r = 0;
-    while (r < m->reading_count && strcmp(m->readings[r].name, name) != 0) r++;
+    while (r < summary->reading_count && strcmp(summary->readings[r].name, name) != 0) r++;
     return r;
 }
 
-/* Fits group by group; those without confinements that differ are left out. */
-static void fit_groups(const gn_summary *m, gn_envelopes *e, const size_t *runs, double *pairs,
-                       size_t at, size_t of) {
-    const gn_sweep *s = m->sweep;
-    const run_order order = {s, e->grouping};
-    size_t width = m->reading_count;
-    for (size_t first = 0, end; first < s->run_count; first = end) {
-        for (end = first; end < s->run_count; end++) {
+/* Fits each group; groups without different confinements are left out. */
+static void fit_groups(const gn_summary *summary, gn_envelopes *envelopes, const size_t *runs,
+                       double *pairs, size_t at, size_t of) {
+    const gn_sweep *sweep = summary->sweep;
+    const run_order order = {sweep, envelopes->grouping};
+    size_t width = summary->reading_count;
+    for (size_t first = 0, end; first < sweep->run_count; first = end) {
+        for (end = first; end < sweep->run_count; end++) {
             if (compare_groups(&order, runs[first], runs[end]) != 0) break;
-            pairs[2 * end] = m->value[runs[end] * width + at];
-            pairs[2 * end + 1] = m->value[runs[end] * width + of];
+            pairs[2 * end] = summary->value[runs[end] * width + at];
+            pairs[2 * end + 1] = summary->value[runs[end] * width + of];
         }
         gn_envelope fit = gn_envelope_fit(pairs + 2 * first, pairs + 2 * first + 1, end - first, 2);
         for (size_t k = first; k < end; k++)
-            e->of_run[runs[k]] = fit.there ? (int64_t)e->count : -1;
+            envelopes->of_run[runs[k]] = fit.there ? (int64_t)envelopes->count : -1;
         if (!fit.there) continue;
-        e->first[e->count] = runs[first];
-        e->of[e->count++] = fit;
+        envelopes->first[envelopes->count] = runs[first];
+        envelopes->of[envelopes->count++] = fit;
     }
 }
 
-static gneiss_status make_envelopes(const gn_summary *m, gn_envelopes *e, size_t at, size_t of,
-                                    gneiss_error *error) {
-    const gn_sweep *s = m->sweep;
-    size_t *runs = gn_alloc_array(s->run_count, sizeof *runs);
-    double *pairs = gn_alloc_array(2 * s->run_count, sizeof *pairs);
-    bool *confines = gn_alloc_array(s->parameter_count + 1, sizeof *confines);
-    e->of = gn_alloc_array(s->run_count, sizeof *e->of);
-    e->first = gn_alloc_array(s->run_count, sizeof *e->first);
-    e->of_run = gn_alloc_array(s->run_count, sizeof *e->of_run);
-    e->grouping = gn_alloc_array(s->parameter_count + 1, sizeof *e->grouping);
-    bool held = runs && pairs && confines && e->of && e->first && e->of_run && e->grouping;
+static gneiss_status make_envelopes(const gn_summary *summary, gn_envelopes *envelopes, size_t at,
+                                    size_t of, gneiss_error *error) {
+    const gn_sweep *sweep = summary->sweep;
+    size_t *runs = gn_alloc_array(sweep->run_count, sizeof *runs);
+    double *pairs = gn_alloc_array(2 * sweep->run_count, sizeof *pairs);
+    bool *confines = gn_alloc_array(sweep->parameter_count + 1, sizeof *confines);
+    envelopes->of = gn_alloc_array(sweep->run_count, sizeof *envelopes->of);
+    envelopes->first = gn_alloc_array(sweep->run_count, sizeof *envelopes->first);
+    envelopes->of_run = gn_alloc_array(sweep->run_count, sizeof *envelopes->of_run);
+    envelopes->grouping = gn_alloc_array(sweep->parameter_count + 1, sizeof *envelopes->grouping);
+    bool held = runs && pairs && confines && envelopes->of && envelopes->first &&
+                envelopes->of_run && envelopes->grouping;
     if (held) {
-        choose_grouping(s, runs, confines, e->grouping);
-        sort_runs(s, e->grouping, runs);
-        fit_groups(m, e, runs, pairs, at, of);
+        choose_grouping(sweep, runs, confines, envelopes->grouping);
+        sort_runs(sweep, envelopes->grouping, runs);
+        fit_groups(summary, envelopes, runs, pairs, at, of);
     }
     gn_free(runs);
     gn_free(pairs);
@@ -233,27 +237,30 @@ static gneiss_status make_envelopes(const gn_summary *m, gn_envelopes *e, size_t
     return held ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
 }
 
-gneiss_status gn_envelopes_make(const gn_summary *m, gn_envelopes *e, gneiss_error *error) {
-    size_t at = place_of(m, "confinement"), of = place_of(m, "axial_strength");
-    *e = (gn_envelopes){0};
-    if (at == m->reading_count || of == m->reading_count) return GNEISS_OK;
-    const points all = {m->value + at, m->value + of, m->sweep->run_count, m->reading_count};
-    e->confined = different(&all) > 1;
-    if (!e->confined) return GNEISS_OK;
-    gneiss_status status = make_envelopes(m, e, at, of, error);
-    if (status != GNEISS_OK) gn_envelopes_free(e);
+gneiss_status gn_envelopes_make(const gn_summary *summary, gn_envelopes *envelopes,
+                                gneiss_error *error) {
+    size_t at = place_of(summary, "confinement"), of = place_of(summary, "axial_strength");
+    *envelopes = (gn_envelopes){0};
+    if (at == summary->reading_count || of == summary->reading_count) return GNEISS_OK;
+    const point_set all = {summary->value + at, summary->value + of, summary->sweep->run_count,
+                           summary->reading_count};
+    envelopes->confined = different(&all) > 1;
+    if (!envelopes->confined) return GNEISS_OK;
+    gneiss_status status = make_envelopes(summary, envelopes, at, of, error);
+    if (status != GNEISS_OK) gn_envelopes_free(envelopes);
     return status;
 }
 
-void gn_envelopes_free(gn_envelopes *e) {
-    gn_free(e->of);
-    gn_free(e->first);
-    gn_free(e->of_run);
-    gn_free(e->grouping);
-    *e = (gn_envelopes){0};
+void gn_envelopes_free(gn_envelopes *envelopes) {
+    gn_free(envelopes->of);
+    gn_free(envelopes->first);
+    gn_free(envelopes->of_run);
+    gn_free(envelopes->grouping);
+    *envelopes = (gn_envelopes){0};
 }
 
-const char *gn_envelope_label(const gn_summary *m, const gn_envelopes *e, size_t which, char *text,
-                              size_t size) {
-    return gn_sweep_label_of(m->sweep, e->first[which], e->grouping, text, size);
+const char *gn_envelope_label(const gn_summary *summary, const gn_envelopes *envelopes,
+                              size_t which, char *text, size_t size) {
+    return gn_sweep_label_of(summary->sweep, envelopes->first[which], envelopes->grouping, text,
+                             size);
 }

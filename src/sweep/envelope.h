@@ -1,8 +1,7 @@
-/* Strength over confinement, of the triaxial tests of a sweep.
- *
- * Coulomb: s1 = C + K s3 with K = (1 + sin phi)/(1 - sin phi), C = 2 c sqrt(K). Hoek & Brown
- * (1980), intact rock: s1 = s3 + sqrt(m_i s_ci s3 + s_ci^2), so that (s1 - s3)^2 is a line over s3.
- * Both by least squares over the runs that differ in confinement and seed alone. */
+/* Strength over confinement, from the triaxial tests of a sweep. Coulomb: s1 = C + K s3 with K = (1
+ * + sin phi)/(1 - sin phi), C = 2 c sqrt(K). Hoek & Brown (1980), intact rock: s1 = s3 + sqrt(m_i
+ * s_ci s3 + s_ci^2), so that (s1 - s3)^2 is a line over s3. Both are fitted by least squares over
+ * the runs that differ in confinement and seed alone. */
 #ifndef GN_SWEEP_ENVELOPE_H
 #define GN_SWEEP_ENVELOPE_H
 
@@ -15,34 +14,35 @@
     X(hoek_brown_mi, "1", "m_i of Hoek and Brown's curve for intact rock")                         \
     X(hoek_brown_strength, "Pa", "its strength without confinement")
 
-/* How many confinements have to differ: a line through two has nothing to be held against. */
+/* Least number of different confinements: a line through two points cannot be judged. */
 enum { GN_ENVELOPE_LEAST = 3 };
 
 typedef struct gn_envelope {
-    bool there; /* axial strengths at confinements that differ */
+    bool there; /* axial strengths at different confinements exist */
 #define X(name, unit, text) double name;
     GN_ENVELOPE_READINGS(X) /* NaN: absent */
 #undef X
-    char no_coulomb[160], no_hoek_brown[160]; /* why they are absent; "" */
+    char no_coulomb[160], no_hoek_brown[160]; /* reasons for their absence; "" */
 } gn_envelope;
 
-/* Envelopes of a sweep, one for each combination of the parameters that are no confinement. */
+/* Envelopes of a sweep, one for each combination of the other parameters. */
 typedef struct gn_envelopes {
-    bool confined;   /* axial strengths at confinements that differ, in whatever runs */
-    size_t count;    /* of those that are `there` */
+    bool confined;   /* axial strengths at different confinements exist in any runs */
+    size_t count;    /* number of envelopes that exist */
     gn_envelope *of; /* [count] */
-    size_t *first;   /* [count]: a run of each */
-    int64_t *of_run; /* [run_count]: the envelope that a run is part of; -1: none */
-    bool *grouping;  /* [parameter_count]: whether envelopes differ in the parameter */
+    size_t *first;   /* [count]: one run of each */
+    int64_t *of_run; /* [run_count]: the envelope of a run; -1: none */
+    bool *grouping;  /* [parameter_count]: true if envelopes differ in the parameter */
 } gn_envelopes;
 
-gneiss_status gn_envelopes_make(const gn_summary *m, gn_envelopes *envelopes, gneiss_error *error);
+gneiss_status gn_envelopes_make(const gn_summary *summary, gn_envelopes *envelopes,
+                                gneiss_error *error);
 void gn_envelopes_free(gn_envelopes *envelopes);
-/* "friction = 0.3": the parameters of an envelope that vary; "". */
-const char *gn_envelope_label(const gn_summary *m, const gn_envelopes *envelopes, size_t which,
-                              char *text, size_t size);
+/* Returns "friction = 0.3": the varying parameters of an envelope; "". */
+const char *gn_envelope_label(const gn_summary *summary, const gn_envelopes *envelopes,
+                              size_t which, char *text, size_t size);
 
-/* Of numbers; those that are not finite are left out. */
+/* Fits an envelope to numbers, without those that are not finite. */
 gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,
                             size_t stride);
 

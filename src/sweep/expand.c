@@ -1,4 +1,5 @@
-/* Every combination of values a run, its scene read and hashed before anything is computed. */
+/* Makes a run of every combination of values; all scenes are read and hashed before anything is
+ * computed. */
 #include "sweep/expand.h"
 
 #include "base/memory.h"
@@ -12,127 +13,134 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Raised whenever what stands in the folder of a run means something else. */
+/* To be raised whenever the contents of a run's folder change their meaning. */
 enum { FOLDER_FORMAT = 1 };
 
 /* ---- the scene of a run ---- */
 
 enum { OVERRIDES_MAX = 64 + GN_SWEEP_PARAMETERS_MAX + 1 };
 
-const gn_sweep_value *gn_sweep_value_of(const gn_sweep *s, size_t run, size_t parameter) {
-    return &s->parameters[parameter].values[s->chosen[s->runs[run].first_value + parameter]];
+const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_t parameter) {
+    return &sweep->parameters[parameter]
+                .values[sweep->chosen[sweep->runs[run].first_value + parameter]];
 }
 
-/* `seeded`: the seeds have their numbers. */
-static gneiss_status read_scene(const gn_sweep *s, size_t run, bool seeded, bool varied,
+/* `seeded`: the seeds have their numbers already. */
+static gneiss_status read_scene(const gn_sweep *sweep, size_t run, bool seeded, bool varied,
                                 gn_scene *scene, gneiss_error *error) {
     gn_override all[OVERRIDES_MAX];
     char seed[24], folder[GN_PATH_SIZE];
     size_t count = 0;
-    for (size_t k = 0; k < s->override_count && k < 64; k++) all[count++] = s->overrides[k];
-    for (size_t p = 0; varied && p < s->parameter_count; p++)
-        all[count++] = (gn_override){s->parameters[p].key, gn_sweep_value_of(s, run, p)->text};
-    snprintf(seed, sizeof seed, "%" PRIu64, s->runs[run].seed);
-    if (seeded && s->seed_count) all[count++] = (gn_override){"run.seed", seed};
-    const char *slash = strrchr(s->scene, '/');
-    int keep = !slash || slash == s->scene ? 1 : (int)(slash - s->scene);
-    snprintf(folder, sizeof folder, "%.*s", keep, slash ? s->scene : ".");
-    return gn_scene_parse_with(s->units, s->scene_text, strlen(s->scene_text), s->scene, folder,
-                               all, count, scene, error);
+    for (size_t k = 0; k < sweep->override_count && k < 64; k++) all[count++] = sweep->overrides[k];
+    for (size_t p = 0; varied && p < sweep->parameter_count; p++)
+        all[count++] =
+            (gn_override){sweep->parameters[p].key, gn_sweep_value_of(sweep, run, p)->text};
+    snprintf(seed, sizeof seed, "%" PRIu64, sweep->runs[run].seed);
+    if (seeded && sweep->seed_count) all[count++] = (gn_override){"run.seed", seed};
+    const char *slash = strrchr(sweep->scene, '/');
+    int keep = !slash || slash == sweep->scene ? 1 : (int)(slash - sweep->scene);
+    snprintf(folder, sizeof folder, "%.*s", keep, slash ? sweep->scene : ".");
+    return gn_scene_parse_with(sweep->units, sweep->scene_text, strlen(sweep->scene_text),
+                               sweep->scene, folder, all, count, scene, error);
 }
 
-gneiss_status gn_sweep_scene(const gn_sweep *s, size_t run, gn_scene *scene, gneiss_error *error) {
-    return read_scene(s, run, true, true, scene, error);
+gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
+                             gneiss_error *error) {
+    return read_scene(sweep, run, true, true, scene, error);
 }
 
-/* Numbers of ranges are in SI without a unit; what was written keeps its own. */
-static const char *unit_behind(const gn_sweep_parameter *p, const char *text) {
-    bool bare = p->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
-    return bare ? p->unit : "";
+/* Numbers of ranges are in SI without a unit; written values keep their unit. */
+static const char *unit_behind(const gn_sweep_parameter *parameter, const char *text) {
+    bool bare = parameter->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
+    return bare ? parameter->unit : "";
 }
 
-/* Adds "key = value" of a parameter. */
-static size_t add_label(const gn_sweep *s, size_t run, size_t p, char *text, size_t size,
+/* Appends "key = value" of a parameter. */
+static size_t add_label(const gn_sweep *sweep, size_t run, size_t p, char *text, size_t size,
                         size_t used) {
-    const char *value = gn_sweep_value_of(s, run, p)->text;
-    const char *unit = unit_behind(&s->parameters[p], value);
+    const char *value = gn_sweep_value_of(sweep, run, p)->text;
+    const char *unit = unit_behind(&sweep->parameters[p], value);
     return used + (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "",
-                                   s->parameters[p].key, value, *unit ? " " : "", unit);
+                                   sweep->parameters[p].key, value, *unit ? " " : "", unit);
 }
 
-const char *gn_sweep_label_of(const gn_sweep *s, size_t run, const bool *shown, char *text,
+const char *gn_sweep_label_of(const gn_sweep *sweep, size_t run, const bool *shown, char *text,
                               size_t size) {
     size_t used = 0;
     text[0] = '\0';
-    for (size_t p = 0; p < s->parameter_count && used < size; p++)
-        if (shown[p] && s->parameters[p].count > 1) used = add_label(s, run, p, text, size, used);
+    for (size_t p = 0; p < sweep->parameter_count && used < size; p++)
+        if (shown[p] && sweep->parameters[p].count > 1)
+            used = add_label(sweep, run, p, text, size, used);
     return text;
 }
 
-const char *gn_sweep_label(const gn_sweep *s, size_t run, bool seed, char *text, size_t size) {
-    size_t used = 0, varied = s->seed_count > 1;
+const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size) {
+    size_t used = 0, varied = sweep->seed_count > 1;
     text[0] = '\0';
-    for (size_t p = 0; p < s->parameter_count; p++) varied += s->parameters[p].count > 1;
-    for (size_t p = 0; p < s->parameter_count && used < size; p++) {
-        if (varied && s->parameters[p].count == 1) continue;
-        used = add_label(s, run, p, text, size, used);
+    for (size_t p = 0; p < sweep->parameter_count; p++) varied += sweep->parameters[p].count > 1;
+    for (size_t p = 0; p < sweep->parameter_count && used < size; p++) {
+        if (varied && sweep->parameters[p].count == 1) continue;
+        used = add_label(sweep, run, p, text, size, used);
     }
-    if (seed && s->seed_count && used < size)
-        snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "", s->runs[run].seed);
+    if (seed && sweep->seed_count && used < size)
+        snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "",
+                 sweep->runs[run].seed);
     return gn_make_printable(text);
 }
 
 /* ---- messages ---- */
 
-/* The parameter that a line "--set KEY: ..." is about; NULL: none. */
-static const gn_sweep_value *blamed(const gn_sweep *s, size_t run, const char *line,
-                                    const gn_sweep_parameter **parameter) {
+/* Returns the parameter that a line "--set KEY: ..." concerns; NULL: none. */
+static const gn_sweep_value *parameter_of_message(const gn_sweep *sweep, size_t run,
+                                                  const char *line,
+                                                  const gn_sweep_parameter **parameter) {
     if (strncmp(line, "--set ", 6) != 0) return NULL;
-    for (size_t p = 0; p < s->parameter_count; p++) {
-        size_t length = strlen(s->parameters[p].key);
-        if (strncmp(line + 6, s->parameters[p].key, length) != 0 || line[6 + length] != ':')
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        size_t length = strlen(sweep->parameters[p].key);
+        if (strncmp(line + 6, sweep->parameters[p].key, length) != 0 || line[6 + length] != ':')
             continue;
-        *parameter = &s->parameters[p];
-        return gn_sweep_value_of(s, run, p);
+        *parameter = &sweep->parameters[p];
+        return gn_sweep_value_of(sweep, run, p);
     }
     return NULL;
 }
 
-/* Notes about values of the sweep file, at the place of the key in it, so that many values have
- * one. */
-static void place_notes(const gn_sweep *s, size_t run, gn_scene_notes *notes) {
-    for (size_t k = 0; s->text && k < notes->count; k++) {
-        const gn_sweep_parameter *p = NULL;
+/* Moves notes about values of the sweep file to the place of the key in it, so that many values
+ * give one note. */
+static void place_notes(const gn_sweep *sweep, size_t run, gn_scene_notes *notes) {
+    for (size_t k = 0; sweep->text && k < notes->count; k++) {
+        const gn_sweep_parameter *parameter = NULL;
         char text[GN_SCENE_NOTE_SIZE];
-        if (!blamed(s, run, notes->text[k], &p)) continue;
+        if (!parameter_of_message(sweep, run, notes->text[k], &parameter)) continue;
         snprintf(text, sizeof text, "%s", notes->text[k] + strlen("--set "));
         const int at = snprintf(notes->text[k], GN_SCENE_NOTE_SIZE, "%.200s:%d:%d: parameters.",
-                                s->source, p->where.line, p->where.column);
+                                sweep->source, parameter->where.line, parameter->where.column);
         snprintf(notes->text[k] + at, (size_t)(GN_SCENE_NOTE_SIZE - at), "%.*s",
                  GN_SCENE_NOTE_SIZE - at - 1, text);
         notes->key_at[k] = at;
     }
 }
 
-/* What the reader of scenes said of overrides, said of the places that they come from. */
-static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error) {
+/* Replaces overrides in messages of the scene reader by their places in the sweep file. */
+static gneiss_status relocate_messages(const gn_sweep *sweep, size_t run, gneiss_error *error) {
     char said[GNEISS_MESSAGE_SIZE], text[GNEISS_MESSAGE_SIZE] = "", label[512];
     size_t used = 0;
     memcpy(said, error->message, sizeof said);
     for (char *rest = said, *line; (line = strsep(&rest, "\n")) && used + 1 < sizeof text;) {
-        const gn_sweep_parameter *p = NULL;
-        const gn_sweep_value *value = blamed(s, run, line, &p);
+        const gn_sweep_parameter *parameter = NULL;
+        const gn_sweep_value *value = parameter_of_message(sweep, run, line, &parameter);
         const char *gap = used ? "\n" : "";
         int more;
         if (value)
-            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: %s%s%s", gap, s->source,
-                            value->where.line, value->where.column,
-                            s->text ? "parameters." : "test.confinement: ", p->key,
-                            line + 6 + strlen(p->key));
-        else if (s->parameter_count)
+            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: %s%s%s", gap,
+                            sweep->source, value->where.line, value->where.column,
+                            sweep->text ? "parameters." : "test.confinement: ", parameter->key,
+                            line + 6 + strlen(parameter->key));
+        else if (sweep->parameter_count)
             more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: with %s: %s", gap,
-                            s->source, s->parameters[0].where.line, s->parameters[0].where.column,
-                            gn_sweep_label(s, run, true, label, sizeof label), line);
+                            sweep->source, sweep->parameters[0].where.line,
+                            sweep->parameters[0].where.column,
+                            gn_sweep_label(sweep, run, true, label, sizeof label), line);
         else
             more = snprintf(text + used, sizeof text - used, "%s%s", gap, line);
         if (more > 0) used += (size_t)more;
@@ -140,26 +148,26 @@ static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error)
     return gn_fail(error, error->status, "%s", text);
 }
 
-/* A scene that is wrong by itself says so by itself. */
-static gneiss_status checked_scene(const gn_sweep *s, size_t run, bool seeded, gn_scene *scene,
+/* A scene that is invalid without the parameters is reported by itself. */
+static gneiss_status checked_scene(const gn_sweep *sweep, size_t run, bool seeded, gn_scene *scene,
                                    gneiss_error *error) {
     gneiss_error own = {0}, alone = {0};
-    gneiss_status status = read_scene(s, run, seeded, true, scene, &own);
+    gneiss_status status = read_scene(sweep, run, seeded, true, scene, &own);
     if (status == GNEISS_OK) return GNEISS_OK;
     bool same = false;
     if (status == GNEISS_ERROR_INPUT) {
-        if (read_scene(s, run, seeded, false, scene, &alone) == GNEISS_OK)
+        if (read_scene(sweep, run, seeded, false, scene, &alone) == GNEISS_OK)
             gn_scene_free(scene);
         else
             same = strcmp(alone.message, own.message) == 0;
-        if (!same) explain(s, run, &own);
+        if (!same) relocate_messages(sweep, run, &own);
     }
     return gn_fail(error, status, "%s", own.message);
 }
 
 /* ---- hashes ---- */
 
-/* Contents of files, each read once. */
+/* Hashes of file contents, each read once. */
 enum { FILES_KEPT = 64 };
 typedef struct file_hashes {
     size_t count;
@@ -216,13 +224,13 @@ static gneiss_status hash_files(file_hashes *known, const gn_section *section, c
     return GNEISS_OK;
 }
 
-static bool varies(const gn_sweep *s, const char *key) {
-    for (size_t p = 0; p < s->parameter_count; p++)
-        if (strcmp(s->parameters[p].key, key) == 0) return true;
+static bool varies(const gn_sweep *sweep, const char *key) {
+    for (size_t p = 0; p < sweep->parameter_count; p++)
+        if (strcmp(sweep->parameters[p].key, key) == 0) return true;
     return false;
 }
 
-/* Files count by their contents, wherever they are. */
+/* Files enter the hash by their contents, not by their paths. */
 static void forget_paths(const gn_section *section, char *base) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
@@ -237,35 +245,36 @@ static void forget_paths(const gn_section *section, char *base) {
     }
 }
 
-/* The scene without what does not change its results: its name, where they go, how many threads
- * there are (unless that is what the sweep is about). */
-static gneiss_status plain_text(const gn_sweep *s, const gn_scene *scene, char **text,
+/* Writes the scene without keys that do not change results: its name, the output folder, the number
+ * of threads (unless the sweep varies it). */
+static gneiss_status plain_text(const gn_sweep *sweep, const gn_scene *scene, char **text,
                                 gneiss_error *error) {
     gn_scene *plain = gn_alloc(sizeof *plain);
     *text = NULL;
-    if (!plain) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    if (!plain) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
     gneiss_status status = gn_scene_copy(scene, plain, error);
     if (status == GNEISS_OK) {
         plain->title[0] = plain->output_directory[0] = '\0';
         plain->checkpoint_wall = 0.0;
-        if (!varies(s, "run.threads")) plain->threads = 0;
+        if (!varies(sweep, "run.threads")) plain->threads = 0;
         forget_paths(&gn_scene_section, (char *)plain);
         *text = gn_scene_write(plain);
         gn_scene_free(plain);
-        if (!*text) status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+        if (!*text)
+            status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
     }
     gn_free(plain);
     return status;
 }
 
-static gneiss_status hash_scene(const gn_sweep *s, const gn_scene *scene, file_hashes *known,
+static gneiss_status hash_scene(const gn_sweep *sweep, const gn_scene *scene, file_hashes *known,
                                 gn_sweep_run *run, gneiss_error *error) {
     char version[64];
     int length = snprintf(version, sizeof version, "%s %d", gn_version(), FOLDER_FORMAT);
     char *text = NULL, *specimen = gn_scene_write_specimen(scene);
-    gneiss_status status = plain_text(s, scene, &text, error);
+    gneiss_status status = plain_text(sweep, scene, &text, error);
     if (status == GNEISS_OK && !specimen)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
     if (status == GNEISS_OK) {
         run->hash = gn_hash_bytes(version, (size_t)length, GN_HASH_SEED);
         run->hash = gn_hash_bytes(text, strlen(text), run->hash);
@@ -290,26 +299,27 @@ static bool has_random_numbers(const gn_scene *scene) {
            (scene->has_elements && scene->elements.distortion > 0.0);
 }
 
-/* Where the seeds begin that are only counted: at that of the scene. */
-static gneiss_status number_seeds(gn_sweep *s, gn_scene *scene, gneiss_error *error) {
-    if (!s->seed_count || s->seeds) return GNEISS_OK;
-    GN_TRY(checked_scene(s, 0, false, scene, error));
+/* Counted seeds begin at the seed of the scene. */
+static gneiss_status number_seeds(gn_sweep *sweep, gn_scene *scene, gneiss_error *error) {
+    if (!sweep->seed_count || sweep->seeds) return GNEISS_OK;
+    GN_TRY(checked_scene(sweep, 0, false, scene, error));
     uint64_t first = scene->seed;
     gn_scene_free(scene);
-    s->seeds = gn_alloc_array(s->seed_count, sizeof *s->seeds);
-    if (!s->seeds) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
-    for (size_t k = 0; k < s->seed_count; k++) s->seeds[k] = first + k;
+    sweep->seeds = gn_alloc_array(sweep->seed_count, sizeof *sweep->seeds);
+    if (!sweep->seeds)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
+    for (size_t k = 0; k < sweep->seed_count; k++) sweep->seeds[k] = first + k;
     return GNEISS_OK;
 }
 
-/* How many combinations of lists there are, and how many points of distributions. */
-static gneiss_status count_runs(gn_sweep *s, gn_combine combine, size_t *lists, size_t *points,
+/* Counts the combinations of lists and the points of distributions. */
+static gneiss_status count_runs(gn_sweep *sweep, gn_combine combine, size_t *lists, size_t *points,
                                 gneiss_error *error) {
     *lists = *points = 1;
-    size_t seeds = s->seed_count ? s->seed_count : 1;
-    for (size_t p = 0; p < s->parameter_count; p++) {
-        size_t count = s->parameters[p].count;
-        if (s->parameters[p].sampled)
+    size_t seeds = sweep->seed_count ? sweep->seed_count : 1;
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        size_t count = sweep->parameters[p].count;
+        if (sweep->parameters[p].sampled)
             *points = count;
         else if (combine == GN_COMBINE_CROSSED)
             *lists *= count;
@@ -318,24 +328,25 @@ static gneiss_status count_runs(gn_sweep *s, gn_combine combine, size_t *lists, 
         if (*lists > GN_SWEEP_RUNS_MAX || *lists * *points * seeds > GN_SWEEP_RUNS_MAX)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s:%d:%d: parameters.%s: expected at most %d runs, found more",
-                           s->source, s->parameters[p].where.line, s->parameters[p].where.column,
-                           s->parameters[p].key, GN_SWEEP_RUNS_MAX);
+                           sweep->source, sweep->parameters[p].where.line,
+                           sweep->parameters[p].where.column, sweep->parameters[p].key,
+                           GN_SWEEP_RUNS_MAX);
     }
-    s->combination_count = *lists * *points;
-    s->run_count = s->combination_count * seeds;
+    sweep->combination_count = *lists * *points;
+    sweep->run_count = sweep->combination_count * seeds;
     return GNEISS_OK;
 }
 
-/* The last list goes fastest; zipped ones go together. */
-static void choose_values(gn_sweep *s, gn_combine combine, size_t points) {
-    for (size_t run = 0; run < s->run_count; run++) {
-        gn_sweep_run *r = &s->runs[run];
-        r->combination = s->seed_count ? run / s->seed_count : run;
-        r->first_value = run * s->parameter_count;
+/* The last list varies fastest; zipped lists vary together. */
+static void choose_values(gn_sweep *sweep, gn_combine combine, size_t points) {
+    for (size_t run = 0; run < sweep->run_count; run++) {
+        gn_sweep_run *r = &sweep->runs[run];
+        r->combination = sweep->seed_count ? run / sweep->seed_count : run;
+        r->first_value = run * sweep->parameter_count;
         size_t list = r->combination / points, rest = list;
-        for (size_t p = s->parameter_count; p-- > 0;) {
-            size_t count = s->parameters[p].count, place;
-            if (s->parameters[p].sampled) {
+        for (size_t p = sweep->parameter_count; p-- > 0;) {
+            size_t count = sweep->parameters[p].count, place;
+            if (sweep->parameters[p].sampled) {
                 place = r->combination % points;
             } else if (combine == GN_COMBINE_ZIPPED) {
                 place = count > 1 ? list : 0;
@@ -343,66 +354,68 @@ static void choose_values(gn_sweep *s, gn_combine combine, size_t points) {
                 place = rest % count;
                 rest /= count;
             }
-            s->chosen[r->first_value + p] = (uint32_t)place;
+            sweep->chosen[r->first_value + p] = (uint32_t)place;
         }
     }
 }
 
-static int by_hash(const void *a, const void *b) {
-    const gn_sweep_run *x = *(gn_sweep_run *const *)a, *y = *(gn_sweep_run *const *)b;
+static int by_hash(const void *left, const void *right) {
+    const gn_sweep_run *x = *(gn_sweep_run *const *)left, *y = *(gn_sweep_run *const *)right;
     if (x->hash != y->hash) return x->hash < y->hash ? -1 : 1;
     return (x > y) - (x < y);
 }
 
-static gneiss_status find_originals(gn_sweep *s, gneiss_error *error) {
-    gn_sweep_run **order = gn_alloc_array(s->run_count, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
-    for (size_t k = 0; k < s->run_count; k++) order[k] = &s->runs[k];
-    qsort(order, s->run_count, sizeof *order, by_hash);
-    for (size_t k = 0; k < s->run_count; k++)
+static gneiss_status find_originals(gn_sweep *sweep, gneiss_error *error) {
+    gn_sweep_run **order = gn_alloc_array(sweep->run_count, sizeof *order);
+    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
+    for (size_t k = 0; k < sweep->run_count; k++) order[k] = &sweep->runs[k];
+    qsort(order, sweep->run_count, sizeof *order, by_hash);
+    for (size_t k = 0; k < sweep->run_count; k++)
         order[k]->original = k && order[k - 1]->hash == order[k]->hash
                                  ? order[k - 1]->original
-                                 : (size_t)(order[k] - s->runs);
+                                 : (size_t)(order[k] - sweep->runs);
     gn_free(order);
     return GNEISS_OK;
 }
 
-static gneiss_status read_runs(gn_sweep *s, gn_scene *scene, gneiss_error *error) {
+static gneiss_status read_runs(gn_sweep *sweep, gn_scene *scene, gneiss_error *error) {
     file_hashes known = {0};
-    gneiss_status status = number_seeds(s, scene, error);
-    for (size_t k = 0; status == GNEISS_OK && k < s->run_count; k++) {
-        gn_sweep_run *r = &s->runs[k];
-        if (s->seed_count) r->seed = s->seeds[k % s->seed_count];
-        status = checked_scene(s, k, true, scene, error);
+    gneiss_status status = number_seeds(sweep, scene, error);
+    for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
+        gn_sweep_run *r = &sweep->runs[k];
+        if (sweep->seed_count) r->seed = sweep->seeds[k % sweep->seed_count];
+        status = checked_scene(sweep, k, true, scene, error);
         if (status != GNEISS_OK) break;
-        status = hash_scene(s, scene, &known, r, error);
+        status = hash_scene(sweep, scene, &known, r, error);
         r->threads = scene->threads;
         r->seed = scene->seed;
-        s->draws |= has_random_numbers(scene);
-        place_notes(s, k, &scene->notes);
-        gn_notes_unite(&s->notes, &scene->notes);
-        if (!s->title[0]) snprintf(s->title, sizeof s->title, "%.200s", scene->title);
+        sweep->draws |= has_random_numbers(scene);
+        place_notes(sweep, k, &scene->notes);
+        gn_notes_merge(&sweep->notes, &scene->notes);
+        if (!sweep->title[0]) snprintf(sweep->title, sizeof sweep->title, "%.200s", scene->title);
         gn_scene_free(scene);
     }
     free_hashes(&known);
     return status;
 }
 
-gneiss_status gn_sweep_expand(gn_sweep *s, gn_combine combine, gneiss_error *error) {
+gneiss_status gn_sweep_expand(gn_sweep *sweep, gn_combine combine, gneiss_error *error) {
     size_t lists, points;
-    GN_TRY(count_runs(s, combine, &lists, &points, error));
-    s->runs = gn_alloc_array(s->run_count, sizeof *s->runs);
-    s->chosen = gn_alloc_array(s->run_count * s->parameter_count + 1, sizeof *s->chosen);
+    GN_TRY(count_runs(sweep, combine, &lists, &points, error));
+    sweep->runs = gn_alloc_array(sweep->run_count, sizeof *sweep->runs);
+    sweep->chosen =
+        gn_alloc_array(sweep->run_count * sweep->parameter_count + 1, sizeof *sweep->chosen);
     gn_scene *scene = gn_alloc(sizeof *scene); /* too large for a small stack */
-    gneiss_status status = s->runs && s->chosen && scene ? GNEISS_OK
-                                                         : gn_fail(error, GNEISS_ERROR_MEMORY,
-                                                                   "%s: out of memory", s->source);
+    gneiss_status status =
+        sweep->runs && sweep->chosen && scene
+            ? GNEISS_OK
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", sweep->source);
     if (status == GNEISS_OK) {
-        choose_values(s, combine, points);
-        status = gn_sweep_check_places(s, error);
+        choose_values(sweep, combine, points);
+        status = gn_sweep_check_places(sweep, error);
     }
-    if (status == GNEISS_OK) status = read_runs(s, scene, error);
-    if (status == GNEISS_OK) status = find_originals(s, error);
+    if (status == GNEISS_OK) status = read_runs(sweep, scene, error);
+    if (status == GNEISS_OK) status = find_originals(sweep, error);
     gn_free(scene);
     return status;
 }

@@ -1,4 +1,4 @@
-/* The keys of a sweep file, in tables as those of scenes are (src/scene/manifest.c). */
+/* Keys of a sweep file, in tables like those of scenes (src/scene/manifest.c). */
 #include "scene/manifest_keys.h"
 #include "sweep/range.h"
 #include "sweep/sweep.h"
@@ -21,9 +21,8 @@ TABLE_OF(sampling);
 
 static const gn_key output_keys[] = {
     KEY("directory", TEXT, gn_sweep_file, directory, .fallback = "",
-        .text =
-            "folder of the sweep, from where gneiss is started; left out: runs/ and the name of "
-            "this file"),
+        .text = "folder of the sweep, relative to the working folder; left out: runs/ and the name "
+                "of this file"),
 };
 TABLE_OF(output);
 
@@ -33,21 +32,23 @@ static const gn_key sweep_keys[] = {
         .required = true, .text = "the scene that is varied; relative to the folder of this file"),
     KEY("parameters", TREE, gn_sweep_file, parameters,
         .unit = "section: a key of the scene and its values",
-        .text = "keys of the scene, written as for --set; of each a list of values, a range or a "
+        .text = "keys of the scene, written as for --set, each with a list of values, a range or a "
                 "distribution"),
     KEY("combine", CHOICE, gn_sweep_file, combine, .choices = combines, .fallback = "crossed",
-        .text = "lists and ranges: every value with every other, or the first with the first and "
-                "so on"),
-    SECTION("sampling", sampling_section, PRESENT(ENUM, gn_sweep_file, sampling),
-            .text = "how distributions are drawn; each point goes with every combination of lists"),
+        .text = "combination of lists and ranges: every value with every other, or the first with "
+                "the first and so on"),
+    SECTION(
+        "sampling", sampling_section, PRESENT(ENUM, gn_sweep_file, sampling),
+        .text =
+            "sampling of distributions; each point is combined with every combination of lists"),
     KEY("seeds", TREE, gn_sweep_file, seeds, .unit = "whole number or list of whole numbers",
-        .text = "run.seed of the scene and those after it, so many; or these: every combination is "
-                "run with each"),
+        .text = "number of seeds, from run.seed of the scene on, or a list of seeds; every "
+                "combination is run with each"),
     ARRAY("readings", NAMES, gn_sweep_file, readings, reading_count,
           PRESENT(COUNT, gn_sweep_file, reading_count),
-          .text = "what the summary shows: readings of a test, energy.TERM, history.COLUMN (its "
+          .text = "quantities of the summary: readings of a test, energy.TERM, history.COLUMN (its "
                   "last row); left out: all readings, energy.residual and the broken bonds"),
-    SECTION("output", output_section, .text = "where it goes"),
+    SECTION("output", output_section, .text = "output of the sweep"),
 };
 
 const gn_section gn_sweep_section = {sweep_keys, sizeof sweep_keys / sizeof(gn_key), 0,
@@ -59,17 +60,18 @@ static const gn_key range_keys[] = {
     KEY("to", REAL, gn_range_def, to, .unit = "unit of the key",
         .text = "last value; of a distribution the upper end"),
     KEY("count", INTEGER, gn_range_def, count, .range = "[2, 100000]",
-        .text = "number of values, both ends among them; left out: a distribution, drawn as "
-                "`sampling` says"),
+        .text =
+            "number of values, both ends included; left out: a distribution, drawn by `sampling`"),
     KEY("spacing", CHOICE, gn_range_def, spacing, .choices = spacings, .fallback = "linear",
         .text = "equal differences or equal ratios; of a distribution: uniform in the value or its "
                 "logarithm"),
     KEY("mean", REAL, gn_range_def, mean, .unit = "unit of the key",
-        .text = "of a normal distribution; from and to, if given, cut it off"),
+        .text = "mean of a normal distribution; from and to, if given, truncate it"),
     KEY("deviation", REAL, gn_range_def, deviation, .unit = "unit of the key",
-        .text = "its standard deviation; of a coefficient of friction a number, no angle"),
+        .text = "standard deviation of a normal distribution; for a coefficient of friction a "
+                "number, not an angle"),
     KEY("of", TREE, gn_range_def, of, .unit = "list of values",
-        .text = "a distribution over these, all as likely"),
+        .text = "a distribution over these values, with equal probabilities"),
 };
 
 const gn_section gn_range_section = {range_keys, sizeof range_keys / sizeof(gn_key), 0,

@@ -1,4 +1,4 @@
-/* A sweep file -> parameters and their values. What they make together is in expand.c. */
+/* Reads a sweep file into parameters and their values. Their combinations are made in expand.c. */
 #include "base/memory.h"
 #include "base/names.h"
 #include "io/files.h"
@@ -15,12 +15,12 @@ static const size_t size_limit = (size_t)16 << 20;
 
 /* ---- readings ---- */
 
-/* The node of a name in the list, or the only one. */
+/* Returns the node of name k in the list, or the single one. */
 static const gn_node *name_node(const gn_node *node, size_t k) {
     return node->kind == GN_NODE_LIST ? gn_node_item(node, k) : node;
 }
 
-/* The place of the same name before number k; k: there is none. */
+/* Returns the index of the same name before number k; k: none. */
 static size_t named_before(const gn_sweep_file *file, size_t k) {
     size_t first = 0;
     while (strcmp(file->readings[first], file->readings[k]) != 0) first++;
@@ -40,7 +40,7 @@ static gneiss_status check_readings(gn_reader *reader, const gn_node *root,
         else if (named_before(file, k) < k)
             status = gn_read_fail(reader, at, at->where, "readings",
                                   "expected '%s' once, found it again", file->readings[k]);
-        GN_TRY(gn_read_keep(reader, status));
+        GN_TRY(gn_read_keep_problem(reader, status));
     }
     return GNEISS_OK;
 }
@@ -57,8 +57,8 @@ static bool whole(const char *text, size_t length, uint64_t *value) {
     return !errno;
 }
 
-/* "5" is a number of seeds, which stays open where they begin: count is set, seeds is NULL. "3, 7"
- * and "[3]" are seeds. */
+/* "5" is a number of seeds with an open start: count is set, seeds is NULL. "3, 7" and "[3]" are
+ * seeds. */
 static bool read_seed_text(const char *text, size_t *count, uint64_t **seeds) {
     uint64_t value;
     size_t length = strlen(text);
@@ -92,13 +92,13 @@ static gneiss_status read_seeds(gn_reader *reader, const gn_node *node, gn_sweep
     }
     if (node->kind == GN_NODE_SCALAR) snprintf(text, sizeof text, "%s", node->text);
     if (read_seed_text(text, &sweep->seed_count, &sweep->seeds)) return GNEISS_OK;
-    return gn_read_keep(
+    return gn_read_keep_problem(
         reader, gn_read_fail(reader, node, node->where, "seeds",
                              "expected a number of seeds in [1, %d] or a list of different seeds",
                              GN_SWEEP_RUNS_MAX));
 }
 
-/* Instead of what the file says. */
+/* Overrides the seeds of the file. */
 static gneiss_status seeds_from_line(const char *text, gn_sweep *sweep, gneiss_error *error) {
     gn_free(sweep->seeds);
     sweep->seeds = NULL;
@@ -116,7 +116,7 @@ static void set_path(gn_reader *reader, const char *key) {
     reader->path_length = strlen(reader->path);
 }
 
-/* Keys that are no physics of a run, or that the sweep has under other names. */
+/* Refuses keys that are no physics of a run, or that the sweep sets by other keys. */
 static const char *refused(const gn_sweep *sweep, const char *key) {
     static const char *const own[] = {"title", "output.directory", "output.checkpoint"};
     for (size_t k = 0; k < sizeof own / sizeof *own; k++)
@@ -129,8 +129,8 @@ static const char *refused(const gn_sweep *sweep, const char *key) {
     return NULL;
 }
 
-/* Keys in brackets, run[seed], are the same as behind a dot: only numbers keep them. */
-static void spell(const char *written, char *key, size_t size) {
+/* Writes keys in brackets, run[seed], with a dot: only numbers keep their brackets. */
+static void normalise_key(const char *written, char *key, size_t size) {
     bool open = false;
     size_t used = 0;
     for (const char *c = written; *c && used + 1 < size; c++) {
@@ -151,29 +151,30 @@ static gneiss_status read_parameter(gn_reader *reader, const gn_node *node, gn_d
         return gn_read_fail(reader, node, node->key_where, "parameters",
                             "expected a key of less than %d bytes", KEY_MOST);
     char key[KEY_MOST];
-    spell(node->key, key, sizeof key);
+    normalise_key(node->key, key, sizeof key);
     set_path(reader, key);
     const char *reason = refused(sweep, key);
     if (reason) return gn_read_fail(reader, node, node->key_where, reader->path, "%s", reason);
     if (sweep->parameter_count == GN_SWEEP_PARAMETERS_MAX)
         return gn_read_fail(reader, node, node->key_where, reader->path,
                             "expected at most %d parameters", GN_SWEEP_PARAMETERS_MAX);
-    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", key);
-    p->where = node->key_where;
-    p->meant = gn_scene_key_at(p->key);
-    if (!p->meant || p->meant->type == GN_KEY_SECTION) {
+    gn_sweep_parameter *parameter = &sweep->parameters[sweep->parameter_count++];
+    snprintf(parameter->key, sizeof parameter->key, "%s", key);
+    parameter->where = node->key_where;
+    parameter->meant = gn_scene_key_at(parameter->key);
+    if (!parameter->meant || parameter->meant->type == GN_KEY_SECTION) {
         char nearest[GN_KEY_PATH_SIZE];
-        const char *dot = strrchr(p->key, '.');
-        bool known = gn_scene_nearest_key(dot ? dot + 1 : p->key, nearest, sizeof nearest);
+        const char *dot = strrchr(parameter->key, '.');
+        bool known = gn_scene_nearest_key(dot ? dot + 1 : parameter->key, nearest, sizeof nearest);
         return gn_read_fail(reader, node, node->key_where, reader->path,
-                            p->meant ? "expected a key with a value, found a section%s%s%s"
-                                     : "unknown key%s%s%s",
-                            known && !p->meant ? "; did you mean '" : "",
-                            known && !p->meant ? nearest : "", known && !p->meant ? "'?" : "");
+                            parameter->meant ? "expected a key with a value, found a section%s%s%s"
+                                             : "unknown key%s%s%s",
+                            known && !parameter->meant ? "; did you mean '" : "",
+                            known && !parameter->meant ? nearest : "",
+                            known && !parameter->meant ? "'?" : "");
     }
-    gneiss_status status = gn_parameter_read(reader, node, drawing, p);
-    drawing->dimension += p->sampled;
+    gneiss_status status = gn_parameter_read(reader, node, drawing, parameter);
+    drawing->dimension += parameter->sampled;
     return status;
 }
 
@@ -182,35 +183,35 @@ static gneiss_status read_parameters(gn_reader *reader, const gn_node *root,
     gn_drawing drawing = {file->sampling, file->sample_seed, 0, (size_t)file->sample_count};
     const gn_node *map = file->parameters;
     if (map && map->kind != GN_NODE_MAP)
-        return gn_read_keep(reader,
-                            gn_read_fail(reader, map, map->where, "parameters",
-                                         "expected keys of the scene, each with its values"));
+        return gn_read_keep_problem(
+            reader, gn_read_fail(reader, map, map->where, "parameters",
+                                 "expected keys of the scene, each with its values"));
     for (const gn_node *node = map ? map->first : NULL; node; node = node->next)
-        GN_TRY(gn_read_keep(reader, read_parameter(reader, node, &drawing, sweep)));
+        GN_TRY(gn_read_keep_problem(reader, read_parameter(reader, node, &drawing, sweep)));
     const gn_node *sampling = gn_node_child(root, "sampling");
     if (sampling && !drawing.dimension && !reader->problems->count)
-        return gn_read_keep(
+        return gn_read_keep_problem(
             reader, gn_read_fail(reader, sampling, sampling->key_where, "sampling",
                                  "expected a distribution among the parameters, found none"));
     return GNEISS_OK;
 }
 
-/* Of zipped lists all that have more than one value have the same number. */
+/* Zipped lists with more than one value must have equal lengths. */
 static gneiss_status check_lengths(gn_reader *reader, const gn_sweep_file *file,
                                    const gn_sweep *sweep) {
     size_t wanted = 0;
     const gn_sweep_parameter *first = NULL;
     if (file->combine != GN_COMBINE_ZIPPED || reader->problems->count) return GNEISS_OK;
     for (size_t k = 0; k < sweep->parameter_count; k++) {
-        const gn_sweep_parameter *p = &sweep->parameters[k];
-        if (p->sampled || p->count < 2) continue;
-        if (!first) first = p, wanted = p->count;
-        if (p->count == wanted) continue;
-        set_path(reader, p->key);
-        return gn_read_keep(reader,
-                            gn_read_fail(reader, NULL, p->where, reader->path,
-                                         "expected %zu values, as zipped with %s, found %zu",
-                                         wanted, first->key, p->count));
+        const gn_sweep_parameter *parameter = &sweep->parameters[k];
+        if (parameter->sampled || parameter->count < 2) continue;
+        if (!first) first = parameter, wanted = parameter->count;
+        if (parameter->count == wanted) continue;
+        set_path(reader, parameter->key);
+        return gn_read_keep_problem(
+            reader, gn_read_fail(reader, NULL, parameter->where, reader->path,
+                                 "expected %zu values, as zipped with %s, found %zu", wanted,
+                                 first->key, parameter->count));
     }
     return GNEISS_OK;
 }
@@ -226,12 +227,13 @@ static gneiss_status read_file(gn_reader *reader, const gn_node *root, gn_sweep_
     GN_TRY(check_lengths(reader, file, sweep));
     GN_TRY(check_readings(reader, root, file));
     if (!file->parameters && !sweep->seed_count)
-        GN_TRY(gn_read_keep(reader, gn_read_fail(reader, NULL, (gn_scene_place){1, 1}, "",
+        GN_TRY(gn_read_keep_problem(reader,
+                                    gn_read_fail(reader, NULL, (gn_scene_place){1, 1}, "",
                                                  "expected parameters or seeds, found neither")));
     return gn_problems_status(reader->problems, reader->error);
 }
 
-/* What stays of the file when its tree is gone. */
+/* Copies what is needed from the file before its tree is freed. */
 static void take_over(gn_sweep_file *file, gn_sweep *sweep) {
     memcpy(sweep->title, file->title, sizeof sweep->title);
     memcpy(sweep->scene, file->scene_path, sizeof sweep->scene);
@@ -241,7 +243,7 @@ static void take_over(gn_sweep_file *file, gn_sweep *sweep) {
     file->readings = NULL;
 }
 
-/* With a scene of its own for the reader, which asks it for the dimension. */
+/* Parses with a temporary scene, because the reader takes the dimension from one. */
 static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *sweep,
                            gn_combine *combine) {
     gneiss_error own = {0}, *error = reader->error;
@@ -260,7 +262,7 @@ static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *swe
         if (status == GNEISS_ERROR_INPUT && gn_units_exhausted(sweep->units))
             status = gn_fail(&own, GNEISS_ERROR_MEMORY, "%s: out of memory while reading units",
                              reader->name);
-        gn_notes_unite(&sweep->notes, &reader->scene->notes);
+        gn_notes_merge(&sweep->notes, &reader->scene->notes);
         gn_free(file->readings);
     }
     if (status != GNEISS_OK && error) *error = own;
@@ -296,8 +298,8 @@ static gneiss_status read_text(const char *path, const char *what, char **text,
 
 static const char confining[] = "membrane.pressure";
 
-/* The key of the one pressure that a scene has: its own or that of a stage. Returns how many there
- * are. */
+/* Finds the key of the single membrane pressure of a scene, its own or that of a stage. Returns
+ * their number. */
 static size_t find_pressure(const gn_node *root, char *key, size_t size) {
     const gn_node *stages = gn_node_child(root, "stages");
     const bool list = stages && stages->kind == GN_NODE_LIST;
@@ -322,8 +324,8 @@ static bool is_given(const gn_sweep *sweep, const gn_tree *tree, const char *key
     return false;
 }
 
-/* The confinements that a test lists are the values of the pressure of the membrane, unless that is
- * given on the command line. */
+/* The confinements of a test become values of the membrane pressure, unless the command line gives
+ * it. */
 static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, gn_sweep *sweep) {
     const gn_node *root = gn_tree_root(tree);
     const gn_node *list = gn_node_find(root, "test.confinement");
@@ -332,25 +334,25 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_tree *tree, g
     const size_t pressures = find_pressure(root, key, sizeof key);
     if (is_given(sweep, tree, confining) || is_given(sweep, tree, key)) return GNEISS_OK;
     if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
-    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", key);
+    gn_sweep_parameter *parameter = &sweep->parameters[sweep->parameter_count++];
+    snprintf(parameter->key, sizeof parameter->key, "%s", key);
     snprintf(reader->path, sizeof reader->path, "test.confinement");
-    p->where = list->key_where;
-    p->meant = gn_scene_key_at(confining);
+    parameter->where = list->key_where;
+    parameter->meant = gn_scene_key_at(confining);
     if (!pressures)
         return gn_fail(reader->error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: test.confinement: expected a membrane, whose pressure is to be "
-                       "each of the list, found none",
+                       "%s:%d:%d: test.confinement: expected a membrane, which takes each pressure "
+                       "of the list, found none",
                        sweep->scene, list->key_where.line, list->key_where.column);
     if (pressures > 1)
         return gn_fail(reader->error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: test.confinement: expected the pressure of one membrane, of the "
-                       "scene or of one stage, that is to be each of the list, found %zu",
+                       "%s:%d:%d: test.confinement: expected a single membrane pressure, of the "
+                       "scene or of one stage, which takes each value of the list, found %zu",
                        sweep->scene, list->key_where.line, list->key_where.column, pressures);
-    return gn_parameter_read(reader, list, &none, p);
+    return gn_parameter_read(reader, list, &none, parameter);
 }
 
-/* Of a text that is no scene there are none: reading it as one says why. */
+/* An invalid scene has no confinements: reading it as a scene reports why. */
 static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
     gn_tree *tree = NULL;
     gneiss_error unsaid = {0};
@@ -366,7 +368,7 @@ static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_e
     return status;
 }
 
-/* What a sweep varies stands in its file alone. */
+/* A list of confinements is refused in a scene that a sweep varies. */
 static gneiss_status check_confinements(gn_sweep *sweep, gneiss_error *error) {
     const size_t before = sweep->parameter_count;
     if (before == GN_SWEEP_PARAMETERS_MAX) return GNEISS_OK;

@@ -25,8 +25,9 @@ static void outcome_path(const char *folder, char *path, size_t size) {
     snprintf(path, size, "%s/outcome.json", folder);
 }
 
-/* JSON is YAML. *results (malloc'ed, NULL: not said) is the digest of the results it ended with. */
-static bool parse(const char *text, const char *path, gn_outcome *o, char **results) {
+/* Parses outcome.json, as JSON is YAML. *results (malloc'ed, NULL: missing) is the digest of the
+ * results at the end of the run. */
+static bool parse(const char *text, const char *path, gn_outcome *outcome, char **results) {
     gn_tree *tree = NULL;
     if (gn_tree_read(text, strlen(text), path, &tree, NULL) != GNEISS_OK) return false;
     const gn_node *root = gn_tree_root(tree), *state = gn_node_child(root, "status"),
@@ -36,18 +37,18 @@ static bool parse(const char *text, const char *path, gn_outcome *o, char **resu
     bool done = known && strcmp(state->text, names[GN_RUN_DONE]) == 0;
     known = done || (known && strcmp(state->text, names[GN_RUN_FAILED]) == 0);
     if (known) {
-        o->state = done ? GN_RUN_DONE : GN_RUN_FAILED;
-        o->code = (int)strtol(code->text, NULL, 10);
+        outcome->state = done ? GN_RUN_DONE : GN_RUN_FAILED;
+        outcome->code = (int)strtol(code->text, NULL, 10);
         if (message && message->kind == GN_NODE_SCALAR)
-            snprintf(o->message, sizeof o->message, "%s", message->text);
-        gn_make_printable(o->message);
+            snprintf(outcome->message, sizeof outcome->message, "%s", message->text);
+        gn_make_printable(outcome->message);
         if (digest && digest->kind == GN_NODE_SCALAR) *results = strdup(digest->text);
     }
     gn_tree_free(tree);
     return known;
 }
 
-/* The end of the path of its scene says which run of a sweep wrote a file: FOLDER/scene.yaml. */
+/* True if the end of the path of the scene, FOLDER/scene.yaml, matches the run's folder. */
 static bool of_folder(const char *scene_file, const char *folder) {
     const char *slash = strrchr(folder, '/'), *own = slash ? slash + 1 : folder;
     char tail[GN_PATH_SIZE];
@@ -64,7 +65,7 @@ static gneiss_status check_owner(const gn_h5 *file, const char *path, const char
     gneiss_status status = of_folder(scene, folder)
                                ? GNEISS_OK
                                : gn_fail(error, GNEISS_ERROR_INPUT,
-                                         "%.200s: it is of another run (%.200s)", path, scene);
+                                         "%.200s: it belongs to another run (%.200s)", path, scene);
     free(scene);
     return status;
 }
@@ -79,7 +80,7 @@ static gneiss_status digest_of_results(const gn_h5 *file, char digest[24], gneis
     return GNEISS_OK;
 }
 
-/* Everything in them, also what no summary reads: they count as what the run ended with. */
+/* Checks all contents, also those that no summary reads: they count as results of the run. */
 static gneiss_status check_contents(gn_h5 *file, const char *path, const char *folder,
                                     const char *results, bool *replaced, gneiss_error *error) {
     char *hash = NULL, digest[24];
@@ -92,11 +93,12 @@ static gneiss_status check_contents(gn_h5 *file, const char *path, const char *f
     *replaced = strcmp(results ? results : "", digest) != 0;
     if (!*replaced) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%.200s: they are not those that the run ended with%s", path,
+                   "%.200s: they differ from the results at the end of the run%s", path,
                    results ? "" : ", which outcome.json does not name");
 }
 
-/* The disk was full, somebody took the file away or put another there, a copy was cut off. */
+/* Results may be missing or different if the disk was full, the file was removed or replaced, or a
+ * copy was truncated. */
 static bool has_results(const char *folder, const char *results, bool *replaced,
                         gneiss_error *trouble) {
     char path[GN_PATH_SIZE + 32];
@@ -109,21 +111,23 @@ static bool has_results(const char *folder, const char *results, bool *replaced,
     return status == GNEISS_OK;
 }
 
-/* What it left is of no use: it is computed again, from its last checkpoint if there is one. */
-static void lose(gn_outcome *o, const char *what, const gneiss_error *trouble) {
-    *o = (gn_outcome){.lost = true};
-    snprintf(o->message, sizeof o->message, "its %s cannot be read: %.500s", what,
+/* Marks the results as unusable: the run is computed again, from its last checkpoint if there is
+ * one. */
+static void mark_lost(gn_outcome *outcome, const char *what, const gneiss_error *trouble) {
+    *outcome = (gn_outcome){.lost = true};
+    snprintf(outcome->message, sizeof outcome->message, "its %s cannot be read: %.500s", what,
              trouble->message);
 }
 
-/* One that cannot be read is for `resume` to judge. */
+/* An unreadable checkpoint is left to `resume`. */
 static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) {
     char *path = NULL, *scene = NULL;
     if (gn_checkpoint_path(folder, step, &path, NULL) != GNEISS_OK) return false;
     bool read = gn_h5_peek_text(path, "/", "scene_file", &scene, NULL) == GNEISS_OK;
     bool foreign = read && !of_folder(scene, folder);
     if (foreign)
-        gn_fail(trouble, GNEISS_ERROR_INPUT, "%.200s: it is of another run (%.200s)", path, scene);
+        gn_fail(trouble, GNEISS_ERROR_INPUT, "%.200s: it belongs to another run (%.200s)", path,
+                scene);
     free(scene);
     free(path);
     return foreign;
@@ -131,7 +135,7 @@ static bool is_foreign(const char *folder, int64_t step, gneiss_error *trouble) 
 
 enum { CHECKPOINTS_MOST = 16 };
 
-gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
+gneiss_status gn_outcome_rename_foreign(const char *folder, gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
     size_t count = 0;
     gneiss_error trouble;
@@ -142,8 +146,10 @@ gneiss_status gn_outcome_set_aside(const char *folder, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Tells whether there is one to go on from; of another run there is none. */
-static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gneiss_error *error) {
+/* Sets the state by the existence of a checkpoint to resume from; checkpoints of another run do not
+ * count. */
+static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *outcome,
+                                          gneiss_error *error) {
     int64_t step[CHECKPOINTS_MOST];
     size_t count = 0;
     gneiss_error trouble = {0};
@@ -151,45 +157,45 @@ static gneiss_status look_for_checkpoints(const char *folder, gn_outcome *o, gne
     GN_TRY(gn_checkpoint_list(folder, step, CHECKPOINTS_MOST, &count, error));
     for (size_t k = 0; k < count; k++) {
         if (!is_foreign(folder, step[k], &trouble))
-            o->state = GN_RUN_INTERRUPTED;
-        else if (!o->lost)
-            lose(o, "checkpoint", &trouble);
+            outcome->state = GN_RUN_INTERRUPTED;
+        else if (!outcome->lost)
+            mark_lost(outcome, "checkpoint", &trouble);
     }
     return GNEISS_OK;
 }
 
-/* *known is false, and o->lost true, where outcome.json is there and says nothing. */
-static void read_outcome(const char *folder, gn_outcome *o, char **results, bool *known) {
+/* *known is false, and outcome->lost true, if outcome.json exists and cannot be read. */
+static void read_outcome(const char *folder, gn_outcome *outcome, char **results, bool *known) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     gneiss_error trouble = {0};
     outcome_path(folder, path, sizeof path);
     *known = false;
     if (access(path, F_OK) != 0) return;
     if (gn_read_text_file(path, 1 << 16, &text, &trouble) == GNEISS_OK)
-        *known = parse(text, path, o, results);
+        *known = parse(text, path, outcome, results);
     if (!*known && text)
         gn_fail(&trouble, GNEISS_ERROR_INPUT,
                 "%.300s: expected status (done, failed) and code, found others", path);
     free(text);
-    if (!*known) lose(o, "outcome", &trouble);
+    if (!*known) mark_lost(outcome, "outcome", &trouble);
 }
 
-gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
+gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_error *error) {
     char *results = NULL;
     bool known, replaced = false;
     gneiss_error trouble = {0};
-    *o = (gn_outcome){0};
-    read_outcome(folder, o, &results, &known);
-    bool whole =
-        known && (o->state != GN_RUN_DONE || has_results(folder, results, &replaced, &trouble));
+    *outcome = (gn_outcome){0};
+    read_outcome(folder, outcome, &results, &known);
+    bool whole = known && (outcome->state != GN_RUN_DONE ||
+                           has_results(folder, results, &replaced, &trouble));
     free(results);
     if (whole) return GNEISS_OK;
-    if (known) lose(o, "results", &trouble);
-    o->replaced = replaced;
-    return replaced ? GNEISS_OK : look_for_checkpoints(folder, o, error);
+    if (known) mark_lost(outcome, "results", &trouble);
+    outcome->replaced = replaced;
+    return replaced ? GNEISS_OK : look_for_checkpoints(folder, outcome, error);
 }
 
-/* "" where they cannot be read, which the next call finds. */
+/* "" if they cannot be read, which the next call finds. */
 static void digest_in_folder(const char *folder, char digest[24]) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
@@ -200,17 +206,17 @@ static void digest_in_folder(const char *folder, char digest[24]) {
     gn_h5_close(file);
 }
 
-/* Not synced: where a power cut takes it, the run is taken up from its last checkpoint, at its end.
- */
-gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_error *error) {
+/* The file is not synced: if a power failure loses it, the run is resumed from its last checkpoint,
+ * at its end. */
+gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], digest[24] = "";
-    if (o->state == GN_RUN_DONE) digest_in_folder(folder, digest);
-    gn_json *j = gn_json_begin();
-    gn_json_text(j, "status", names[o->state]);
-    gn_json_integer(j, "code", o->code);
-    gn_json_text(j, "message", o->message);
-    if (*digest) gn_json_text(j, "results", digest);
-    char *text = gn_json_finish(j, true);
+    if (outcome->state == GN_RUN_DONE) digest_in_folder(folder, digest);
+    gn_json *json = gn_json_begin();
+    gn_json_text(json, "status", names[outcome->state]);
+    gn_json_integer(json, "code", outcome->code);
+    gn_json_text(json, "message", outcome->message);
+    if (*digest) gn_json_text(json, "results", digest);
+    char *text = gn_json_finish(json, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for outcome.json");
     outcome_path(folder, path, sizeof path);
     gneiss_status status = gn_write_text_file(path, text, GN_RENAMED, error);
@@ -218,7 +224,7 @@ gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_e
     return status;
 }
 
-void gn_outcome_forget(const char *folder, bool lost) {
+void gn_outcome_remove(const char *folder, bool lost) {
     char path[GN_PATH_SIZE + 32];
     outcome_path(folder, path, sizeof path);
     (void)unlink(path);
@@ -226,7 +232,7 @@ void gn_outcome_forget(const char *folder, bool lost) {
     if (lost) (void)unlink(path);
 }
 
-bool gn_outcome_stands(const gn_outcome *o) {
-    return o->state == GN_RUN_DONE ||
-           (o->state == GN_RUN_FAILED && o->code == GNEISS_ERROR_UNSTABLE);
+bool gn_outcome_is_final(const gn_outcome *outcome) {
+    return outcome->state == GN_RUN_DONE ||
+           (outcome->state == GN_RUN_FAILED && outcome->code == GNEISS_ERROR_UNSTABLE);
 }

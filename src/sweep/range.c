@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what a key takes ---- */
+/* ---- values of a key ---- */
 
 static bool is_whole(const gn_key *key) {
     return key->type == GN_KEY_INTEGER || key->type == GN_KEY_SEED || key->type == GN_KEY_CELLS ||
            key->type == GN_KEY_PARTICLES || key->type == GN_KEY_IDS;
 }
 
-/* A single number; of a vector a path with its component stands for one. */
+/* True for a single number; of a vector, a component counts as one. */
 static bool is_number(const gn_key *key) {
     return is_whole(key) || key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE ||
            key->type == GN_KEY_VECTOR || key->type == GN_KEY_SPIN;
@@ -33,7 +33,7 @@ void gn_number_text(double value, char *text, size_t size) {
     }
 }
 
-/* A node as YAML in one line; scalars inside of lists quoted, so that they stay what they are. */
+/* Writes a node as YAML in one line, with quoted scalars inside lists, so that they stay texts. */
 static void write_flow(FILE *out, const gn_node *node, bool inside) {
     if (node->kind == GN_NODE_NULL) return;
     if (node->kind == GN_NODE_SCALAR) {
@@ -83,20 +83,21 @@ static gneiss_status no_memory(const gn_reader *reader) {
                    reader->name, reader->path);
 }
 
-static gneiss_status make_values(const gn_reader *reader, size_t count, gn_sweep_parameter *p) {
-    p->values = gn_alloc_array(count, sizeof *p->values);
-    p->count = p->values ? count : 0;
-    return p->values ? GNEISS_OK : no_memory(reader);
+static gneiss_status make_values(const gn_reader *reader, size_t count,
+                                 gn_sweep_parameter *parameter) {
+    parameter->values = gn_alloc_array(count, sizeof *parameter->values);
+    parameter->count = parameter->values ? count : 0;
+    return parameter->values ? GNEISS_OK : no_memory(reader);
 }
 
-/* What is wrong with a value is told when a scene is read with it. */
+/* An invalid value is reported when a scene is read with it. */
 static gneiss_status put_node(const gn_reader *reader, const gn_node *node,
-                              const gn_sweep_parameter *p, gn_sweep_value *value) {
+                              const gn_sweep_parameter *parameter, gn_sweep_value *value) {
     char reason[96];
     value->where = node->where;
     value->number = NAN;
-    if (node->kind == GN_NODE_SCALAR && is_number(p->meant) &&
-        !gn_read_quantity(reader, node->text, unit_of(p->meant), &value->number, reason,
+    if (node->kind == GN_NODE_SCALAR && is_number(parameter->meant) &&
+        !gn_read_quantity(reader, node->text, unit_of(parameter->meant), &value->number, reason,
                           sizeof reason))
         value->number = NAN;
     value->text = text_of(node);
@@ -112,74 +113,75 @@ static gneiss_status put_number(const gn_reader *reader, double number, gn_scene
 }
 
 static gneiss_status read_values(const gn_reader *reader, const gn_node *list,
-                                 gn_sweep_parameter *p) {
-    GN_TRY(make_values(reader, list->count, p));
-    gn_sweep_value *value = p->values;
+                                 gn_sweep_parameter *parameter) {
+    GN_TRY(make_values(reader, list->count, parameter));
+    gn_sweep_value *value = parameter->values;
     for (const gn_node *item = list->first; item; item = item->next)
-        GN_TRY(put_node(reader, item, p, value++));
+        GN_TRY(put_node(reader, item, parameter, value++));
     return GNEISS_OK;
 }
 
 /* ---- ranges ---- */
 
-/* What is empty stands nowhere: its key does. */
+/* An empty node has no place, so that its key's place is used. */
 static gneiss_status wrong(const gn_reader *reader, const gn_node *node, const char *text) {
     return gn_read_fail(reader, node, node->kind == GN_NODE_NULL ? node->key_where : node->where,
                         reader->path, "%s", text);
 }
 
-/* Value number k of a range, its ends as they were given. */
-static double range_value(const gn_range_def *r, int64_t k) {
-    if (k == 0) return r->from;
-    if (k == r->count - 1) return r->to;
-    double share = (double)k / (double)(r->count - 1);
-    if (r->spacing == GN_SPACING_LOG) return r->from * pow(r->to / r->from, share);
-    return r->from + (r->to - r->from) * share;
+/* Returns value k of a range; its ends are exactly the given ones. */
+static double range_value(const gn_range_def *range, int64_t k) {
+    if (k == 0) return range->from;
+    if (k == range->count - 1) return range->to;
+    double share = (double)k / (double)(range->count - 1);
+    if (range->spacing == GN_SPACING_LOG) return range->from * pow(range->to / range->from, share);
+    return range->from + (range->to - range->from) * share;
 }
 
-static gneiss_status make_range(const gn_reader *reader, const gn_node *node, const gn_range_def *r,
-                                gn_sweep_parameter *p) {
-    if (r->from == r->to)
-        return wrong(reader, node, "expected another number at the end than at the start");
-    GN_TRY(make_values(reader, (size_t)r->count, p));
-    for (int64_t k = 0; k < r->count; k++) {
-        double value = range_value(r, k);
-        if (is_whole(p->meant)) value = round(value);
-        if (k > 0 && value == p->values[k - 1].number)
+static gneiss_status make_range(const gn_reader *reader, const gn_node *node,
+                                const gn_range_def *range, gn_sweep_parameter *parameter) {
+    if (range->from == range->to)
+        return wrong(reader, node, "expected different numbers at start and end");
+    GN_TRY(make_values(reader, (size_t)range->count, parameter));
+    for (int64_t k = 0; k < range->count; k++) {
+        double value = range_value(range, k);
+        if (is_whole(parameter->meant)) value = round(value);
+        if (k > 0 && value == parameter->values[k - 1].number)
             return gn_read_fail(
                 reader, node, node->where, reader->path,
                 "expected a range with %lld different whole numbers, found %g twice",
-                (long long)r->count, value);
-        GN_TRY(put_number(reader, value, node->where, &p->values[k]));
+                (long long)range->count, value);
+        GN_TRY(put_number(reader, value, node->where, &parameter->values[k]));
     }
     return GNEISS_OK;
 }
 
 /* ---- distributions ---- */
 
-static double below(double z) {
+static double normal_probability(double z) {
     return 0.5 * erfc(-z * 0.7071067811865476);
 }
 
-/* The quantile u of the distribution. Whole numbers are all as likely: each has the part of the
- * line from itself to the next one. */
-static double draw(const gn_range_def *r, bool normal, bool whole, double u) {
+/* Returns the quantile `uniform` of the distribution. Whole numbers have equal probabilities: each
+ * stands for the interval from itself to the next. */
+static double draw(const gn_range_def *range, bool normal, bool whole, double uniform) {
     if (normal) {
-        double low = below((r->from - r->mean) / r->deviation),
-               high = below((r->to - r->mean) / r->deviation);
-        double value = r->mean + r->deviation * gn_normal_quantile(low + (high - low) * u);
-        value = fmin(fmax(value, r->from), r->to);
+        double low = normal_probability((range->from - range->mean) / range->deviation),
+               high = normal_probability((range->to - range->mean) / range->deviation);
+        double value =
+            range->mean + range->deviation * gn_normal_quantile(low + (high - low) * uniform);
+        value = fmin(fmax(value, range->from), range->to);
         return whole ? round(value) : value;
     }
-    if (r->spacing == GN_SPACING_LOG) {
-        double value = r->from * pow(r->to / r->from, u);
+    if (range->spacing == GN_SPACING_LOG) {
+        double value = range->from * pow(range->to / range->from, uniform);
         return whole ? round(value) : value;
     }
-    return whole ? fmin(r->from + floor((r->to - r->from + 1.0) * u), r->to)
-                 : r->from + (r->to - r->from) * u;
+    return whole ? fmin(range->from + floor((range->to - range->from + 1.0) * uniform), range->to)
+                 : range->from + (range->to - range->from) * uniform;
 }
 
-/* The coordinates of all points. */
+/* Draws the coordinates of all points. */
 static gneiss_status draw_points(const gn_reader *reader, const gn_node *node,
                                  const gn_drawing *drawing, double **points) {
     if (drawing->method == GN_SAMPLING_NONE)
@@ -199,43 +201,44 @@ static gneiss_status draw_points(const gn_reader *reader, const gn_node *node,
     return GNEISS_OK;
 }
 
-static gneiss_status make_draws(const gn_reader *reader, const gn_node *node, const gn_range_def *r,
-                                bool normal, const gn_drawing *drawing, gn_sweep_parameter *p) {
+static gneiss_status make_draws(const gn_reader *reader, const gn_node *node,
+                                const gn_range_def *range, bool normal, const gn_drawing *drawing,
+                                gn_sweep_parameter *parameter) {
     double *points = NULL;
-    if (!normal && !(r->from < r->to))
+    if (!normal && !(range->from < range->to))
         return wrong(reader, node, "expected a distribution from the smaller to the larger value");
     GN_TRY(draw_points(reader, node, drawing, &points));
-    gneiss_status status = make_values(reader, drawing->count, p);
+    gneiss_status status = make_values(reader, drawing->count, parameter);
     for (size_t k = 0; status == GNEISS_OK && k < drawing->count; k++)
-        status = put_number(reader, draw(r, normal, is_whole(p->meant), points[k]), node->where,
-                            &p->values[k]);
+        status = put_number(reader, draw(range, normal, is_whole(parameter->meant), points[k]),
+                            node->where, &parameter->values[k]);
     gn_free(points);
-    p->sampled = true;
+    parameter->sampled = true;
     return status;
 }
 
-/* One of a list, all as likely. */
+/* Draws from a list with equal probabilities. */
 static gneiss_status make_choices(const gn_reader *reader, const gn_node *list,
-                                  const gn_drawing *drawing, gn_sweep_parameter *p) {
+                                  const gn_drawing *drawing, gn_sweep_parameter *parameter) {
     double *points = NULL;
     if (list->kind != GN_NODE_LIST || list->count == 0)
-        return wrong(reader, list, "expected a list of values behind `of`");
+        return wrong(reader, list, "expected a list of values for `of`");
     GN_TRY(draw_points(reader, list, drawing, &points));
-    gneiss_status status = make_values(reader, drawing->count, p);
+    gneiss_status status = make_values(reader, drawing->count, parameter);
     for (size_t k = 0; status == GNEISS_OK && k < drawing->count; k++) {
         size_t place = (size_t)(points[k] * (double)list->count);
-        status = put_node(reader, gn_node_item(list, place), p, &p->values[k]);
+        status = put_node(reader, gn_node_item(list, place), parameter, &parameter->values[k]);
     }
     gn_free(points);
-    p->sampled = true;
+    parameter->sampled = true;
     return status;
 }
 
 /* ---- a parameter ---- */
 
-/* The table of a range with the unit and the interval of the key that it is of. */
+/* Makes the table of a range with the unit and the interval of its key. */
 static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn_key *meant,
-                                gn_range_def *r) {
+                                gn_range_def *range) {
     gn_key keys[GN_SECTION_KEYS_MAX];
     gn_section own = gn_range_section;
     memcpy(keys, own.keys, own.key_count * sizeof *keys);
@@ -243,66 +246,71 @@ static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn
         if (keys[k].type != GN_KEY_REAL) continue;
         bool deviation = keys[k].offset == offsetof(gn_range_def, deviation);
         keys[k].unit = unit_of(meant);
-        /* The tangent of a deviation of angles is no deviation of their tangents. */
+        /* A deviation of angles cannot be converted by the tangent. */
         if (deviation && strcmp(keys[k].unit, GN_SLOPE) == 0) keys[k].unit = "1";
         if (!deviation) keys[k].range = meant->range;
     }
     own.keys = keys;
-    return gn_read_keys(reader, &own, node, r);
+    return gn_read_keys(reader, &own, node, range);
 }
 
 static gneiss_status check_range(const gn_reader *reader, const gn_node *node,
-                                 const gn_range_def *r, const gn_sweep_parameter *p) {
+                                 const gn_range_def *range, const gn_sweep_parameter *parameter) {
     bool from = gn_node_child(node, "from"), to = gn_node_child(node, "to"),
          normal = gn_node_child(node, "mean") || gn_node_child(node, "deviation");
-    if (normal && (!gn_node_child(node, "mean") || !(r->deviation > 0.0)))
+    if (normal && (!gn_node_child(node, "mean") || !(range->deviation > 0.0)))
         return wrong(reader, node, "expected a mean and a deviation above 0");
     if (normal && (gn_node_child(node, "count") || gn_node_child(node, "spacing")))
         return wrong(reader, node, "expected no count and no spacing with a normal distribution");
-    if (normal && !(r->from < r->to))
+    if (normal && !(range->from < range->to))
         return wrong(reader, node, "expected a distribution from the smaller to the larger value");
     if (!normal && (!from || !to))
         return wrong(reader, node,
                      "expected a range {from, to, count}, or a distribution {from, to}, {mean, "
                      "deviation} or {of}");
-    if (r->spacing == GN_SPACING_LOG && !(r->from * r->to > 0.0))
+    if (range->spacing == GN_SPACING_LOG && !(range->from * range->to > 0.0))
         return wrong(reader, node, "expected numbers of one sign, not 0, for logarithmic spacing");
-    if (is_whole(p->meant) && !normal && (r->from != round(r->from) || r->to != round(r->to)))
+    if (is_whole(parameter->meant) && !normal &&
+        (range->from != round(range->from) || range->to != round(range->to)))
         return wrong(reader, node, "expected whole numbers at both ends");
     return GNEISS_OK;
 }
 
 static gneiss_status read_map(gn_reader *reader, const gn_node *node, const gn_drawing *drawing,
-                              gn_sweep_parameter *p) {
+                              gn_sweep_parameter *parameter) {
     gn_range_def r = {.from = -INFINITY, .to = INFINITY};
     const gn_node *of = gn_node_child(node, "of");
-    if (of && node->count > 1) return wrong(reader, node, "expected nothing beside `of`");
-    if (of) return make_choices(reader, of, drawing, p);
-    if (!is_number(p->meant))
+    if (of && node->count > 1) return wrong(reader, node, "expected no key beside `of`");
+    if (of) return make_choices(reader, of, drawing, parameter);
+    if (!is_number(parameter->meant))
         return wrong(reader, node, "expected a list of values: the key takes no number");
-    GN_TRY(read_range(reader, node, p->meant, &r));
+    GN_TRY(read_range(reader, node, parameter->meant, &r));
     if (gn_problem_near(reader->problems, reader->path)) return GNEISS_OK;
-    GN_TRY(check_range(reader, node, &r, p));
-    if (gn_node_child(node, "count")) return make_range(reader, node, &r, p);
-    return make_draws(reader, node, &r, gn_node_child(node, "mean") != NULL, drawing, p);
+    GN_TRY(check_range(reader, node, &r, parameter));
+    if (gn_node_child(node, "count")) return make_range(reader, node, &r, parameter);
+    return make_draws(reader, node, &r, gn_node_child(node, "mean") != NULL, drawing, parameter);
 }
 
 gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn_drawing *drawing,
-                                gn_sweep_parameter *p) {
+                                gn_sweep_parameter *parameter) {
     if (node->kind == GN_NODE_MAP) {
-        GN_TRY(read_map(reader, node, drawing, p));
+        GN_TRY(read_map(reader, node, drawing, parameter));
     } else if (node->kind == GN_NODE_LIST && node->count) {
-        GN_TRY(read_values(reader, node, p));
+        GN_TRY(read_values(reader, node, parameter));
     } else if (node->kind == GN_NODE_SCALAR) {
-        GN_TRY(make_values(reader, 1, p));
-        GN_TRY(put_node(reader, node, p, p->values));
+        GN_TRY(make_values(reader, 1, parameter));
+        GN_TRY(put_node(reader, node, parameter, parameter->values));
     } else {
         return wrong(reader, node,
                      "expected a list of values, a range or a distribution, found nothing");
     }
-    p->numeric = p->count > 0;
-    for (size_t k = 0; k < p->count; k++) p->numeric &= !isnan(p->values[k].number);
-    p->unit = p->numeric && gn_unit_is_shown(unit_of(p->meant)) ? unit_of(p->meant) : "";
-    if (strchr(p->unit, '|')) p->unit = ""; /* one of two: the scene says which */
+    parameter->numeric = parameter->count > 0;
+    for (size_t k = 0; k < parameter->count; k++)
+        parameter->numeric &= !isnan(parameter->values[k].number);
+    parameter->unit = parameter->numeric && gn_unit_is_shown(unit_of(parameter->meant))
+                          ? unit_of(parameter->meant)
+                          : "";
+    if (strchr(parameter->unit, '|'))
+        parameter->unit = ""; /* two alternatives: the scene decides */
     return GNEISS_OK;
 }

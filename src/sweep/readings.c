@@ -1,4 +1,4 @@
-/* The names that readings of a sweep may have. */
+/* Names that readings of a sweep may have. */
 #include "test_kinds/readings.h"
 #include "base/names.h"
 #include "measure/energy.h"
@@ -17,7 +17,7 @@ static const char *const fixed[] = {
             "energy.stored_at_start",
     "energy.residual"};
 
-/* Columns of the whole model; names are borrowed by whoever gives advice. */
+/* Columns of the whole model; names are borrowed for advice. */
 enum { COLUMNS_MOST = 256 };
 typedef struct columns {
     size_t count;
@@ -29,39 +29,39 @@ static bool is_ending(const char *name, const char *ending) {
     return length > behind && strcmp(name + length - behind, ending) == 0;
 }
 
-/* Of a wall, a set, ...: <kind>_<any name>_<quantity>. Those that have names are told by the runs.
- */
-static bool is_of_an_owner(const char *column, const gn_quantity_group *g) {
-    size_t length = strlen(g->kind);
-    if (strncmp(column, g->kind, length) != 0 || column[length] != '_') return false;
-    for (size_t q = 0; q < g->quantity_count; q++) {
+/* True for columns of a wall, a set, ...: <kind>_<any name>_<quantity>. Only the runs know the
+ * names. */
+static bool is_of_an_owner(const char *column, const gn_quantity_group *group) {
+    size_t length = strlen(group->kind);
+    if (strncmp(column, group->kind, length) != 0 || column[length] != '_') return false;
+    for (size_t q = 0; q < group->quantity_count; q++) {
         char ending[GN_COLUMN_NAME_SIZE];
         gn_shape_component part[GN_SHAPE_MOST];
-        size_t parts = gn_shape_components(g->quantities[q].shape, 3, part);
+        size_t parts = gn_shape_components(group->quantities[q].shape, 3, part);
         for (size_t c = 0; c < parts; c++) {
-            snprintf(ending, sizeof ending, "_%s%s", g->quantities[q].name, part[c].suffix);
+            snprintf(ending, sizeof ending, "_%s%s", group->quantities[q].name, part[c].suffix);
             if (is_ending(column + length + 1, ending)) return true;
         }
     }
     return false;
 }
 
-/* A scene in the plane has some of those that one in space has. */
-static void add_columns(columns *all, const gn_quantity *q) {
+/* A planar scene has a subset of the columns of a 3D scene. */
+static void add_columns(columns *all, const gn_quantity *quantity) {
     gn_shape_component part[GN_SHAPE_MOST];
-    size_t parts = gn_shape_components(q->shape, 3, part);
+    size_t parts = gn_shape_components(quantity->shape, 3, part);
     for (size_t c = 0; c < parts && all->count < COLUMNS_MOST; c++)
-        snprintf(all->name[all->count++], GN_COLUMN_NAME_SIZE, "history.%s%s", q->name,
+        snprintf(all->name[all->count++], GN_COLUMN_NAME_SIZE, "history.%s%s", quantity->name,
                  part[c].suffix);
 }
 
 static bool is_column(const char *name, columns *all) {
     const char *column = strncmp(name, "history.", 8) == 0 ? name + 8 : "";
     for (size_t k = 0; k < GN_QUANTITY_GROUPS; k++) {
-        const gn_quantity_group *g = &gn_quantity_groups[k];
-        if (g->kind && is_of_an_owner(column, g)) return true;
-        for (size_t q = 0; !g->kind && q < g->quantity_count; q++)
-            add_columns(all, &g->quantities[q]);
+        const gn_quantity_group *group = &gn_quantity_groups[k];
+        if (group->kind && is_of_an_owner(column, group)) return true;
+        for (size_t q = 0; !group->kind && q < group->quantity_count; q++)
+            add_columns(all, &group->quantities[q]);
     }
     for (size_t k = 0; k < all->count; k++)
         if (strcmp(name, all->name[k]) == 0) return true;

@@ -4,20 +4,20 @@
 
 #include <math.h>
 
-/* Another stream of random numbers for every coordinate. */
+/* Each coordinate has its own stream of random numbers. */
 static uint64_t stream(uint64_t seed, size_t dimension) {
     return gn_random_bits(seed ^ UINT64_C(0x73776565700000), dimension);
 }
 
-/* In (0, 1), never an end of it. */
+/* Returns a number in the open interval (0, 1). */
 static double fraction(uint64_t bits) {
     return ((double)(bits >> 12) + 0.5) * 0x1p-52;
 }
 
 /* ---- Latin hypercube ---- */
 
-/* The strata are shuffled from behind (Fisher & Yates): numbers 0 .. count - 1 of the stream are
- * for that, those behind for the places inside. */
+/* The strata are shuffled from the end (Fisher & Yates) by numbers 0 .. count - 1 of the stream;
+ * later numbers give the positions inside. */
 void gn_sample_latin(uint64_t seed, size_t dimension, size_t count, double *points) {
     uint64_t own = stream(seed, dimension);
     for (size_t k = 0; k < count; k++) points[k] = (double)k;
@@ -82,7 +82,7 @@ static void make_directions(size_t dimension, uint32_t v[32]) {
     }
 }
 
-/* In the order of Gray's code (Antonov & Saleev 1979), as published sequences are. */
+/* Sobol bits in the order of the Gray code (Antonov & Saleev 1979), as in published sequences. */
 static uint32_t bits_of(const uint32_t v[32], uint32_t index) {
     uint32_t gray = index ^ (index >> 1), bits = 0;
     for (int k = 0; gray; k++, gray >>= 1)
@@ -105,9 +105,9 @@ void gn_sample_sobol(uint64_t seed, size_t dimension, size_t count, double *poin
 
 /* ---- the normal distribution ---- */
 
-/* Newton's steps on the probability of the nearer tail, from which no digits are lost. Q(x) is at
- * most exp(-x^2/2)/2, so that the start lies outside, where the tail is convex: the first step goes
- * to the other side, and all others come from there. */
+/* Newton's method on the probability of the nearer tail, which keeps all digits. Q(x) is at most
+ * exp(-x^2/2)/2, so that the start lies outside, where the tail is convex: the first step goes to
+ * the other side, and all others approach from there. */
 double gn_normal_quantile(double p) {
     double tail = p < 0.5 ? p : 1.0 - p;
     double x = sqrt(fmax(-2.0 * log(2.0 * tail), 0.0));

@@ -17,7 +17,7 @@ double gn_student_within(double t, size_t freedom) {
     return odd ? 2.0 / pi * (angle + sin(angle) * sum) : sin(angle) * sum;
 }
 
-/* Halving, once a bound from above is found: the probability grows with t. */
+/* Bisection from an upper bound: the probability increases with t. */
 double gn_student_quantile(double within, size_t freedom) {
     double low = 0.0, high = 1.0;
     while (gn_student_within(high, freedom) < within && high < 1e300) high *= 2.0;

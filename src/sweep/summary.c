@@ -13,28 +13,30 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- which readings ---- */
+/* ---- choice of readings ---- */
 
-static void describe(gn_summary_reading *r, const char *name, const char *unit, const char *text) {
-    snprintf(r->name, sizeof r->name, "%s", name);
-    snprintf(r->unit, sizeof r->unit, "%s", unit);
-    snprintf(r->text, sizeof r->text, "%s", text);
+static void describe(gn_summary_reading *reading, const char *name, const char *unit,
+                     const char *text) {
+    snprintf(reading->name, sizeof reading->name, "%s", name);
+    snprintf(reading->unit, sizeof reading->unit, "%s", unit);
+    snprintf(reading->text, sizeof reading->text, "%s", text);
 }
 
-/* Those of history columns are in the files of the runs. */
-static void describe_known(gn_summary_reading *r) {
+/* Descriptions of history columns are in the files of the runs. */
+static void describe_known(gn_summary_reading *reading) {
 #define X(name_, unit_, text_)                                                                     \
-    if (strcmp(r->name, #name_) == 0) describe(r, #name_, unit_, text_);
+    if (strcmp(reading->name, #name_) == 0) describe(reading, #name_, unit_, text_);
     GN_READINGS(X)
 #undef X
 #define X(name_, kind_, text_)                                                                     \
-    if (strcmp(r->name, "energy." #name_) == 0) describe(r, "energy." #name_, "J", text_);
+    if (strcmp(reading->name, "energy." #name_) == 0)                                              \
+        describe(reading, "energy." #name_, "J", text_);
     GN_ENERGY_TERMS(X)
 #undef X
-    if (strcmp(r->name, "energy.stored_at_start") == 0)
-        describe(r, "energy.stored_at_start", "J", "energy stored at the start");
-    if (strcmp(r->name, "energy.residual") == 0)
-        describe(r, "energy.residual", "1", GN_ENERGY_RESIDUAL_TEXT);
+    if (strcmp(reading->name, "energy.stored_at_start") == 0)
+        describe(reading, "energy.stored_at_start", "J", "energy stored at the start");
+    if (strcmp(reading->name, "energy.residual") == 0)
+        describe(reading, "energy.residual", "1", GN_ENERGY_RESIDUAL_TEXT);
 }
 
 static const char *const usual[] = {
@@ -45,21 +47,26 @@ static const char *const usual[] = {
     "history.broken_tension", "history.broken_shear"};
 enum { USUAL = sizeof usual / sizeof *usual };
 
-static gneiss_status choose_readings(gn_summary *m, gneiss_error *error) {
-    const gn_sweep *s = m->sweep;
-    m->reading_count = s->reading_count ? s->reading_count : USUAL;
-    m->readings = gn_alloc_array(m->reading_count, sizeof *m->readings);
-    m->value = gn_alloc_array(s->run_count * m->reading_count, sizeof *m->value);
-    m->rest = gn_alloc_array(s->run_count * m->reading_count, sizeof *m->rest);
-    m->runs = gn_alloc_array(s->run_count, sizeof *m->runs);
-    m->statistics = gn_alloc_array(s->combination_count * m->reading_count, sizeof *m->statistics);
-    if (!m->readings || !m->value || !m->rest || !m->runs || !m->statistics)
+static gneiss_status choose_readings(gn_summary *summary, gneiss_error *error) {
+    const gn_sweep *sweep = summary->sweep;
+    summary->reading_count = sweep->reading_count ? sweep->reading_count : USUAL;
+    summary->readings = gn_alloc_array(summary->reading_count, sizeof *summary->readings);
+    summary->value =
+        gn_alloc_array(sweep->run_count * summary->reading_count, sizeof *summary->value);
+    summary->rest =
+        gn_alloc_array(sweep->run_count * summary->reading_count, sizeof *summary->rest);
+    summary->runs = gn_alloc_array(sweep->run_count, sizeof *summary->runs);
+    summary->statistics = gn_alloc_array(sweep->combination_count * summary->reading_count,
+                                         sizeof *summary->statistics);
+    if (!summary->readings || !summary->value || !summary->rest || !summary->runs ||
+        !summary->statistics)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary of %zu runs",
-                       s->run_count);
-    for (size_t k = 0; k < m->reading_count; k++) {
-        gn_summary_reading *r = &m->readings[k];
-        snprintf(r->name, sizeof r->name, "%s", s->reading_count ? s->readings[k] : usual[k]);
-        describe_known(r);
+                       sweep->run_count);
+    for (size_t k = 0; k < summary->reading_count; k++) {
+        gn_summary_reading *reading = &summary->readings[k];
+        snprintf(reading->name, sizeof reading->name, "%s",
+                 sweep->reading_count ? sweep->readings[k] : usual[k]);
+        describe_known(reading);
     }
     return GNEISS_OK;
 }
@@ -75,7 +82,7 @@ static void read_label(const gn_h5 *file, const char *set, const char *name, cha
     free(found);
 }
 
-/* The last number of a column; NaN: it has no rows. */
+/* Returns the last number of a column; NaN: it has no rows. */
 static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
                                gneiss_error *error) {
     size_t rows = 0;
@@ -90,23 +97,23 @@ static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
     return status;
 }
 
-/* NaN: the file has none; the same of `rest`. One that is there and cannot be read is no reading
- * that is absent. */
-static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *r, double *value,
+/* Reads a reading and its `rest`; NaN: the file has none. An unreadable value is an error, not an
+ * absent reading. */
+static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *reading, double *value,
                                   double *rest, gneiss_error *error) {
     char set[GN_NAME_SIZE + 32];
-    bool of_energy = strncmp(r->name, "energy.", 7) == 0,
-         of_history = strncmp(r->name, "history.", 8) == 0;
+    bool of_energy = strncmp(reading->name, "energy.", 7) == 0,
+         of_history = strncmp(reading->name, "history.", 8) == 0;
     snprintf(set, sizeof set, "%s/%s",
              of_energy    ? "energy"
              : of_history ? "history"
                           : "readings",
-             r->name + (of_energy    ? 7
-                        : of_history ? 8
-                                     : 0));
+             reading->name + (of_energy    ? 7
+                              : of_history ? 8
+                                           : 0));
     if (!gn_h5_has(file, set)) return GNEISS_OK;
-    read_label(file, set, "unit", r->unit, sizeof r->unit);
-    read_label(file, set, "description", r->text, sizeof r->text);
+    read_label(file, set, "unit", reading->unit, sizeof reading->unit);
+    read_label(file, set, "description", reading->text, sizeof reading->text);
     double besides;
     if (!of_energy && !of_history &&
         gn_h5_get_attribute_f64(file, set, "error_besides_scatter", &besides, 1, NULL) == GNEISS_OK)
@@ -114,7 +121,7 @@ static gneiss_status read_reading(const gn_h5 *file, gn_summary_reading *r, doub
     return read_last(file, set, value, error);
 }
 
-/* What a run that was done has to say against its numbers, in one line. */
+/* Joins the warnings of a completed run into one line. */
 static void read_warnings(const gn_h5 *file, char *text, size_t size) {
     text[0] = '\0';
     read_label(file, "/", "warnings", text, size);
@@ -122,9 +129,10 @@ static void read_warnings(const gn_h5 *file, char *text, size_t size) {
         if (*c == '\n') *c = ';';
 }
 
-static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneiss_error *error) {
+static gneiss_status read_run(gn_summary *summary, size_t k, const char *folder,
+                              gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
-    gn_summary_run *run = &m->runs[k];
+    gn_summary_run *run = &summary->runs[k];
     gn_h5 *file = NULL;
     char *hash = NULL, *build = NULL;
     snprintf(path, sizeof path, "%s/results.h5", folder);
@@ -142,9 +150,10 @@ static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneis
         snprintf(run->build, sizeof run->build, "%s", build);
         read_warnings(file, run->outcome.message, sizeof run->outcome.message);
     }
-    for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++) {
-        size_t place = k * m->reading_count + r;
-        status = read_reading(file, &m->readings[r], &m->value[place], &m->rest[place], error);
+    for (size_t r = 0; status == GNEISS_OK && r < summary->reading_count; r++) {
+        size_t place = k * summary->reading_count + r;
+        status = read_reading(file, &summary->readings[r], &summary->value[place],
+                              &summary->rest[place], error);
     }
     free(hash);
     free(build);
@@ -152,26 +161,30 @@ static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneis
     return status;
 }
 
-/* A run whose results are not to be had any more counts as one that was not done, and says why. */
-static gneiss_status take_run(gn_summary *m, size_t k, gneiss_error *error) {
-    const gn_sweep *s = m->sweep;
-    gn_summary_run *run = &m->runs[k];
-    size_t original = s->runs[k].original, width = m->reading_count;
+/* A run with unreadable results counts as not completed, with the reason. */
+static gneiss_status take_run(gn_summary *summary, size_t k, gneiss_error *error) {
+    const gn_sweep *sweep = summary->sweep;
+    gn_summary_run *run = &summary->runs[k];
+    size_t original = sweep->runs[k].original, width = summary->reading_count;
     char folder[GN_PATH_SIZE];
     gneiss_error trouble = {0};
     if (original != k) {
-        *run = m->runs[original];
-        memcpy(m->value + k * width, m->value + original * width, width * sizeof *m->value);
-        memcpy(m->rest + k * width, m->rest + original * width, width * sizeof *m->rest);
+        *run = summary->runs[original];
+        memcpy(summary->value + k * width, summary->value + original * width,
+               width * sizeof *summary->value);
+        memcpy(summary->rest + k * width, summary->rest + original * width,
+               width * sizeof *summary->rest);
         return GNEISS_OK;
     }
     run->seconds = run->dt = NAN;
-    for (size_t r = 0; r < width; r++) m->value[k * width + r] = m->rest[k * width + r] = NAN;
-    if (!gn_run_folder(m->directory, s->runs[k].hash, folder))
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s...: the path is too long", m->directory);
+    for (size_t r = 0; r < width; r++)
+        summary->value[k * width + r] = summary->rest[k * width + r] = NAN;
+    if (!gn_run_folder(summary->directory, sweep->runs[k].hash, folder))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s...: the path is too long",
+                       summary->directory);
     GN_TRY(gn_outcome_read(folder, &run->outcome, error));
     if (run->outcome.state != GN_RUN_DONE) return GNEISS_OK;
-    gneiss_status status = read_run(m, k, folder, &trouble);
+    gneiss_status status = read_run(summary, k, folder, &trouble);
     if (status == GNEISS_OK) return GNEISS_OK;
     run->outcome = (gn_outcome){.state = GN_RUN_FAILED, .code = (int)status};
     snprintf(run->outcome.message, sizeof run->outcome.message,
@@ -179,42 +192,45 @@ static gneiss_status take_run(gn_summary *m, size_t k, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* ---- all ---- */
+/* ---- all runs ---- */
 
-/* What no run has is left out, unless it was asked for. */
-static void leave_out_absent(gn_summary *m) {
-    size_t width = m->reading_count, kept = 0;
+/* Leaves out readings that no run has, unless they were requested. */
+static void leave_out_absent(gn_summary *summary) {
+    size_t width = summary->reading_count, kept = 0;
     bool keep[USUAL];
-    if (m->sweep->reading_count || m->done == 0) return;
+    if (summary->sweep->reading_count || summary->done == 0) return;
     for (size_t r = 0; r < width; r++) {
         keep[r] = false;
-        for (size_t k = 0; k < m->sweep->run_count; k++) keep[r] |= !isnan(m->value[k * width + r]);
-        if (keep[r]) m->readings[kept++] = m->readings[r];
+        for (size_t k = 0; k < summary->sweep->run_count; k++)
+            keep[r] |= !isnan(summary->value[k * width + r]);
+        if (keep[r]) summary->readings[kept++] = summary->readings[r];
     }
-    for (size_t k = 0; k < m->sweep->run_count; k++)
+    for (size_t k = 0; k < summary->sweep->run_count; k++)
         for (size_t r = 0, to = 0; r < width; r++) {
             if (!keep[r]) continue;
-            m->value[k * kept + to] = m->value[k * width + r];
-            m->rest[k * kept + to++] = m->rest[k * width + r];
+            summary->value[k * kept + to] = summary->value[k * width + r];
+            summary->rest[k * kept + to++] = summary->rest[k * width + r];
         }
-    m->reading_count = kept;
+    summary->reading_count = kept;
 }
 
-double gn_summary_rest(const gn_summary *m, size_t combination, size_t reading) {
-    size_t each = m->sweep->run_count / m->sweep->combination_count;
+double gn_summary_rest(const gn_summary *summary, size_t combination, size_t reading) {
+    size_t each = summary->sweep->run_count / summary->sweep->combination_count;
     double most = NAN;
     for (size_t k = combination * each; k < (combination + 1) * each; k++)
-        most =
-            fmax(most, m->rest[k * m->reading_count + reading]); /* NaN is less than any number */
+        most = fmax(
+            most,
+            summary->rest[k * summary->reading_count + reading]); /* NaN is less than any number */
     return most;
 }
 
-static void compute_statistics(gn_summary *m) {
-    size_t width = m->reading_count, each = m->sweep->run_count / m->sweep->combination_count;
-    for (size_t c = 0; c < m->sweep->combination_count; c++)
+static void compute_statistics(gn_summary *summary) {
+    size_t width = summary->reading_count,
+           each = summary->sweep->run_count / summary->sweep->combination_count;
+    for (size_t c = 0; c < summary->sweep->combination_count; c++)
         for (size_t r = 0; r < width; r++)
-            m->statistics[c * width + r] =
-                gn_statistics_of(m->value + c * each * width + r, each, width);
+            summary->statistics[c * width + r] =
+                gn_statistics_of(summary->value + c * each * width + r, each, width);
 }
 
 gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *summary,
@@ -248,7 +264,7 @@ void gn_summary_free(gn_summary *summary) {
     *summary = (gn_summary){0};
 }
 
-/* ---- whose folder it is ---- */
+/* ---- ownership of folders ---- */
 
 gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], *kind = NULL;
@@ -270,7 +286,7 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
         bool ours =
             status == GNEISS_OK ? strcmp(kind, "sweep") == 0 : gn_folder_holds_sweep(directory);
         free(kind);
-        if (ours) return GNEISS_OK; /* a damaged one is written anew from the folders of the runs */
+        if (ours) return GNEISS_OK; /* a damaged one is rewritten from the folders of the runs */
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected no file or that of a sweep: choose another folder with "
                        "--out, or --force replaces it",
@@ -279,11 +295,10 @@ gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error
     for (size_t k = 0; k < 2; k++) {
         snprintf(path, sizeof path, "%s/%s", directory, own[k]);
         if (access(path, F_OK) != 0) continue;
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%.300s: a file of somebody else, with no sweep.h5 beside it: choose another "
-            "folder with --out, or --force replaces it",
-            path);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: a file of another program, without sweep.h5 beside it: choose "
+                       "another folder with --out, or --force replaces it",
+                       path);
     }
     return GNEISS_OK;
 }

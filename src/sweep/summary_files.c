@@ -1,4 +1,4 @@
-/* The summary as files. */
+/* Files of the summary. */
 #include "base/memory.h"
 #include "base/version.h"
 #include "io/files.h"
@@ -14,7 +14,7 @@
 
 /* ---- CSV ---- */
 
-/* RFC 4180. */
+/* Writes a cell by RFC 4180. */
 static void put_cell(FILE *out, const char *text) {
     if (!strpbrk(text, ",\"\r\n")) {
         fputs(text, out);
@@ -28,7 +28,7 @@ static void put_cell(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-/* An empty cell: there is none. */
+/* An absent number is an empty cell. */
 static void put_number(FILE *out, double value) {
     char text[40];
     if (isnan(value)) return;
@@ -36,7 +36,7 @@ static void put_number(FILE *out, double value) {
     fputs(text, out);
 }
 
-/* "peak_stress [Pa]", "peak_stress mean [Pa]" */
+/* Writes "peak_stress [Pa]", "peak_stress mean [Pa]". */
 static void put_head(FILE *out, const char *name, const char *what, const char *unit) {
     char text[512];
     bool shown = unit[0] && strcmp(unit, "1") != 0;
@@ -45,17 +45,17 @@ static void put_head(FILE *out, const char *name, const char *what, const char *
     put_cell(out, text);
 }
 
-static void put_parameter_heads(FILE *out, const gn_sweep *s) {
-    for (size_t p = 0; p < s->parameter_count; p++) {
-        put_head(out, s->parameters[p].key, "", s->parameters[p].unit);
+static void put_parameter_heads(FILE *out, const gn_sweep *sweep) {
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        put_head(out, sweep->parameters[p].key, "", sweep->parameters[p].unit);
         fputc(',', out);
     }
 }
 
-static void put_parameters(FILE *out, const gn_sweep *s, size_t run) {
-    for (size_t p = 0; p < s->parameter_count; p++) {
-        const gn_sweep_value *value = gn_sweep_value_of(s, run, p);
-        if (s->parameters[p].numeric)
+static void put_parameters(FILE *out, const gn_sweep *sweep, size_t run) {
+    for (size_t p = 0; p < sweep->parameter_count; p++) {
+        const gn_sweep_value *value = gn_sweep_value_of(sweep, run, p);
+        if (sweep->parameters[p].numeric)
             put_number(out, value->number);
         else
             put_cell(out, value->text);
@@ -63,14 +63,14 @@ static void put_parameters(FILE *out, const gn_sweep *s, size_t run) {
     }
 }
 
-static void put_row(FILE *out, const gn_summary *m, size_t k) {
-    const gn_sweep *s = m->sweep;
-    const gn_summary_run *run = &m->runs[k];
-    fprintf(out, "%zu,%zu,", k + 1, s->runs[k].combination + 1);
-    put_parameters(out, s, k);
-    fprintf(out, "%" PRIu64 ",", s->runs[k].seed);
-    for (size_t r = 0; r < m->reading_count; r++) {
-        put_number(out, m->value[k * m->reading_count + r]);
+static void put_row(FILE *out, const gn_summary *summary, size_t k) {
+    const gn_sweep *sweep = summary->sweep;
+    const gn_summary_run *run = &summary->runs[k];
+    fprintf(out, "%zu,%zu,", k + 1, sweep->runs[k].combination + 1);
+    put_parameters(out, sweep, k);
+    fprintf(out, "%" PRIu64 ",", sweep->runs[k].seed);
+    for (size_t r = 0; r < summary->reading_count; r++) {
+        put_number(out, summary->value[k * summary->reading_count + r]);
         fputc(',', out);
     }
     fprintf(out, "%s,", gn_run_state_name(run->outcome.state));
@@ -79,72 +79,73 @@ static void put_row(FILE *out, const gn_summary *m, size_t k) {
     if (run->outcome.state == GN_RUN_DONE) fprintf(out, "%" PRId64, run->steps);
     fputc(',', out);
     put_number(out, run->dt);
-    fprintf(out, ",%s,%016" PRIx64 ",", run->state_hash, s->runs[k].hash);
+    fprintf(out, ",%s,%016" PRIx64 ",", run->state_hash, sweep->runs[k].hash);
     put_cell(out, run->outcome.message);
     fputs("\r\n", out);
 }
 
-static void write_runs(FILE *out, const gn_summary *m) {
+static void write_runs(FILE *out, const gn_summary *summary) {
     fputs("run,combination,", out);
-    put_parameter_heads(out, m->sweep);
+    put_parameter_heads(out, summary->sweep);
     fputs("seed,", out);
-    for (size_t r = 0; r < m->reading_count; r++) {
-        put_head(out, m->readings[r].name, "", m->readings[r].unit);
+    for (size_t r = 0; r < summary->reading_count; r++) {
+        put_head(out, summary->readings[r].name, "", summary->readings[r].unit);
         fputc(',', out);
     }
     fputs("status,seconds [s],steps,dt [s],state_hash,folder,message\r\n", out);
-    for (size_t k = 0; k < m->sweep->run_count; k++) put_row(out, m, k);
+    for (size_t k = 0; k < summary->sweep->run_count; k++) put_row(out, summary, k);
 }
 
-static void write_means(FILE *out, const gn_summary *m) {
-    const gn_sweep *s = m->sweep;
-    size_t width = m->reading_count, each = s->run_count / s->combination_count;
+static void write_means(FILE *out, const gn_summary *summary) {
+    const gn_sweep *sweep = summary->sweep;
+    size_t width = summary->reading_count, each = sweep->run_count / sweep->combination_count;
     fputs("combination,", out);
-    put_parameter_heads(out, s);
+    put_parameter_heads(out, sweep);
     fputs("runs", out);
     for (size_t r = 0; r < width; r++) {
         static const char *const what[] = {"mean", "deviation", "interval", "rest"};
         for (size_t k = 0; k < 4; k++) {
             fputc(',', out);
-            put_head(out, m->readings[r].name, what[k], m->readings[r].unit);
+            put_head(out, summary->readings[r].name, what[k], summary->readings[r].unit);
         }
         fputc(',', out);
-        put_head(out, m->readings[r].name, "count", "");
+        put_head(out, summary->readings[r].name, "count", "");
     }
     fputs("\r\n", out);
-    for (size_t c = 0; c < s->combination_count; c++) {
+    for (size_t c = 0; c < sweep->combination_count; c++) {
         size_t done = 0;
         for (size_t k = c * each; k < (c + 1) * each; k++)
-            done += m->runs[k].outcome.state == GN_RUN_DONE;
+            done += summary->runs[k].outcome.state == GN_RUN_DONE;
         fprintf(out, "%zu,", c + 1);
-        put_parameters(out, s, c * each);
+        put_parameters(out, sweep, c * each);
         fprintf(out, "%zu", done);
         for (size_t r = 0; r < width; r++) {
-            const gn_statistics *t = &m->statistics[c * width + r];
-            const double shown[] = {t->mean, t->deviation, t->interval, gn_summary_rest(m, c, r)};
+            const gn_statistics *statistics = &summary->statistics[c * width + r];
+            const double shown[] = {statistics->mean, statistics->deviation, statistics->interval,
+                                    gn_summary_rest(summary, c, r)};
             for (size_t k = 0; k < 4; k++) {
                 fputc(',', out);
                 put_number(out, shown[k]);
             }
-            fprintf(out, ",%zu", t->count);
+            fprintf(out, ",%zu", statistics->count);
         }
         fputs("\r\n", out);
     }
 }
 
-static gneiss_status write_table(const gn_summary *m, const char *name,
-                                 void (*write)(FILE *out, const gn_summary *m),
+static gneiss_status write_table(const gn_summary *summary, const char *name,
+                                 void (*write)(FILE *out, const gn_summary *summary),
                                  gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     bool failed = !out;
     if (out) {
-        write(out, m);
+        write(out, summary);
         failed = ferror(out) != 0;
         failed = fclose(out) != 0 || failed;
     }
-    snprintf(path, sizeof path, "%s/%s", m->directory, name);
+    snprintf(path, sizeof path, "%s/%s", summary->directory, name);
     gneiss_status status = failed ? gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name)
                                   : gn_write_text_file(path, text, GN_RENAMED, error);
     free(text);
@@ -153,17 +154,17 @@ static gneiss_status write_table(const gn_summary *m, const char *name,
 
 /* ---- HDF5 ---- */
 
-/* Texts, a line each. */
-static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *m,
-                               void (*line)(FILE *out, const gn_summary *m, size_t k), size_t count,
-                               gneiss_error *error) {
+/* Writes texts, one per line. */
+static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *summary,
+                               void (*line)(FILE *out, const gn_summary *summary, size_t k),
+                               size_t count, gneiss_error *error) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
     for (size_t k = 0; k < count; k++) {
         if (k) fputc('\n', out);
-        line(out, m, k);
+        line(out, summary, k);
     }
     gneiss_status status = fclose(out) == 0
                                ? gn_h5_put_text(file, name, text, error)
@@ -172,48 +173,53 @@ static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *
     return status;
 }
 
-static void hash_line(FILE *out, const gn_summary *m, size_t k) {
-    fputs(m->runs[k].state_hash, out);
+static void hash_line(FILE *out, const gn_summary *summary, size_t k) {
+    fputs(summary->runs[k].state_hash, out);
 }
 
-static void folder_line(FILE *out, const gn_summary *m, size_t k) {
-    fprintf(out, "%016" PRIx64, m->sweep->runs[k].hash);
+static void folder_line(FILE *out, const gn_summary *summary, size_t k) {
+    fprintf(out, "%016" PRIx64, summary->sweep->runs[k].hash);
 }
 
-static void message_line(FILE *out, const gn_summary *m, size_t k) {
-    for (const char *c = m->runs[k].outcome.message; *c; c++) fputc(*c == '\n' ? ' ' : *c, out);
+static void message_line(FILE *out, const gn_summary *summary, size_t k) {
+    for (const char *c = summary->runs[k].outcome.message; *c; c++)
+        fputc(*c == '\n' ? ' ' : *c, out);
 }
 
-static gneiss_status put_header(gn_h5 *file, const gn_summary *m, gneiss_error *error) {
-    const gn_sweep *s = m->sweep;
-    const char *texts[][2] = {{"kind", "sweep"},         {"title", s->title},
-                              {"sweep_file", s->source}, {"scene_file", s->scene},
-                              {"version", gn_version()}, {"build", gn_build()}};
+static gneiss_status put_header(gn_h5 *file, const gn_summary *summary, gneiss_error *error) {
+    const gn_sweep *sweep = summary->sweep;
+    const char *texts[][2] = {{"kind", "sweep"},
+                              {"title", sweep->title},
+                              {"sweep_file", sweep->source},
+                              {"scene_file", sweep->scene},
+                              {"version", gn_version()},
+                              {"build", gn_build()}};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
         GN_TRY(gn_h5_attribute_text(file, "/", texts[k][0], texts[k][1], error));
-    const int64_t counts[] = {(int64_t)s->run_count, (int64_t)s->combination_count,
-                              (int64_t)s->seed_count, (int64_t)m->done, (int64_t)m->failed};
+    const int64_t counts[] = {(int64_t)sweep->run_count, (int64_t)sweep->combination_count,
+                              (int64_t)sweep->seed_count, (int64_t)summary->done,
+                              (int64_t)summary->failed};
     static const char *const names[] = {"runs", "combinations", "seeds", "done", "failed"};
     for (size_t k = 0; k < 5; k++)
         GN_TRY(gn_h5_attribute_i64(file, "/", names[k], &counts[k], 1, error));
-    GN_TRY(gn_h5_put_text(file, "sweep", s->text ? s->text : "", error));
-    return gn_h5_put_text(file, "scene", s->scene_text, error);
+    GN_TRY(gn_h5_put_text(file, "sweep", sweep->text ? sweep->text : "", error));
+    return gn_h5_put_text(file, "scene", sweep->scene_text, error);
 }
 
-/* Numbers in SI; of what is no number its place in the texts of the attribute `values`. */
-static gneiss_status put_parameter(gn_h5 *file, const gn_summary *m, size_t p, double *column,
+/* Writes numbers in SI; for other values their index in the texts of the attribute `values`. */
+static gneiss_status put_parameter(gn_h5 *file, const gn_summary *summary, size_t p, double *column,
                                    gneiss_error *error) {
-    const gn_sweep *s = m->sweep;
-    const gn_sweep_parameter *parameter = &s->parameters[p];
+    const gn_sweep *sweep = summary->sweep;
+    const gn_sweep_parameter *parameter = &sweep->parameters[p];
     char name[GN_KEY_PATH_SIZE + 32], *text = NULL;
     size_t size = 0;
     snprintf(name, sizeof name, "parameters/%s", parameter->key);
     for (char *c = name + strlen("parameters/"); *c; c++)
         if (*c == '/') *c = '_';
-    for (size_t k = 0; k < s->run_count; k++)
-        column[k] = parameter->numeric ? gn_sweep_value_of(s, k, p)->number
-                                       : (double)s->chosen[s->runs[k].first_value + p];
-    GN_TRY(gn_h5_put(file, name, GN_F64, s->run_count, 1, 0, column,
+    for (size_t k = 0; k < sweep->run_count; k++)
+        column[k] = parameter->numeric ? gn_sweep_value_of(sweep, k, p)->number
+                                       : (double)sweep->chosen[sweep->runs[k].first_value + p];
+    GN_TRY(gn_h5_put(file, name, GN_F64, sweep->run_count, 1, 0, column,
                      *parameter->unit ? parameter->unit : "1", parameter->meant->text, error));
     int64_t sampled = parameter->sampled;
     GN_TRY(gn_h5_attribute_i64(file, name, "sampled", &sampled, 1, error));
@@ -229,36 +235,37 @@ static gneiss_status put_parameter(gn_h5 *file, const gn_summary *m, size_t p, d
     return status;
 }
 
-static gneiss_status put_reading(gn_h5 *file, const gn_summary *m, size_t r, double *column,
+static gneiss_status put_reading(gn_h5 *file, const gn_summary *summary, size_t r, double *column,
                                  gneiss_error *error) {
     static const char *const what[] = {"count", "mean", "deviation", "interval", "rest"};
-    static const char *const texts[] = {"runs that have the reading", "mean over them",
+    static const char *const texts[] = {"runs that have the reading", "mean over these runs",
                                         "standard deviation of one run",
                                         "half the width of the 95 % interval of the mean",
-                                        "largest error of a run that more runs do not take off"};
-    const gn_sweep *s = m->sweep;
-    const gn_summary_reading *reading = &m->readings[r];
-    size_t width = m->reading_count;
+                                        "largest error of a run that more runs do not reduce"};
+    const gn_sweep *sweep = summary->sweep;
+    const gn_summary_reading *reading = &summary->readings[r];
+    size_t width = summary->reading_count;
     char name[GN_NAME_SIZE + 64];
     snprintf(name, sizeof name, "readings/%s", reading->name);
-    for (size_t k = 0; k < s->run_count; k++) column[k] = m->value[k * width + r];
-    GN_TRY(gn_h5_put(file, name, GN_F64, s->run_count, 1, 0, column, reading->unit, reading->text,
-                     error));
+    for (size_t k = 0; k < sweep->run_count; k++) column[k] = summary->value[k * width + r];
+    GN_TRY(gn_h5_put(file, name, GN_F64, sweep->run_count, 1, 0, column, reading->unit,
+                     reading->text, error));
     for (size_t q = 0; q < 5; q++) {
-        for (size_t c = 0; c < s->combination_count; c++) {
-            const gn_statistics *t = &m->statistics[c * width + r];
-            const double shown[] = {(double)t->count, t->mean, t->deviation, t->interval,
-                                    gn_summary_rest(m, c, r)};
+        for (size_t c = 0; c < sweep->combination_count; c++) {
+            const gn_statistics *statistics = &summary->statistics[c * width + r];
+            const double shown[] = {(double)statistics->count, statistics->mean,
+                                    statistics->deviation, statistics->interval,
+                                    gn_summary_rest(summary, c, r)};
             column[c] = shown[q];
         }
         snprintf(name, sizeof name, "statistics/%s/%s", reading->name, what[q]);
-        GN_TRY(gn_h5_put(file, name, GN_F64, s->combination_count, 1, 0, column,
+        GN_TRY(gn_h5_put(file, name, GN_F64, sweep->combination_count, 1, 0, column,
                          q ? reading->unit : "1", texts[q], error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status put_runs(gn_h5 *file, const gn_summary *m, double *column,
+static gneiss_status put_runs(gn_h5 *file, const gn_summary *summary, double *column,
                               gneiss_error *error) {
     static const struct {
         const char *name, *unit, *text;
@@ -269,23 +276,28 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *m, double *column,
                    {"runs/seconds", "s", "of computing"},
                    {"runs/dt", "s", "time step"}};
     for (size_t q = 0; q < sizeof columns / sizeof *columns; q++) {
-        for (size_t k = 0; k < m->sweep->run_count; k++) {
-            const gn_sweep_run *run = &m->sweep->runs[k];
-            const double shown[] = {
-                (double)run->combination, (double)run->seed,  (double)m->runs[k].outcome.state,
-                (double)m->runs[k].steps, m->runs[k].seconds, m->runs[k].dt};
+        for (size_t k = 0; k < summary->sweep->run_count; k++) {
+            const gn_sweep_run *run = &summary->sweep->runs[k];
+            const double shown[] = {(double)run->combination,
+                                    (double)run->seed,
+                                    (double)summary->runs[k].outcome.state,
+                                    (double)summary->runs[k].steps,
+                                    summary->runs[k].seconds,
+                                    summary->runs[k].dt};
             column[k] = shown[q];
         }
-        GN_TRY(gn_h5_put(file, columns[q].name, GN_F64, m->sweep->run_count, 1, 0, column,
+        GN_TRY(gn_h5_put(file, columns[q].name, GN_F64, summary->sweep->run_count, 1, 0, column,
                          columns[q].unit, columns[q].text, error));
     }
-    GN_TRY(put_lines(file, "runs/state_hash", m, hash_line, m->sweep->run_count, error));
-    GN_TRY(put_lines(file, "runs/folder", m, folder_line, m->sweep->run_count, error));
-    return put_lines(file, "runs/message", m, message_line, m->sweep->run_count, error);
+    GN_TRY(
+        put_lines(file, "runs/state_hash", summary, hash_line, summary->sweep->run_count, error));
+    GN_TRY(put_lines(file, "runs/folder", summary, folder_line, summary->sweep->run_count, error));
+    return put_lines(file, "runs/message", summary, message_line, summary->sweep->run_count, error);
 }
 
-/* A reading of every envelope; `absent` says line by line why some have no number. */
-static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *e, size_t offset,
+/* Writes a reading of every envelope; `absent` holds the reasons of missing numbers, one per line.
+ */
+static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *envelopes, size_t offset,
                                           bool coulomb, const char *labels[3], double *column,
                                           gneiss_error *error) {
     char path[GN_NAME_SIZE + 16], *reasons = NULL;
@@ -293,10 +305,11 @@ static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *e, si
     bool absent = false;
     FILE *out = open_memstream(&reasons, &size);
     if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
-    for (size_t k = 0; k < e->count; k++) {
-        memcpy(&column[k], (const char *)&e->of[k] + offset, sizeof column[k]);
+    for (size_t k = 0; k < envelopes->count; k++) {
+        memcpy(&column[k], (const char *)&envelopes->of[k] + offset, sizeof column[k]);
         if (k) fputc('\n', out);
-        if (isnan(column[k])) fputs(coulomb ? e->of[k].no_coulomb : e->of[k].no_hoek_brown, out);
+        if (isnan(column[k]))
+            fputs(coulomb ? envelopes->of[k].no_coulomb : envelopes->of[k].no_hoek_brown, out);
         absent |= isnan(column[k]);
     }
     snprintf(path, sizeof path, "envelope/%s", labels[0]);
@@ -304,25 +317,28 @@ static gneiss_status put_envelope_reading(gn_h5 *file, const gn_envelopes *e, si
                                ? GNEISS_OK
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", labels[0]);
     if (status == GNEISS_OK)
-        status = gn_h5_put(file, path, GN_F64, e->count, 1, 0, column, labels[1], labels[2], error);
+        status = gn_h5_put(file, path, GN_F64, envelopes->count, 1, 0, column, labels[1], labels[2],
+                           error);
     if (status == GNEISS_OK && absent)
         status = gn_h5_attribute_text(file, path, "absent", reasons, error);
     free(reasons);
     return status;
 }
 
-/* What each envelope is of, and which runs are in it. */
-static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *m, const gn_envelopes *e,
-                                       double *column, gneiss_error *error) {
+/* Writes the parameters and the runs of each envelope. */
+static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *summary,
+                                       const gn_envelopes *envelopes, double *column,
+                                       gneiss_error *error) {
     char label[512], *text = NULL;
     size_t size = 0;
-    for (size_t k = 0; k < m->sweep->run_count; k++) column[k] = (double)e->of_run[k];
-    GN_TRY(gn_h5_put(file, "runs/envelope", GN_F64, m->sweep->run_count, 1, 0, column, "1",
+    for (size_t k = 0; k < summary->sweep->run_count; k++) column[k] = (double)envelopes->of_run[k];
+    GN_TRY(gn_h5_put(file, "runs/envelope", GN_F64, summary->sweep->run_count, 1, 0, column, "1",
                      "place in the data sets of /envelope, base 0; -1: in none", error));
     FILE *out = open_memstream(&text, &size);
     if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
-    for (size_t k = 0; k < e->count; k++)
-        fprintf(out, "%s%s", k ? "\n" : "", gn_envelope_label(m, e, k, label, sizeof label));
+    for (size_t k = 0; k < envelopes->count; k++)
+        fprintf(out, "%s%s", k ? "\n" : "",
+                gn_envelope_label(summary, envelopes, k, label, sizeof label));
     gneiss_status status = fclose(out) == 0
                                ? gn_h5_put_text(file, "envelope/of", text, error)
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the envelopes");
@@ -330,10 +346,10 @@ static gneiss_status put_envelope_runs(gn_h5 *file, const gn_summary *m, const g
     return status;
 }
 
-static gneiss_status put_envelopes(gn_h5 *file, const gn_summary *m, double *column,
+static gneiss_status put_envelopes(gn_h5 *file, const gn_summary *summary, double *column,
                                    gneiss_error *error) {
     gn_envelopes e;
-    GN_TRY(gn_envelopes_make(m, &e, error));
+    GN_TRY(gn_envelopes_make(summary, &e, error));
     gneiss_status status = GNEISS_OK;
 #define X(name, unit, text)                                                                        \
     if (e.count && status == GNEISS_OK)                                                            \
@@ -342,23 +358,24 @@ static gneiss_status put_envelopes(gn_h5 *file, const gn_summary *m, double *col
                                       (const char *[]){#name, unit, text}, column, error);
     GN_ENVELOPE_READINGS(X)
 #undef X
-    if (e.count && status == GNEISS_OK) status = put_envelope_runs(file, m, &e, column, error);
+    if (e.count && status == GNEISS_OK)
+        status = put_envelope_runs(file, summary, &e, column, error);
     gn_envelopes_free(&e);
     return status;
 }
 
-static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error *error) {
+static gneiss_status write_h5(const gn_summary *summary, double *column, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
-    snprintf(path, sizeof path, "%s/sweep.h5", m->directory);
+    snprintf(path, sizeof path, "%s/sweep.h5", summary->directory);
     GN_TRY(gn_h5_create(path, &file, error));
-    gneiss_status status = put_header(file, m, error);
-    if (status == GNEISS_OK) status = put_runs(file, m, column, error);
-    for (size_t p = 0; status == GNEISS_OK && p < m->sweep->parameter_count; p++)
-        status = put_parameter(file, m, p, column, error);
-    for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++)
-        status = put_reading(file, m, r, column, error);
-    if (status == GNEISS_OK) status = put_envelopes(file, m, column, error);
+    gneiss_status status = put_header(file, summary, error);
+    if (status == GNEISS_OK) status = put_runs(file, summary, column, error);
+    for (size_t p = 0; status == GNEISS_OK && p < summary->sweep->parameter_count; p++)
+        status = put_parameter(file, summary, p, column, error);
+    for (size_t r = 0; status == GNEISS_OK && r < summary->reading_count; r++)
+        status = put_reading(file, summary, r, column, error);
+    if (status == GNEISS_OK) status = put_envelopes(file, summary, column, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;

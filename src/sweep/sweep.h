@@ -1,5 +1,5 @@
-/* A sweep: one scene, some of its keys varied, every combination a run of its own in a folder named
- * by what is computed there. A sweep file says which (docs/sweep.md). */
+/* A sweep varies some keys of one scene; every combination is a run in a folder named by a hash of
+ * its input. A sweep file describes it (docs/sweep.md). */
 #ifndef GN_SWEEP_SWEEP_H
 #define GN_SWEEP_SWEEP_H
 
@@ -11,7 +11,7 @@ typedef enum gn_spacing { GN_SPACING_LINEAR, GN_SPACING_LOG } gn_spacing;
 
 enum { GN_SWEEP_PARAMETERS_MAX = 32, GN_SWEEP_RUNS_MAX = 100000 };
 
-/* The file as it stands; driven by gn_sweep_section (keys.c). */
+/* The file as written, read by gn_sweep_section (keys.c). */
 typedef struct gn_sweep_file {
     char title[256];
     char scene[GN_PATH_SIZE], scene_path[GN_PATH_SIZE]; /* as written; absolute */
@@ -26,91 +26,91 @@ typedef struct gn_sweep_file {
 } gn_sweep_file;
 
 extern const gn_section gn_sweep_section;
-/* How the values of one parameter are given, when not as a list. */
+/* Keys of the values of one parameter that are not given as a list. */
 extern const gn_section gn_range_section;
 
-/* A value of a parameter, as an override takes it. */
+/* A value of a parameter, in the form of an override. */
 typedef struct gn_sweep_value {
     char *text;           /* gn_alloc'ed */
-    double number;        /* SI; NaN: it is no number */
+    double number;        /* SI; NaN: not a number */
     gn_scene_place where; /* in the sweep file */
 } gn_sweep_value;
 
 typedef struct gn_sweep_parameter {
-    char key[GN_KEY_PATH_SIZE]; /* as in an override */
+    char key[GN_KEY_PATH_SIZE]; /* in the form of an override */
     const gn_key *meant;
     const char *unit;     /* SI; "": none, or not numbers */
     bool numeric;         /* every value is a number */
-    bool sampled;         /* drawn, with the others that are */
-    gn_scene_place where; /* of the key */
+    bool sampled;         /* drawn together with the other sampled parameters */
+    gn_scene_place where; /* place of the key */
     size_t count;
     gn_sweep_value *values; /* gn_alloc'ed */
 } gn_sweep_parameter;
 
 typedef struct gn_sweep_run {
-    size_t first_value; /* place in gn_sweep.chosen of the values it has */
-    size_t combination; /* runs of one differ in the seed only */
-    size_t original;    /* the first run with this hash: itself, unless it came before */
+    size_t first_value; /* index in gn_sweep.chosen of its first value */
+    size_t combination; /* runs of one combination differ only in the seed */
+    size_t original;    /* the first run with this hash, which may be the run itself */
     uint64_t seed;
-    uint64_t hash;    /* of the resolved scene, the files it names, the version */
-    uint64_t packing; /* of what is packed for it; 0: nothing is */
-    int64_t threads;  /* that its scene asks for; 0: any */
+    uint64_t hash;    /* hash of the resolved scene, the files it names, and the version */
+    uint64_t packing; /* hash of its packing; 0: nothing is packed */
+    int64_t threads;  /* threads of its scene; 0: any */
 } gn_sweep_run;
 
 typedef struct gn_sweep {
     char title[256];
     char source[GN_PATH_SIZE];    /* the sweep file, or the scene of a sweep over seeds alone */
-    char scene[GN_PATH_SIZE];     /* path of the scene, as messages show it */
-    char directory[GN_PATH_SIZE]; /* that the file asks for; "": none */
-    char *text;                   /* of the sweep file; NULL without one */
+    char scene[GN_PATH_SIZE];     /* path of the scene, for messages */
+    char directory[GN_PATH_SIZE]; /* requested by the file; "": none */
+    char *text;                   /* text of the sweep file; NULL without one */
     char *scene_text;
-    size_t override_count; /* of the command line, borrowed: they come before the parameters */
+    size_t
+        override_count; /* overrides of the command line, borrowed, applied before the parameters */
     const gn_override *overrides;
     size_t parameter_count;
     gn_sweep_parameter parameters[GN_SWEEP_PARAMETERS_MAX];
     size_t seed_count; /* 0: the seed is not varied */
     uint64_t *seeds;
-    size_t reading_count; /* 0: all there are */
+    size_t reading_count; /* 0: all available */
     char (*readings)[GN_NAME_SIZE];
     size_t run_count, combination_count;
     gn_sweep_run *runs;
-    uint32_t *chosen; /* [run_count][parameter_count]: places of the values */
+    uint32_t *chosen; /* [run_count][parameter_count]: indices of the values */
     gn_units *units;
-    bool draws;           /* some scene has random numbers in it */
-    gn_scene_notes notes; /* of all scenes */
+    bool draws;           /* some scene draws random numbers */
+    gn_scene_notes notes; /* notes on all scenes */
 } gn_sweep;
 
-/* Reads the file and every scene of it: nothing is run that could not be read. `overrides` are of
- * the scene, borrowed; `seeds` (may be NULL): instead of the file's, as text. Messages say
- * file:line:column. On failure nothing is held. */
+/* Reads the file and all its scenes, so that no unreadable scene is run. `overrides` are for the
+ * scene, borrowed; `seeds` (may be NULL) replaces the file's seeds, as text. Messages state
+ * file:line:column. On failure nothing is allocated. */
 gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size_t override_count,
                             const char *seeds, gn_sweep *sweep, gneiss_error *error);
 
-/* A sweep over the seeds of one scene (NULL: none), and over the confinements that its test lists;
- * *wanted: whether there is any of both, without which nothing is held. */
+/* Makes a sweep over the seeds of one scene (NULL: none), and over the confinements of its test;
+ * *wanted: it has either, otherwise nothing is allocated. */
 gneiss_status gn_sweep_of_scene(const char *scene, const gn_override *overrides,
                                 size_t override_count, const char *seeds, gn_sweep *sweep,
                                 bool *wanted, gneiss_error *error);
 
 void gn_sweep_free(gn_sweep *sweep);
 
-/* The scene of a run, checked before. */
+/* Returns the scene of a run, which was checked before. */
 gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
                              gneiss_error *error);
 
-/* The value of a parameter in a run. */
+/* Returns the value of a parameter in a run. */
 const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_t parameter);
 
-/* "friction = 0.3, seed 2": what is varied, with the seed or without. */
+/* Writes "friction = 0.3, seed 2": the varied parameters, with the seed or without. */
 const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size);
 
-/* The same of the parameters that vary and are true in `shown` [parameter_count]. */
+/* Writes the varied parameters that are true in `shown` [parameter_count]. */
 const char *gn_sweep_label_of(const gn_sweep *sweep, size_t run, const bool *shown, char *text,
                               size_t size);
 
-/* Whether a name is one of the readings that can be asked for: those of a test, energy.<term>,
- * history.<column>, where walls and the like may have any name; if not, `advice` says what may have
- * been meant. */
+/* True if a name is a possible reading: that of a test, energy.<term>, or history.<column>, where
+ * walls and the like may have any name; if not, `advice` proposes the probable one. */
 bool gn_reading_known(const char *name, char *advice, size_t size);
 
 #endif

@@ -16,152 +16,156 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Kills in a row without a new checkpoint in between, after which a run counts as failed. */
+/* Consecutive kills without a new checkpoint after which a run counts as failed. */
 enum { KILLS_MOST = 5 };
 
-typedef struct task {
+typedef struct run_task {
     size_t run;
     gn_outcome outcome;
     bool over; /* nothing more to do in this call */
     bool running;
-    bool afresh;   /* its checkpoints are of no use */
-    int kills;     /* without getting on */
-    double wanted; /* gn_now() before which it is not looked at again: its folder was in use */
-} task;
+    bool afresh;   /* its checkpoints are unusable */
+    int kills;     /* without progress in between */
+    double wanted; /* gn_now() before which it is not started again: its folder was in use */
+} run_task;
 
-typedef struct work {
+typedef struct run_pool {
     const gn_sweep *sweep;
     const gn_sweep_way *way;
     size_t task_count;
-    task *tasks;
+    run_task *tasks;
     size_t child_count;
     gn_child *children; /* [jobs] */
     size_t *child_task; /* [jobs] */
     int cores, jobs;
     bool pins;
     int core[CPU_SETSIZE]; /* numbers of the processors */
-    sigset_t signals;      /* as they were, for children */
+    sigset_t signals;      /* original mask, for children */
     double start;
-    double own_seconds; /* of runs that came to their end here */
+    double own_seconds; /* seconds of the runs that this call completed */
     size_t own_count;
     size_t done, failed, found;
     bool stopping;
-} work;
+} run_pool;
 
-/* ---- what there is to do ---- */
+/* ---- tasks ---- */
 
-bool gn_sweep_mine(const gn_sweep *s, const gn_sweep_way *way, size_t run) {
-    return s->runs[run].original == run && (!way->shards || run % way->shards == way->shard);
+bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_t run) {
+    return sweep->runs[run].original == run && (!way->shards || run % way->shards == way->shard);
 }
 
-gneiss_status gn_sweep_look(const gn_sweep *s, const char *directory, gn_outcome *outcome,
-                            gneiss_error *error) {
+gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *directory,
+                                     gn_outcome *outcome, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
-    for (size_t k = 0; k < s->run_count; k++) {
-        size_t original = s->runs[k].original;
+    for (size_t k = 0; k < sweep->run_count; k++) {
+        size_t original = sweep->runs[k].original;
         if (original != k) {
             outcome[k] = outcome[original];
             continue;
         }
-        if (!gn_run_folder(directory, s->runs[k].hash, folder))
+        if (!gn_run_folder(directory, sweep->runs[k].hash, folder))
             return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s...: the path is too long", directory);
         GN_TRY(gn_outcome_read(folder, &outcome[k], error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status list_tasks(work *w, gneiss_error *error) {
-    const gn_sweep *s = w->sweep;
-    gn_outcome *outcome = gn_alloc_array(s->run_count, sizeof *outcome);
-    w->tasks = gn_alloc_array(s->run_count, sizeof *w->tasks);
-    gneiss_status status = outcome && w->tasks ? GNEISS_OK
-                                               : gn_fail(error, GNEISS_ERROR_MEMORY,
-                                                         "no memory for %zu runs", s->run_count);
-    if (status == GNEISS_OK) status = gn_sweep_look(s, w->way->directory, outcome, error);
-    for (size_t k = 0; status == GNEISS_OK && k < s->run_count; k++) {
-        if (!gn_sweep_mine(s, w->way, k)) continue;
-        task *t = &w->tasks[w->task_count++];
-        *t = (task){.run = k, .outcome = outcome[k]};
-        t->over = !w->way->force && gn_outcome_stands(&t->outcome);
-        t->afresh = w->way->force || outcome[k].replaced;
-        w->found += t->over;
-        w->done += t->over && t->outcome.state == GN_RUN_DONE;
-        w->failed += t->over && t->outcome.state == GN_RUN_FAILED;
+static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
+    const gn_sweep *sweep = pool->sweep;
+    gn_outcome *outcome = gn_alloc_array(sweep->run_count, sizeof *outcome);
+    pool->tasks = gn_alloc_array(sweep->run_count, sizeof *pool->tasks);
+    gneiss_status status =
+        outcome && pool->tasks
+            ? GNEISS_OK
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu runs", sweep->run_count);
+    if (status == GNEISS_OK)
+        status = gn_sweep_read_outcomes(sweep, pool->way->directory, outcome, error);
+    for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
+        if (!gn_sweep_run_in_shard(sweep, pool->way, k)) continue;
+        run_task *task = &pool->tasks[pool->task_count++];
+        *task = (run_task){.run = k, .outcome = outcome[k]};
+        task->over = !pool->way->force && gn_outcome_is_final(&task->outcome);
+        task->afresh = pool->way->force || outcome[k].replaced;
+        pool->found += task->over;
+        pool->done += task->over && task->outcome.state == GN_RUN_DONE;
+        pool->failed += task->over && task->outcome.state == GN_RUN_FAILED;
     }
     gn_free(outcome);
     return status;
 }
 
-/* Processors of this process, in their order. */
-static void list_cores(work *w) {
+/* Lists the processors of this process, in their order. */
+static void list_cores(run_pool *pool) {
     cpu_set_t set;
     int count = 0;
     CPU_ZERO(&set);
     if (sched_getaffinity(0, sizeof set, &set) != 0) CPU_SET(0, &set);
     for (int k = 0; k < CPU_SETSIZE; k++)
-        if (CPU_ISSET(k, &set)) w->core[count++] = k;
-    int left = (int)(w->task_count - w->found);
-    w->cores = w->way->threads > 0 ? w->way->threads : count;
-    w->jobs = w->way->jobs > 0 ? w->way->jobs : w->cores;
-    /* A part of the machine may be what another sweep was given as well. */
-    w->pins = w->cores == count && w->jobs == count && left >= count;
-    if (w->jobs > left) w->jobs = left > 0 ? left : 1;
+        if (CPU_ISSET(k, &set)) pool->core[count++] = k;
+    int left = (int)(pool->task_count - pool->found);
+    pool->cores = pool->way->threads > 0 ? pool->way->threads : count;
+    pool->jobs = pool->way->jobs > 0 ? pool->way->jobs : pool->cores;
+    /* With part of the machine the processors may be shared with another sweep. */
+    pool->pins = pool->cores == count && pool->jobs == count && left >= count;
+    if (pool->jobs > left) pool->jobs = left > 0 ? left : 1;
 }
 
-/* ---- telling ---- */
+/* ---- progress ---- */
 
-/* What is left of the running ones, and for each of the others the mean of those that were done, or
- * else of those that run. */
-static double remaining(work *w) {
+/* Returns the remaining time of the running runs, plus for each other run the mean time of the
+ * completed runs, or else of the running ones. */
+static double remaining(run_pool *pool) {
     double sum = 0.0, longest = 0.0, expected = 0.0, now = gn_now();
     size_t known = 0, waiting = 0;
-    for (size_t k = 0; k < w->child_count; k++) {
-        double left = gn_child_remaining(&w->children[k]);
+    for (size_t k = 0; k < pool->child_count; k++) {
+        double left = gn_child_remaining(&pool->children[k]);
         if (!isfinite(left)) continue;
         sum += left;
         longest = fmax(longest, left);
-        expected += left + now - w->children[k].start;
+        expected += left + now - pool->children[k].start;
         known++;
     }
-    for (size_t k = 0; k < w->task_count; k++) waiting += !w->tasks[k].over && !w->tasks[k].running;
-    waiting += w->child_count - known;
+    for (size_t k = 0; k < pool->task_count; k++)
+        waiting += !pool->tasks[k].over && !pool->tasks[k].running;
+    waiting += pool->child_count - known;
     if (waiting == 0) return longest;
-    if (w->own_count + known == 0) return NAN;
-    double each = (w->own_seconds + expected) / (double)(w->own_count + known);
-    return fmax(longest, (sum + each * (double)waiting) / w->jobs);
+    if (pool->own_count + known == 0) return NAN;
+    double each = (pool->own_seconds + expected) / (double)(pool->own_count + known);
+    return fmax(longest, (sum + each * (double)waiting) / pool->jobs);
 }
 
-static void tell(work *w, const char *what, size_t run, const gn_outcome *outcome) {
-    if (!w->way->watch) return;
-    gn_sweep_progress p = {.total = w->task_count,
-                           .done = w->done,
-                           .failed = w->failed,
-                           .running = w->child_count,
-                           .found = w->found,
-                           .seconds = gn_now() - w->start,
-                           .eta = remaining(w),
+static void report_event(run_pool *pool, const char *what, size_t run, const gn_outcome *outcome) {
+    if (!pool->way->watch) return;
+    gn_sweep_progress p = {.total = pool->task_count,
+                           .done = pool->done,
+                           .failed = pool->failed,
+                           .running = pool->child_count,
+                           .found = pool->found,
+                           .seconds = gn_now() - pool->start,
+                           .eta = remaining(pool),
                            .last = run,
                            .what = what,
                            .outcome = outcome};
-    w->way->watch(w->way->context, &p);
+    pool->way->watch(pool->way->context, &p);
 }
 
 /* ---- starting ---- */
 
-/* One packing is made by one run; the others find it in the cache. */
-static bool waits_for_packing(work *w, uint64_t packing) {
+/* One run makes a packing; the others find it in the cache. */
+static bool waits_for_packing(run_pool *pool, uint64_t packing) {
     const char *cache = getenv("GNEISS_CACHE");
     if (!packing || (cache && strcmp(cache, "off") == 0)) return false;
-    for (size_t k = 0; k < w->child_count; k++) {
-        gn_child *c = &w->children[k];
-        if (w->sweep->runs[c->run].packing != packing) continue;
+    for (size_t k = 0; k < pool->child_count; k++) {
+        gn_child *c = &pool->children[k];
+        if (pool->sweep->runs[c->run].packing != packing) continue;
         if (!c->stepping) (void)gn_child_remaining(c);
         if (!c->stepping) return true;
     }
     return false;
 }
 
-/* By a run that outlives a sweep that was killed, until it has written its checkpoint. */
+/* True if a run that outlives a killed sweep still uses the folder, until it has written its
+ * checkpoint. */
 static bool in_use(const char *folder) {
     int lock = 0;
     gneiss_error error = {0};
@@ -171,12 +175,12 @@ static bool in_use(const char *folder) {
     return used;
 }
 
-static gneiss_status write_scene(const work *w, const task *t, const char *folder,
+static gneiss_status write_scene(const run_pool *pool, const run_task *task, const char *folder,
                                  gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_scene *scene = gn_alloc(sizeof *scene);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = gn_sweep_scene(w->sweep, t->run, scene, error);
+    gneiss_status status = gn_sweep_scene(pool->sweep, task->run, scene, error);
     if (status == GNEISS_OK) {
         char *text = gn_scene_write(scene);
         snprintf(path, sizeof path, "%s/scene.yaml", folder);
@@ -189,35 +193,38 @@ static gneiss_status write_scene(const work *w, const task *t, const char *folde
     return status;
 }
 
-/* Processors for the next run: what is free, shared with those that start beside it. */
-static int share(const work *w, const task *t) {
+/* Returns the processors for the next run: a share of the free ones. */
+static int share(const run_pool *pool, const run_task *task) {
     int taken = 0, waiting = 0;
-    for (size_t k = 0; k < w->child_count; k++) taken += w->children[k].threads;
-    for (size_t k = 0; k < w->task_count; k++) waiting += !w->tasks[k].over && !w->tasks[k].running;
-    int places = w->jobs - (int)w->child_count, most = (int)w->sweep->runs[t->run].threads;
+    for (size_t k = 0; k < pool->child_count; k++) taken += pool->children[k].threads;
+    for (size_t k = 0; k < pool->task_count; k++)
+        waiting += !pool->tasks[k].over && !pool->tasks[k].running;
+    int places = pool->jobs - (int)pool->child_count,
+        most = (int)pool->sweep->runs[task->run].threads;
     if (waiting < places) places = waiting;
-    int threads = (w->cores - taken) / (places > 0 ? places : 1);
+    int threads = (pool->cores - taken) / (places > 0 ? places : 1);
     if (most > 0 && threads > most) threads = most;
     return threads > 0 ? threads : 1;
 }
 
-static int free_core(const work *w) {
-    for (int k = 0; k < w->cores; k++) {
+static int free_core(const run_pool *pool) {
+    for (int k = 0; k < pool->cores; k++) {
         bool taken = false;
-        for (size_t c = 0; c < w->child_count; c++) taken |= w->children[c].core == k;
+        for (size_t c = 0; c < pool->child_count; c++) taken |= pool->children[c].core == k;
         if (!taken) return k;
     }
     return -1;
 }
 
-static bool varies_threads(const gn_sweep *s) {
-    for (size_t p = 0; p < s->parameter_count; p++)
-        if (strcmp(s->parameters[p].key, "run.threads") == 0) return true;
+static bool varies_threads(const gn_sweep *sweep) {
+    for (size_t p = 0; p < sweep->parameter_count; p++)
+        if (strcmp(sweep->parameters[p].key, "run.threads") == 0) return true;
     return false;
 }
 
-/* The folder as the run wants it: what is of no use is gone, its scene is there. */
-static gneiss_status prepare(const work *w, task *t, gn_child *child, gneiss_error *error) {
+/* Prepares the folder of a run: removes unusable files and writes its scene. */
+static gneiss_status prepare(const run_pool *pool, run_task *task, gn_child *child,
+                             gneiss_error *error) {
     const char *folder = child->folder;
     char target[8];
     if (readlink(folder, target, sizeof target) >= 0)
@@ -226,55 +233,56 @@ static gneiss_status prepare(const work *w, task *t, gn_child *child, gneiss_err
                        "followed: remove it",
                        folder);
     GN_TRY(gn_make_directory(folder, error));
-    gn_outcome_forget(folder, t->outcome.lost);
-    if (t->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
-    GN_TRY(gn_outcome_set_aside(folder, error));
-    child->resumed = !t->afresh && gn_newest_checkpoint(folder) >= 0;
-    t->afresh = false;
-    return child->resumed ? GNEISS_OK : write_scene(w, t, folder, error);
+    gn_outcome_remove(folder, task->outcome.lost);
+    if (task->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
+    GN_TRY(gn_outcome_rename_foreign(folder, error));
+    child->resumed = !task->afresh && gn_newest_checkpoint(folder) >= 0;
+    task->afresh = false;
+    return child->resumed ? GNEISS_OK : write_scene(pool, task, folder, error);
 }
 
 /* *started is false when the folder is in use. */
-static gneiss_status start(work *w, task *t, bool *started, gneiss_error *error) {
-    gn_child *child = &w->children[w->child_count];
+static gneiss_status start(run_pool *pool, run_task *task, bool *started, gneiss_error *error) {
+    gn_child *child = &pool->children[pool->child_count];
     cpu_set_t set;
-    *child = (gn_child){.run = t->run, .core = -1};
+    *child = (gn_child){.run = task->run, .core = -1};
     *started = false;
-    gn_run_folder(w->way->directory, w->sweep->runs[t->run].hash, child->folder);
+    gn_run_folder(pool->way->directory, pool->sweep->runs[task->run].hash, child->folder);
     if (in_use(child->folder)) {
-        t->wanted = gn_now() + 0.2;
+        task->wanted = gn_now() + 0.2;
         return GNEISS_OK;
     }
-    gn_child_way way = {.program = w->way->program, .signals = &w->signals};
-    way.own_threads = varies_threads(w->sweep);
-    way.allow_gmsh = w->way->allow_gmsh;
-    child->threads = share(w, t);
-    if (w->pins && child->threads == 1 && !way.own_threads) child->core = free_core(w);
+    gn_child_way way = {.program = pool->way->program, .signals = &pool->signals};
+    way.own_threads = varies_threads(pool->sweep);
+    way.allow_gmsh = pool->way->allow_gmsh;
+    child->threads = share(pool, task);
+    if (pool->pins && child->threads == 1 && !way.own_threads) child->core = free_core(pool);
     if (child->core >= 0) {
         CPU_ZERO(&set);
-        CPU_SET(w->core[child->core], &set);
+        CPU_SET(pool->core[child->core], &set);
         way.pinned = &set;
     }
-    GN_TRY(prepare(w, t, child, error));
+    GN_TRY(prepare(pool, task, child, error));
     GN_TRY(gn_child_start(child, &way, error));
-    *started = t->running = true;
-    w->child_task[w->child_count++] = (size_t)(t - w->tasks);
-    tell(w, child->resumed ? "resumed" : "started", t->run, NULL);
+    *started = task->running = true;
+    pool->child_task[pool->child_count++] = (size_t)(task - pool->tasks);
+    report_event(pool, child->resumed ? "resumed" : "started", task->run, NULL);
     return GNEISS_OK;
 }
 
-/* *held: something waits that could run but for a packing or a folder in use. */
-static gneiss_status start_more(work *w, bool *held, gneiss_error *error) {
+/* *held: a run waits for a packing or for a folder in use. */
+static gneiss_status start_more(run_pool *pool, bool *held, gneiss_error *error) {
     *held = false;
-    for (size_t k = 0; k < w->task_count && w->child_count < (size_t)w->jobs; k++) {
-        task *t = &w->tasks[k];
+    for (size_t k = 0; k < pool->task_count && pool->child_count < (size_t)pool->jobs; k++) {
+        run_task *task = &pool->tasks[k];
         bool started;
-        if (t->over || t->running) continue;
-        if (t->wanted > gn_now() || waits_for_packing(w, w->sweep->runs[t->run].packing)) {
+        if (task->over || task->running) continue;
+        if (task->wanted > gn_now() ||
+            waits_for_packing(pool, pool->sweep->runs[task->run].packing)) {
             *held = true;
             continue;
         }
-        GN_TRY(start(w, t, &started, error));
+        GN_TRY(start(pool, task, &started, error));
         *held |= !started;
     }
     return GNEISS_OK;
@@ -282,63 +290,63 @@ static gneiss_status start_more(work *w, bool *held, gneiss_error *error) {
 
 /* ---- ends ---- */
 
-static bool was_killed(const gn_outcome *o) {
-    int number = o->code - 128;
+static bool was_killed(const gn_outcome *outcome) {
+    int number = outcome->code - 128;
     return number == SIGKILL || number == SIGTERM || number == SIGINT || number == SIGHUP ||
-           o->code == GNEISS_INTERRUPTED;
+           outcome->code == GNEISS_INTERRUPTED;
 }
 
-/* A run that somebody ended goes on, unless that happens again and again without its getting on. */
-static bool goes_on(task *t, const gn_child *child) {
-    if (gn_newest_checkpoint(child->folder) > child->from_step) t->kills = 0;
-    return ++t->kills < KILLS_MOST;
+/* A run that was killed is resumed, unless this happens repeatedly without progress. */
+static bool may_resume(run_task *task, const gn_child *child) {
+    if (gn_newest_checkpoint(child->folder) > child->from_step) task->kills = 0;
+    return ++task->kills < KILLS_MOST;
 }
 
-static gneiss_status take_in(work *w, size_t place, int wait_status, gneiss_error *error) {
-    gn_child child = w->children[place];
-    task *t = &w->tasks[w->child_task[place]];
-    w->child_count--;
-    w->children[place] = w->children[w->child_count];
-    w->child_task[place] = w->child_task[w->child_count];
-    t->running = false;
-    gn_child_outcome(&child, wait_status, &t->outcome);
-    bool killed = was_killed(&t->outcome);
-    if (killed && w->stopping) return GNEISS_OK;
-    if (killed && goes_on(t, &child)) {
-        tell(w, "killed", t->run, &t->outcome);
+static gneiss_status take_in(run_pool *pool, size_t place, int wait_status, gneiss_error *error) {
+    gn_child child = pool->children[place];
+    run_task *task = &pool->tasks[pool->child_task[place]];
+    pool->child_count--;
+    pool->children[place] = pool->children[pool->child_count];
+    pool->child_task[place] = pool->child_task[pool->child_count];
+    task->running = false;
+    gn_child_outcome(&child, wait_status, &task->outcome);
+    bool killed = was_killed(&task->outcome);
+    if (killed && pool->stopping) return GNEISS_OK;
+    if (killed && may_resume(task, &child)) {
+        report_event(pool, "killed", task->run, &task->outcome);
         return GNEISS_OK;
     }
-    if (t->outcome.code == GNEISS_ERROR_INPUT && child.resumed) { /* no checkpoint can be used */
-        t->afresh = true;
+    if (task->outcome.code == GNEISS_ERROR_INPUT && child.resumed) { /* no usable checkpoint */
+        task->afresh = true;
         return GNEISS_OK;
     }
-    t->over = true;
-    bool done = t->outcome.state == GN_RUN_DONE;
-    w->done += done;
-    w->failed += !done;
-    w->own_seconds += gn_now() - child.start;
-    w->own_count++;
-    GN_TRY(gn_outcome_write(child.folder, &t->outcome, error));
-    tell(w, done ? "done" : "failed", t->run, &t->outcome);
+    task->over = true;
+    bool done = task->outcome.state == GN_RUN_DONE;
+    pool->done += done;
+    pool->failed += !done;
+    pool->own_seconds += gn_now() - child.start;
+    pool->own_count++;
+    GN_TRY(gn_outcome_write(child.folder, &task->outcome, error));
+    report_event(pool, done ? "done" : "failed", task->run, &task->outcome);
     return GNEISS_OK;
 }
 
-static gneiss_status reap(work *w, gneiss_error *error) {
+static gneiss_status reap(run_pool *pool, gneiss_error *error) {
     gneiss_status first = GNEISS_OK;
-    for (size_t k = 0; k < w->child_count;) {
+    for (size_t k = 0; k < pool->child_count;) {
         int wait_status;
-        pid_t ended = waitpid(w->children[k].pid, &wait_status, WNOHANG);
-        if (ended != w->children[k].pid) {
+        pid_t ended = waitpid(pool->children[k].pid, &wait_status, WNOHANG);
+        if (ended != pool->children[k].pid) {
             k++;
             continue;
         }
-        gneiss_status status = take_in(w, k, wait_status, first == GNEISS_OK ? error : NULL);
+        gneiss_status status = take_in(pool, k, wait_status, first == GNEISS_OK ? error : NULL);
         if (first == GNEISS_OK) first = status;
     }
     return first;
 }
 
-/* Until a child ends or a signal comes, no longer than so many seconds. */
+/* Waits until a child ends or a signal comes, for at most so many seconds. */
 static void wait_a_while(double seconds) {
     sigset_t child;
     sigemptyset(&child);
@@ -347,45 +355,46 @@ static void wait_a_while(double seconds) {
     (void)sigtimedwait(&child, NULL, &most);
 }
 
-/* Once: a second signal would end them at once. */
-static void stop(work *w) {
-    if (w->stopping) return;
-    w->stopping = true;
-    for (size_t k = 0; k < w->child_count; k++) kill(w->children[k].pid, SIGTERM);
+/* Signals the children once: a second signal would end them without checkpoints. */
+static void stop(run_pool *pool) {
+    if (pool->stopping) return;
+    pool->stopping = true;
+    for (size_t k = 0; k < pool->child_count; k++) kill(pool->children[k].pid, SIGTERM);
 }
 
-/* ---- the whole ---- */
+/* ---- all runs ---- */
 
-static bool all_over(const work *w) {
-    return w->child_count == 0 && (w->stopping || w->done + w->failed == w->task_count);
+static bool all_over(const run_pool *pool) {
+    return pool->child_count == 0 &&
+           (pool->stopping || pool->done + pool->failed == pool->task_count);
 }
 
-static gneiss_status carry_out(work *w, gneiss_error *error) {
+static gneiss_status carry_out(run_pool *pool, gneiss_error *error) {
     gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; k < w->task_count; k++)
-        if (w->tasks[k].outcome.lost && !w->way->force)
-            tell(w, "lost", w->tasks[k].run, &w->tasks[k].outcome);
-    while (!all_over(w)) {
+    for (size_t k = 0; k < pool->task_count; k++)
+        if (pool->tasks[k].outcome.lost && !pool->way->force)
+            report_event(pool, "lost", pool->tasks[k].run, &pool->tasks[k].outcome);
+    while (!all_over(pool)) {
         bool held = false;
-        if (w->way->interrupted && *w->way->interrupted) stop(w);
-        if (!w->stopping) {
-            gneiss_status more = start_more(w, &held, error);
-            if (more != GNEISS_OK) status = more, stop(w);
+        if (pool->way->interrupted && *pool->way->interrupted) stop(pool);
+        if (!pool->stopping) {
+            gneiss_status more = start_more(pool, &held, error);
+            if (more != GNEISS_OK) status = more, stop(pool);
         }
         wait_a_while(held ? 0.05 : 0.5);
-        gneiss_status more = reap(w, status == GNEISS_OK ? error : NULL);
-        if (more != GNEISS_OK && status == GNEISS_OK) status = more, stop(w);
-        tell(w, NULL, 0, NULL);
+        gneiss_status more = reap(pool, status == GNEISS_OK ? error : NULL);
+        if (more != GNEISS_OK && status == GNEISS_OK) status = more, stop(pool);
+        report_event(pool, NULL, 0, NULL);
     }
     GN_TRY(status);
-    if (w->done + w->failed == w->task_count) return GNEISS_OK;
+    if (pool->done + pool->failed == pool->task_count) return GNEISS_OK;
     return gn_fail(error, GNEISS_INTERRUPTED,
-                   "%zu of %zu runs are done; the same command goes on with the rest", w->done,
-                   w->task_count);
+                   "%zu of %zu runs are done; repeat the command to run the rest", pool->done,
+                   pool->task_count);
 }
 
 gneiss_status gn_sweep_work(const gn_sweep *sweep, const gn_sweep_way *way, gneiss_error *error) {
-    work w = {.sweep = sweep, .way = way, .start = gn_now()};
+    run_pool w = {.sweep = sweep, .way = way, .start = gn_now()};
     sigset_t child;
     sigemptyset(&child);
     sigaddset(&child, SIGCHLD);

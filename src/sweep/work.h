@@ -1,4 +1,4 @@
-/* The runs of a sweep, side by side on the processors there are. */
+/* Execution of the runs of a sweep side by side on the available processors. */
 #ifndef GN_SWEEP_WORK_H
 #define GN_SWEEP_WORK_H
 
@@ -6,16 +6,16 @@
 
 #include <signal.h>
 
-/* How far a sweep, or its shard, is. Runs that are the same count once. */
+/* Progress of a sweep or its shard. Equal runs count once. */
 typedef struct gn_sweep_progress {
     size_t total, done, failed, running;
-    size_t found;              /* of those done or failed: by an earlier sweep */
-    double seconds;            /* since the start */
-    double eta;                /* s; NaN: not known */
-    size_t last;               /* run that this is about */
-    const char *what;          /* "started", "resumed", "done", "failed", "killed", "lost" (it is
-                                  computed again); NULL: time has passed */
-    const gn_outcome *outcome; /* of "done", "failed", "killed" and "lost" */
+    size_t found;     /* completed or failed in an earlier sweep */
+    double seconds;   /* since the start */
+    double eta;       /* s; NaN: unknown */
+    size_t last;      /* run of this event */
+    const char *what; /* "started", "resumed", "done", "failed", "killed", "lost" (to be computed
+                         again); NULL: an update of the time */
+    const gn_outcome *outcome; /* for "done", "failed", "killed" and "lost" */
 } gn_sweep_progress;
 
 typedef void gn_sweep_watch(void *context, const gn_sweep_progress *progress);
@@ -25,7 +25,7 @@ typedef struct gn_sweep_way {
     const char *program;   /* path of gneiss */
     int threads;           /* processors to use; 0: all */
     int jobs;              /* runs at a time; 0: as many as processors */
-    size_t shard, shards;  /* this one of so many, base 0; shards 0: the whole */
+    size_t shard, shards;  /* index of this shard, base 0, and their number; shards 0: no shards */
     bool force;            /* compute everything anew */
     bool allow_gmsh;       /* every run may let gmsh mesh a geometry */
     gn_sweep_watch *watch; /* may be NULL */
@@ -33,17 +33,17 @@ typedef struct gn_sweep_way {
     const volatile sig_atomic_t *interrupted;
 } gn_sweep_way;
 
-/* How many runs of the shard are where; `outcome` [run_count] is filled for all runs of the sweep.
+/* Counts the runs of the shard by state; `outcome` [run_count] is filled for all runs of the sweep.
  */
-gneiss_status gn_sweep_look(const gn_sweep *sweep, const char *directory, gn_outcome *outcome,
-                            gneiss_error *error);
+gneiss_status gn_sweep_read_outcomes(const gn_sweep *sweep, const char *directory,
+                                     gn_outcome *outcome, gneiss_error *error);
 
-/* Whether a run is the shard's: runs that are the same belong to one. */
-bool gn_sweep_mine(const gn_sweep *sweep, const gn_sweep_way *way, size_t run);
+/* True if a run belongs to the shard: equal runs belong to one shard. */
+bool gn_sweep_run_in_shard(const gn_sweep *sweep, const gn_sweep_way *way, size_t run);
 
-/* Runs what is not done yet, each with `gneiss run` or `resume` in its folder. Runs that fail are
- * no failure of the sweep. GNEISS_INTERRUPTED: children have written their checkpoints; calling
- * again goes on. The folder is there, and locked by the caller. */
+/* Runs the incomplete runs, each with `gneiss run` or `resume` in its folder. Failed runs are no
+ * failure of the sweep. GNEISS_INTERRUPTED: children have written their checkpoints; another call
+ * continues. The folder exists and is locked by the caller. */
 gneiss_status gn_sweep_work(const gn_sweep *sweep, const gn_sweep_way *way, gneiss_error *error);
 
 #endif

@@ -109,7 +109,7 @@ gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *de
     const gn_scene *s = &ctx->scene;
     char key[64], why[160];
     const char *end =
-        s->stage_count && stages->now == 0 ? gn_stage_waits(s, 0, why, sizeof why) : NULL;
+        s->stage_count && stages->now == 0 ? gn_stage_never_ends(s, 0, why, sizeof why) : NULL;
     if (!end || contacts_press(ctx, dem, solids)) return GNEISS_OK;
     snprintf(key, sizeof key, "stages[0].%s", end);
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s (and no contact is pressed)",

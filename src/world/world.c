@@ -371,7 +371,7 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     /* A box that is periodic all round has no surface whose displacements would tell its strain;
      * what comes and goes has none. */
     bool box = w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene);
-    bool wanted = particles && !box && !gn_scene_flows(&w->ctx.scene),
+    bool wanted = particles && !box && !gn_scene_has_flow(&w->ctx.scene),
          beside = wanted && threads > 1;
     if (beside) beside = pthread_create(&thread, NULL, make_gauge, &gauge) == 0;
     if (wanted && !beside) make_gauge(&gauge);
