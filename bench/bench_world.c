@@ -1,8 +1,9 @@
 #include "bench_world.h"
 
 #include "base/timer.h"
+#include "particles/dem.h"
 #include "run/run.h"
-#include "world/internal.h"
+#include "world/world.h"
 
 #include <omp.h>
 #include <stdlib.h>

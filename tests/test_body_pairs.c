@@ -2,6 +2,7 @@
 #include "body_helpers.h"
 #include "run_helpers.h"
 
+#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "surfaces/body_shape.h"
 

@@ -1,5 +1,6 @@
 /* Bonds: stiffness and strength by every model, breaking, what remains of a broken bond; energy of
  * bonded pairs, damping, loads and walls. */
+#include "particles/observe.h"
 #include "world_helpers.h"
 
 /* --- parameters of Rojek et al. 2012 --- */

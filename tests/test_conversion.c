@@ -2,9 +2,12 @@
 #include "base/memory.h"
 #include "conversion_helpers.h"
 #include "limit/springs.h"
+#include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/sets.h"
 #include "run/verdict.h"
 #include "run_helpers.h"
+#include "timestep/particle_limit.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,7 @@
 /* Zones that overlap, that lie elsewhere, of several materials, that lose particles or bonds; what
  * is read in them. */
 #include "coupling_helpers.h"
+#include "particles/observe.h"
 #include "run/output_fields.h"
 #include "run/run.h"
 

@@ -1,5 +1,6 @@
 /* The limit of the step of particles and elements as one system. */
 #include "coupling_helpers.h"
+#include "timestep/step_limit.h"
 #include "zones/zones_private.h"
 
 /* A small disordered packing (x from 4 to 14 mm) beside elements (0 to 10 mm); the outermost

@@ -2,6 +2,7 @@
 #include "world_helpers.h"
 
 #include "run/parts.h"
+#include "timestep/step_limit.h"
 #include "world/exchange.h"
 
 #include <unistd.h>

@@ -1,6 +1,8 @@
 /* Sources, sinks, planes that count, and particles that were lost. */
 #include "world_helpers.h"
 
+#include "particles/dem.h"
+#include "particles/sets.h"
 #include "run/run.h"
 
 #include <unistd.h>

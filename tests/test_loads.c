@@ -1,4 +1,5 @@
 /* What acts on a particle, as output tells it, is what the step makes its motion from. */
+#include "particles/loads.h"
 #include "world_helpers.h"
 
 typedef struct loads {

@@ -3,6 +3,7 @@
  * the two precisions. The columns are those of more_columns.h. */
 #include "world_helpers.h"
 
+#include "particles/observe.h"
 #include "run/run.h"
 #include "soa/single.h"
 

@@ -2,7 +2,10 @@
 #include "parts.h"
 #include "world_helpers.h"
 
+#include "particles/law.h"
 #include "scene/read.h"
+#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
 
 static double residual_after(gn_world *w, double end) {
     double residual = 0.0;

@@ -3,6 +3,7 @@
 #include "world_helpers.h"
 
 #include "kernels/softening.h"
+#include "particles/sets.h"
 #include "run/run.h"
 #include "run/spacing.h"
 #include "run/stages.h"

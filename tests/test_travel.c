@@ -1,4 +1,6 @@
 /* Which lists are wide enough: by how much what was not listed can have closed in. */
+#include "particles/dem.h"
+#include "particles/lists.h"
 #include "world_helpers.h"
 
 /* Grains in a periodic box, loose and thinly spread, that stream along x and have `own` m/s of

@@ -5,7 +5,9 @@
 #include "test.h"
 
 #include "base/random.h"
-#include "world/internal.h"
+#include "frame/parts.h"
+#include "particles/active_pairs.h"
+#include "world/world.h"
 
 /* |a - b| <= allowed, in the unit of a and b; prints both when not. */
 #define assert_near(a, b, allowed)                                                                 \

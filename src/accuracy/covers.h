@@ -3,6 +3,8 @@
 #define GN_ACCURACY_COVERS_H
 
 #include "accuracy/causes.h"
+#include "frame/parts.h"
+#include "scene/scene.h"
 #include "world/world.h"
 
 /* Fills the groups that follow from the scene and its specimen; `speed` is NaN. Returns the reason

@@ -2,6 +2,7 @@
  */
 #include "api/handles.h"
 #include "conversion/conversion.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stdlib.h>

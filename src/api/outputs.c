@@ -1,6 +1,7 @@
 /* Public API: the fields of every particle, bond, node and element that files contain. */
 #include "api/handles.h"
 
+#include "particles/observe.h"
 #include "run/output_fields.h"
 #include "run/parts.h"
 #include "solids/elements.h"

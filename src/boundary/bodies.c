@@ -6,13 +6,28 @@
  * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
  * exactly and the energy without drift; it is symplectic, reversible and of second order, of fourth
  * in steps in which the body turns far. */
+#include "boundary/bodies.h"
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
-#include "boundary/contact_rows.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
 #include "boundary/self_intersection.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "drive/control.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "solids/elements.h"
 #include "surfaces/body_shape.h"
-#include "world/internal.h"
+#include "surfaces/facet_tree.h"
 
 #include <math.h>
 #include <string.h>

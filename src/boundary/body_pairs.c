@@ -1,10 +1,27 @@
 #include "boundary/body_pairs.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/vec3.h"
+#include "boundary/bodies.h"
+#include "boundary/body_springs.h"
 #include "boundary/body_walls.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
 #include "kernels/dashpot.h"
-#include "world/internal.h"
+#include "kernels/law.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "surfaces/convex.h"
+#include "timestep/step_limit.h"
+#include "timestep/surface_limit.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -13,6 +13,10 @@
 #include "kernels/contact.h"
 #include "surfaces/convex.h"
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 /* A pair that is near. Doubles only: checkpoints store it as it is. Forces and moments are those on
  * the first body; of the last step, as are all others. */
 typedef struct gn_body_pair {

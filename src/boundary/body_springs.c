@@ -1,7 +1,9 @@
 #include "boundary/body_springs.h"
 
+#include "kernels/law.h"
+#include "particles/law.h"
+#include "scene/scene.h"
 #include "scene/sides.h"
-#include "world/internal.h"
 
 #include <math.h>
 

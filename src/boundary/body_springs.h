@@ -5,7 +5,9 @@
 #define GN_BOUNDARY_BODY_SPRINGS_H
 
 #include "kernels/law.h"
-#include "world/world.h"
+#include "scene/scene.h"
+
+#include <stddef.h>
 
 /* Walls and bodies are counted through, as by gn_scene_surface_at. */
 typedef struct gn_body_spring {

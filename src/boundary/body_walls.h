@@ -9,8 +9,15 @@
 #ifndef GN_BOUNDARY_BODY_WALLS_H
 #define GN_BOUNDARY_BODY_WALLS_H
 
+#include "base/effects.h"
+#include "base/error.h"
 #include "boundary/body_springs.h"
-#include "world/world.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* Parts of the stiffness of all vertices, from their places in the bodies' frames, into
  * world->boundary.vertex_part. */

@@ -1,10 +1,25 @@
 /* Walls, bodies and surfaces as one part of the world. */
 #include "boundary/boundary.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "frame/balance.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/partials.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "particles/lists.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "surfaces/facet_tree.h"
 #include "timestep/body_paths.h"
-#include "world/internal.h"
 
 #include <math.h>
 #include <stddef.h>

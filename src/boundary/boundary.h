@@ -5,6 +5,7 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/surface.h"
@@ -13,6 +14,10 @@
 #include "kernels/contact.h"
 #include "measure/energy.h"
 #include "soa/records.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct gn_wall {
     double point[3], start[3]; /* m; a point of the plane, and where it began */

@@ -1,5 +1,15 @@
 /* Rows of contacts with walls and surfaces as the last step left them. */
 #include "boundary/contact_rows.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "particles/dem.h"
+#include "scene/sides.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

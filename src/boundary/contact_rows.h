@@ -4,9 +4,21 @@
 #define GN_BOUNDARY_CONTACT_ROWS_H
 
 #include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
 #include "kernels/law.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
 #include "scene/sides.h"
-#include "world/internal.h"
+#include "timestep/indentation.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* What the particle's material and that of a wall, body or finite elements, counted through, are to
  * each other. Nothing takes the address of what these return: it is made where it is used. */

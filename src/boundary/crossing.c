@@ -1,6 +1,13 @@
 /* What else acts on the two that touch where their contact closes or opens within a step: the force
  * with which the works of such a contact close depends on the path of the next step. */
-#include "world/internal.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
+#include "kernels/partials.h"
+#include "particles/dem.h"
+#include "soa/records.h"
 #include "zones/zones.h"
 
 /* Adds what the blocks of a list exert on a particle. */

@@ -1,9 +1,20 @@
 #include "boundary/overlap.h"
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "boundary/contact_rows.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "boundary/surfaces.h"
+#include "drive/box.h"
+#include "frame/step_context.h"
+#include "particles/bonds.h"
+#include "particles/dem.h"
 #include "scene/acts.h"
-#include "world/internal.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "surfaces/facet_tree.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,11 @@
 #ifndef GN_BOUNDARY_OVERLAP_H
 #define GN_BOUNDARY_OVERLAP_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 typedef struct gn_overlap {
     size_t touching; /* particles */

@@ -2,9 +2,12 @@
  * be weighed twice. */
 #include "boundary/self_intersection.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
 #include "pack/domain.h"
+#include "scene/scene.h"
+#include "surfaces/body_shape.h"
 
 #include <stdio.h>
 #include <string.h>

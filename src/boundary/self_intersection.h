@@ -1,7 +1,11 @@
 #ifndef GN_BOUNDARY_SELF_INTERSECTION_H
 #define GN_BOUNDARY_SELF_INTERSECTION_H
 
+#include "base/error.h"
+#include "scene/scene.h"
 #include "surfaces/body_shape.h"
+
+#include <stddef.h>
 
 /* GNEISS_ERROR_INPUT where the surface of a body that is weighed (gn_body_mass_is_from_surface)
  * cuts itself, with the place. Bodies for contact alone may. */

@@ -4,9 +4,13 @@
 #define GN_BOUNDARY_SURFACE_H
 
 #include "kernels/motion.h"
+#include "solids/elements.h"
 #include "surfaces/facet_tree.h"
 
 #include <stdbool.h>
+
+#include <stddef.h>
+#include <stdint.h>
 
 /* A rigid body. Its frame has its origin at the reference point (free: the centre of mass) and, of
  * a free body, its axes along the principal axes. Doubles only: checkpoints store it as it is. */

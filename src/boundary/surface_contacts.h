@@ -3,9 +3,12 @@
 #ifndef GN_BOUNDARY_SURFACE_CONTACTS_H
 #define GN_BOUNDARY_SURFACE_CONTACTS_H
 
+#include "soa/records.h"
 #include "surfaces/facet.h"
 #include "surfaces/patch.h"
-#include "world/internal.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* A contact of the last step. */
 typedef struct gn_touch_memory {

@@ -1,5 +1,10 @@
 /* What contacts of particles with surfaces keep from one step to the next. */
+#include "base/vec3.h"
 #include "boundary/surface_contacts.h"
+#include "boundary/surfaces.h"
+#include "soa/records.h"
+#include "surfaces/facet.h"
+#include "surfaces/patch.h"
 
 #include <math.h>
 #include <string.h>

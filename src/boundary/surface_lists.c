@@ -1,6 +1,14 @@
 /* Surfaces: from the frames of bodies to space and back, and which facets are near which particle.
  */
-#include "world/internal.h"
+#include "boundary/surface_lists.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
+#include "boundary/surface.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "solids/elements.h"
+#include "surfaces/facet_tree.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,26 @@
 /* Contacts of particles with surfaces, worked on particle by particle. */
+#include "boundary/surfaces.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/bodies.h"
+#include "boundary/boundary.h"
+#include "boundary/boundary_private.h"
 #include "boundary/contact_rows.h"
+#include "boundary/surface.h"
 #include "boundary/surface_contacts.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/law.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "scene/scene.h"
+#include "soa/records.h"
 #include "solids/element_bodies.h"
+#include "surfaces/facet.h"
+#include "surfaces/facet_tree.h"
+#include "surfaces/patch.h"
 
 #include <math.h>
 #include <string.h>

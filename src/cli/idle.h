@@ -2,6 +2,7 @@
 #ifndef GN_CLI_IDLE_H
 #define GN_CLI_IDLE_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* Prints these effects for `gneiss plan`: only those that are certain from the scene and its first

@@ -6,6 +6,7 @@
 #include "boundary/body_walls.h"
 #include "boundary/overlap.h"
 #include "boundary/self_intersection.h"
+#include "boundary/walls.h"
 #include "cli/idle.h"
 #include "cli/plan_convert.h"
 #include "cli/plan_couple.h"
@@ -21,7 +22,12 @@
 #include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
+#include "particles/bonds.h"
+#include "particles/specimen.h"
 #include "scene/stops.h"
+#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
+#include "timestep/surface_limit.h"
 #include "world/scale.h"
 
 #include <math.h>

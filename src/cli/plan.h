@@ -2,6 +2,7 @@
 #ifndef GN_CLI_PLAN_H
 #define GN_CLI_PLAN_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* Prints effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the

@@ -4,6 +4,7 @@
 #define GN_CLI_PLAN_ACCURACY_H
 
 #include "cli/options.h"
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* `setup`: processor time, s, for making the world. */

@@ -1,7 +1,10 @@
 #include "cli/plan_couple.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include "base/memory.h"
 #include "solids/element_walls.h"
+#include "timestep/step_limit.h"
 #include "zones/zones.h"
 
 #include <math.h>

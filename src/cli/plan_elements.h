@@ -2,6 +2,7 @@
 #ifndef GN_CLI_PLAN_ELEMENTS_H
 #define GN_CLI_PLAN_ELEMENTS_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 void gn_print_element_kernels(const gn_world *world);

@@ -1,9 +1,12 @@
 #include "cli/plan_flow.h"
 
+#include "base/error.h"
 #include "base/timer.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
-#include "world/internal.h"
+#include "particles/flow.h"
+#include "scene/flow_def.h"
+#include "world/world.h"
 
 #include <math.h>
 

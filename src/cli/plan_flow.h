@@ -2,6 +2,7 @@
 #ifndef GN_CLI_PLAN_FLOW_H
 #define GN_CLI_PLAN_FLOW_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* The cost is measured in the first steps of the run, which are taken for some seconds: steps to

@@ -2,6 +2,7 @@
 #ifndef GN_CLI_PLAN_MEMORY_H
 #define GN_CLI_PLAN_MEMORY_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* Beyond what the world holds after its trial steps. */

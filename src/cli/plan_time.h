@@ -2,6 +2,7 @@
 #ifndef GN_CLI_PLAN_TIME_H
 #define GN_CLI_PLAN_TIME_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* Returns the seconds per step from a few real steps, none beyond `until`. If steps are short,

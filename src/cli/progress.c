@@ -12,6 +12,7 @@
 #include "io/files.h"
 #include "plan/estimate.h"
 #include "timestep/body_paths.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stdlib.h>

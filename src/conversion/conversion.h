@@ -7,10 +7,18 @@
 #ifndef GN_CONVERSION_CONVERSION_H
 #define GN_CONVERSION_CONVERSION_H
 
+#include "base/error.h"
 #include "conversion/load_course.h"
 #include "couple/ties.h"
-#include "world/world.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "limit/step_limits.h"
+#include "particles/dem.h"
 #include "zones/zones.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 static inline bool gn_converts(const gn_step_context *ctx) {
     return ctx->scene.has_couple && ctx->scene.couple.has_convert;

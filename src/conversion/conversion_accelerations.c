@@ -1,9 +1,14 @@
 /* With what acceleration elements take the particles along that a conversion frees, just before: a
  * = sum_a N_a f_a/m_a of the forces at their nodes, those of elements and of the particles that the
  * nodes carry, without weight and drag, which are proportional to masses. */
+#include "base/error.h"
 #include "base/memory.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "soa/records.h"
+#include "zones/zones_private.h"
 
 #include <string.h>
 

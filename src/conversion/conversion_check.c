@@ -1,9 +1,22 @@
 /* What is ready to be converted, for who checks a scene. */
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "limit/step_limits.h"
 #include "neigh/pairs.h"
+#include "particles/dem.h"
+#include "particles/lists.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,9 +5,21 @@
  * turns of both ends take it, which is eps l less its part along the normal in a uniform strain
  * eps, and nothing in a rigid motion, however large. (With displacements alone each turn would
  * shear all bonds.) */
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "conversion/conversion_private.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
 #include "kernels/law.h"
+#include "neigh/pairs.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,8 +7,17 @@
  * nodes that are driven is no part of what is conserved, but the work of their reactions, of which
  * the interval that led here has the mean of its two ends, takes the one after the conversion for
  * that end: what it misses is half a step of the power of what the reactions jump by. */
+#include "base/vec3.h"
+#include "boundary/walls.h"
 #include "conversion/conversion_private.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
 #include "kernels/law.h"
+#include "particles/dem.h"
+#include "particles/lists.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -13,7 +13,15 @@
  * with what new velocities do to forces across contacts, which stand half a step back.
  */
 #include "base/ball.h"
+#include "base/vec3.h"
 #include "conversion/conversion_private.h"
+#include "fem/solid.h"
+#include "frame/ledger.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 

@@ -1,8 +1,19 @@
 /* Where conversion ends a run, and whether particles can have the mass of what goes. */
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
 #include "couple/front.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/couple_def.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,15 @@
  * who has another weight than before are scaled by a polynomial of the place, so that these are
  * kept; a rigid motion then keeps its momenta and its energy by itself. What is left of any other
  * is made up by velocities (conversion_momentum.c). */
+#include "base/error.h"
+#include "base/vec3.h"
 #include "conversion/conversion_private.h"
+#include "couple/ties.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,14 @@
  * another one by d x v + J w, with the mean velocity v and spin w of these, and d and J what is
  * missing of moment and inertia about their centre: that jumps, and is not made up for. So does
  * what none can take with small changes. */
+#include "base/vec3.h"
 #include "conversion/conversion_private.h"
+#include "fem/solid.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

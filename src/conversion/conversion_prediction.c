@@ -1,10 +1,23 @@
 /* What the first conversion will make of the step, before a step is made: where and when the body
  * comes to a limit first if it follows its motions and loads at rest, K u = f(t), and what the step
  * is once the elements have gone that are loaded most there, by the conversion that a run makes. */
+#include "base/error.h"
 #include "base/memory.h"
+#include "conversion/conversion.h"
 #include "conversion/conversion_private.h"
+#include "conversion/load_course.h"
 #include "conversion/rest_state.h"
 #include "couple/front.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "solids/elements.h"
+#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,18 @@
 #ifndef GN_CONVERSION_CONVERSION_PRIVATE_H
 #define GN_CONVERSION_CONVERSION_PRIVATE_H
 
+#include "base/error.h"
 #include "conversion/conversion.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/parts.h"
+#include "soa/records.h"
+#include "world/world.h"
 #include "zones/zones_private.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* What is kept of the state while elements convert. */
 typedef struct gn_conversion {

@@ -1,6 +1,12 @@
 /* What is read of particles that sleep: they are where the elements have the body. */
 #include "base/memory.h"
 #include "conversion/conversion.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "laboratory/strain_gauge.h"
+#include "measure/measure.h"
+#include "particles/dem.h"
+#include "soa/records.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

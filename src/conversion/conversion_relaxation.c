@@ -14,10 +14,20 @@
  * which no linear system knows of: of its solution as much is taken as brings the energy down, of
  * the springs as they are then, less the work of m a; nothing where none does. Velocities stay, and
  * with them momentum; what springs hold less is booked with the conversion. */
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "conversion/conversion_private.h"
 #include "couple/held_springs.h"
+#include "frame/step_context.h"
 #include "kernels/law.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "scene/couple_def.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,14 @@
 #include "conversion/load_course.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "frame/step_context.h"
+#include "scene/scene.h"
+#include "scene/stages.h"
 #include "scene/table.h"
-#include "world/internal.h"
+#include "solids/elements.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

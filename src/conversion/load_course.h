@@ -3,8 +3,13 @@
 #ifndef GN_CONVERSION_LOAD_COURSE_H
 #define GN_CONVERSION_LOAD_COURSE_H
 
+#include "base/error.h"
+#include "frame/parts.h"
+#include "scene/scene.h"
 #include "scene/stages.h"
-#include "world/world.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* Who waits for rest is taken to wait for so many times what waves take along the body. */
 #define GN_SETTLING 20.0

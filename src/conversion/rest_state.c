@@ -1,9 +1,18 @@
 #include "conversion/rest_state.h"
 
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "conversion/conversion_private.h"
+#include "conversion/conversion.h"
+#include "conversion/load_course.h"
 #include "couple/front.h"
+#include "fem/linear.h"
+#include "fem/solid.h"
+#include "scene/couple_def.h"
+#include "scene/scene.h"
+#include "solids/elements.h"
+#include "world/world.h"
+#include "zones/zones_private.h"
 
 #include <math.h>
 #include <string.h>

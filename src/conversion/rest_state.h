@@ -3,8 +3,13 @@
 #ifndef GN_CONVERSION_REST_STATE_H
 #define GN_CONVERSION_REST_STATE_H
 
+#include "base/error.h"
 #include "conversion/load_course.h"
 #include "fem/linear.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 typedef struct gn_rest {
     gn_world *w;

@@ -1,7 +1,15 @@
 #include "drive/box.h"
 
+#include "base/error.h"
+#include "boundary/walls.h"
 #include "drive/servo.h"
-#include "world/internal.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

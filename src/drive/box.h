@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "drive/servo.h"
+#include "soa/records.h"
 
 #include <stdbool.h>
 #include <stddef.h>

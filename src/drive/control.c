@@ -1,7 +1,11 @@
 #include "drive/control.h"
 
 #include "conversion/conversion.h"
+#include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "measure/measure.h"
+#include "scene/laboratory.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

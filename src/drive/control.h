@@ -3,6 +3,7 @@
 #ifndef GN_DRIVE_CONTROL_H
 #define GN_DRIVE_CONTROL_H
 
+#include "frame/parts.h"
 #include "frame/step_context.h"
 
 #include <stddef.h>

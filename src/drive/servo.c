@@ -1,6 +1,9 @@
 #include "drive/servo.h"
 
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "kernels/law.h"
+#include "particles/dem.h"
+#include "soa/records.h"
 
 #include <math.h>
 

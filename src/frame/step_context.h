@@ -4,9 +4,13 @@
 #ifndef GN_FRAME_STEP_CONTEXT_H
 #define GN_FRAME_STEP_CONTEXT_H
 
+#include "base/effects.h"
 #include "frame/parts.h"
 #include "kernels/dispatch.h"
 #include "scene/scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
 
 /* Control of the ends of a test (drive/control.h). */
 typedef struct gn_machine {

@@ -1,7 +1,14 @@
 #include "inflow/free_space.h"
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+#include "surfaces/facet_tree.h"
 
 #include <string.h>
 

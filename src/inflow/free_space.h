@@ -2,7 +2,12 @@
 #ifndef GN_INFLOW_FREE_SPACE_H
 #define GN_INFLOW_FREE_SPACE_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct gn_room {
     const gn_step_context *ctx;

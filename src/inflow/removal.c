@@ -1,11 +1,22 @@
 /* Particles that leave the domain, which stop the run, or leave the model with all they hold; and
  * those that sinks take. */
+#include "inflow/removal.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
 #include "laboratory/strain_gauge.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
+#include "scene/scene.h"
+#include "soa/records.h"
 #include "world/origin.h"
+#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>

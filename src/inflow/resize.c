@@ -1,9 +1,21 @@
 /* The number of rows of particles changes: some come in behind the others, rows of those that are
  * gone are left out. */
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/step_context.h"
+#include "neigh/pairs.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
 #include "particles/fragments.h"
-#include "world/internal.h"
+#include "particles/lists.h"
+#include "scene/flow_def.h"
+#include "scene/scene.h"
+#include "sched/hold.h"
+#include "soa/field.h"
+#include "soa/records.h"
 
 #include <string.h>
 

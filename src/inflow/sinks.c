@@ -1,5 +1,11 @@
 /* Sinks that are thin: what passes through them between two lists, and what never fits. */
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "pack/domain.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
+#include "scene/flow_def.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,19 @@
 /* Particles that come in: which are due, where there is room. */
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
 #include "inflow/free_space.h"
+#include "pack/domain.h"
 #include "pack/sizes.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
+#include "scene/flow_def.h"
+#include "scene/scene.h"
 
 #include <string.h>
 

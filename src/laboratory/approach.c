@@ -1,5 +1,12 @@
 /* Where the ends of a test begin away from the specimen, their way through the air is no strain. */
+#include "boundary/boundary.h"
+#include "boundary/surface_lists.h"
+#include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "particles/dem.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "world/world.h"
 
 #include <math.h>
 

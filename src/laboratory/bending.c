@@ -1,7 +1,17 @@
 #include "laboratory/bending.h"
 
 #include "base/point.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/sets.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,10 @@
 #ifndef GN_LABORATORY_BENDING_H
 #define GN_LABORATORY_BENDING_H
 
-#include "world/world.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* Whether span, load_span, height, notch or thickness of a bending test are off by more than a
  * hundredth of what the scene shows: where supports and loads hold the specimen at the start, and

@@ -1,6 +1,14 @@
 /* How walls that are ends of a test stand to its specimen at the start. */
 #include "base/point.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "particles/dem.h"
+#include "scene/laboratory.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,21 @@
 /* Whether the two ends of a test are what its kind asks for: one below, one above. */
+#include "base/error.h"
 #include "base/point.h"
+#include "boundary/boundary.h"
+#include "boundary/surface_lists.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
 #include "laboratory/bending.h"
 #include "laboratory/ends.h"
-#include "laboratory/laboratory.h"
+#include "particles/dem.h"
+#include "particles/sets.h"
 #include "scene/acts.h"
+#include "scene/laboratory.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,19 @@
 #include "laboratory/ends.h"
 #include "scene/acts.h"
 
+#include "base/error.h"
 #include "base/point.h"
 #include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface_lists.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/sets.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 

@@ -3,6 +3,16 @@
  * parts.
  */
 #include "laboratory/ends.h"
+#include "boundary/boundary.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/sets.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 

@@ -2,7 +2,11 @@
 #ifndef GN_LABORATORY_ENDS_H
 #define GN_LABORATORY_ENDS_H
 
-#include "world/internal.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
  * the plane that are not moved along it do not count beside others. */

@@ -1,8 +1,16 @@
 #include "laboratory/geometry.h"
 
+#include "base/error.h"
+#include "frame/step_context.h"
 #include "laboratory/bending.h"
 #include "laboratory/ends.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "scene/laboratory.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

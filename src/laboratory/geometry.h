@@ -2,7 +2,11 @@
 #ifndef GN_LABORATORY_GEOMETRY_H
 #define GN_LABORATORY_GEOMETRY_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 /* Whether length, area, diameter or thickness of a test are off by more than a tenth of what the
  * specimen has at the start, or a beam by a hundredth (laboratory/bending.h). `text` then has each

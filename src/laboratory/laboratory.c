@@ -1,7 +1,16 @@
 #include "laboratory/laboratory.h"
 
 #include "base/memory.h"
+#include "drive/box.h"
+#include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "particles/dem.h"
+#include "particles/observe.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

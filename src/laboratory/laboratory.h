@@ -2,7 +2,8 @@
 #ifndef GN_LABORATORY_LABORATORY_H
 #define GN_LABORATORY_LABORATORY_H
 
-#include "world/world.h"
+#include "frame/parts.h"
+#include "test_kinds/test_kind.h"
 
 /* From the scene, and where it does not say from the extent and the volume of the specimen, which
  * the world has. */

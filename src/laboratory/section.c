@@ -4,8 +4,17 @@
  * which the stress is uniform over every section. */
 #include "laboratory/section.h"
 
+#include "drive/control.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/sets.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
 #include "test_kinds/readings.h"
-#include "world/internal.h"
+#include "world/world.h"
 
 #include <math.h>
 

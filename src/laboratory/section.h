@@ -2,7 +2,8 @@
 #ifndef GN_LABORATORY_SECTION_H
 #define GN_LABORATORY_SECTION_H
 
-#include "world/world.h"
+#include "drive/control.h"
+#include "frame/parts.h"
 
 /* The section of a prism whose modulus is read, at the start; after all parts are made. */
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,

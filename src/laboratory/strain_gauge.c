@@ -5,10 +5,14 @@
 #include "laboratory/strain_gauge.h"
 
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "conversion/conversion.h"
+#include "frame/step_context.h"
+#include "measure/measure.h"
+#include "particles/dem.h"
 #include "particles/fragments.h"
-#include "world/internal.h"
+#include "soa/records.h"
 
 #include <string.h>
 

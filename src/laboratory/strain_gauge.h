@@ -2,9 +2,13 @@
 #ifndef GN_LABORATORY_STRAIN_GAUGE_H
 #define GN_LABORATORY_STRAIN_GAUGE_H
 
+#include "base/error.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "measure/measure.h"
+
+#include <stddef.h>
+#include <stdint.h>
 
 /* Weights of the particles in the average strain of the specimen. */
 struct gn_gauge {

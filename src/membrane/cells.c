@@ -1,8 +1,11 @@
 #include "membrane/cells.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "base/vec3.h"
+#include "membrane/grid.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,11 @@
 #ifndef GN_MEMBRANE_CELLS_H
 #define GN_MEMBRANE_CELLS_H
 
+#include "base/error.h"
 #include "membrane/grid.h"
+
+#include <stddef.h>
+#include <stdint.h>
 
 /* What a cell has in common with that of a neighbour. */
 typedef struct gn_cell_face {

@@ -4,10 +4,16 @@
  * were at the start. */
 #include "membrane/membrane.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
 #include "membrane/cells.h"
+#include "membrane/grid.h"
+#include "particles/dem.h"
 #include "particles/fragments.h"
-#include "world/internal.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -8,10 +8,16 @@
 
 #include "base/ball.h"
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
 #include "laboratory/laboratory.h"
 #include "membrane/rolling_ball.h"
-#include "world/internal.h"
+#include "neigh/pairs.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,11 @@
 #include "membrane/grid.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "membrane/membrane.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "soa/records.h"
 
 #include <math.h>
 

@@ -2,7 +2,12 @@
 #ifndef GN_MEMBRANE_GRID_H
 #define GN_MEMBRANE_GRID_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+#include "soa/records.h"
+
+#include <stdbool.h>
+#include <stdint.h>
 
 /* Particles by cells of a grid: those of cell k are item[first[k] .. first[k + 1]). */
 typedef struct gn_start_grid {

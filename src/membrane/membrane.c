@@ -3,9 +3,16 @@
 #include "membrane/membrane.h"
 
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/laboratory.h"
+#include "scene/table.h"
+#include "soa/records.h"
 #include "world/space.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,14 @@
 #ifndef GN_MEMBRANE_MEMBRANE_H
 #define GN_MEMBRANE_MEMBRANE_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Cuts the surface into patches, one for each particle of the skin (skin.c). Call with
  * masses and sets applied. Does nothing without a membrane. */

@@ -4,11 +4,16 @@
  * stretches as the particles around its bearer have moved. */
 #include "membrane/membrane.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
 #include "membrane/grid.h"
 #include "membrane/support.h"
+#include "particles/dem.h"
 #include "particles/fragments.h"
-#include "world/internal.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

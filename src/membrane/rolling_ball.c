@@ -1,7 +1,9 @@
 #include "membrane/rolling_ball.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "neigh/pairs.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,12 +2,19 @@
  * particle whose surface is nearest (a Voronoi share), so that the areas add up to the surface. */
 #include "membrane/membrane.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
 #include "membrane/grid.h"
 #include "membrane/support.h"
 #include "pack/boundary.h"
+#include "particles/dem.h"
 #include "particles/fragments.h"
-#include "world/internal.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,9 +6,13 @@
 #include "membrane/support.h"
 
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "conversion/conversion.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "membrane/membrane.h"
+#include "particles/dem.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,18 @@
 #include "particles/active_pairs.h"
 
+#include "base/effects.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "drive/box.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/near.h"
+#include "kernels/partials.h"
+#include "particles/dem.h"
+#include "particles/lists.h"
+#include "soa/field.h"
+#include "soa/records.h"
 
 #include <assert.h>
 #include <math.h>

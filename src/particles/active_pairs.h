@@ -10,8 +10,13 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
 #include "kernels/contact.h"
 #include "kernels/near.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* A column that is packed. */
 typedef struct gn_near_column {

@@ -3,9 +3,16 @@
  * bond: the virial sum f L = d V p with f = p A. */
 #include "particles/bond_sections.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "particles/dem.h"
 #include "particles/polyhedron.h"
-#include "world/internal.h"
+#include "scene/scene.h"
+#include "soa/bond_causes.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <string.h>
 

@@ -2,7 +2,10 @@
 #ifndef GN_PARTICLES_BOND_SECTIONS_H
 #define GN_PARTICLES_BOND_SECTIONS_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stddef.h>
 
 /* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
 gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,

@@ -1,9 +1,25 @@
 /* Bonds at the start: which pairs are glued and how strong. */
+#include "particles/bonds.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "conversion/conversion.h"
+#include "drive/box.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/law.h"
+#include "neigh/pairs.h"
+#include "particles/active_pairs.h"
 #include "particles/bond_sections.h"
+#include "particles/dem.h"
 #include "particles/from_run.h"
-#include "world/internal.h"
+#include "particles/law.h"
+#include "particles/lists.h"
+#include "particles/particles_private.h"
+#include "scene/scene.h"
+#include "soa/bond_causes.h"
+#include "soa/field.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <stdlib.h>

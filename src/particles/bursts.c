@@ -2,9 +2,13 @@
  * cells, the latest of a cell first, so that few are looked at however many there are. */
 #include "particles/bursts.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
-#include "world/internal.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/events.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

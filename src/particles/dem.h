@@ -5,11 +5,18 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
+#include "base/vec3.h"
 #include "frame/balance.h"
+#include "frame/step_context.h"
 #include "io/packing.h"
+#include "kernels/contact.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
+#include "kernels/motion.h"
+#include "kernels/partials.h"
 #include "limit/equilibrium.h"
+#include "limit/step_limits.h"
 #include "measure/energy.h"
 #include "neigh/pairs.h"
 #include "particles/active_pairs.h"
@@ -18,7 +25,12 @@
 #include "sched/deal.h"
 #include "sched/hold.h"
 #include "soa/bond_causes.h"
+#include "soa/records.h"
 #include "timestep/depth.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -259,5 +271,39 @@ void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem);
+
+/* From x to the nearest image of y, m; returns the square of its length. */
+static inline double gn_branch(const gn_step_context *ctx, const double *x, const double *y,
+                               double d[3]) {
+    double d2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        d[a] = gn_nearest(y[a] - x[a], ctx->period[a]);
+        d2 += d[a] * d[a];
+    }
+    return d2;
+}
+/* The part of a particle's mass that is its own: the rest was added for a longer step and has no
+ * weight. */
+static inline double gn_own_share(const gn_particles *particles, size_t p) {
+    return particles->own_share ? particles->own_share[p] : 1.0;
+}
+/* Share of a unit vector's square along components that are free: bit k of `mask` holds k. */
+static inline double gn_free_share(uint8_t mask, const double n[3]) {
+    double free = 0.0;
+    for (int a = 0; a < 3; a++)
+        if (!(mask >> a & 1)) free += n[a] * n[a];
+    return free;
+}
+/* Of a step of another length than the last (dem_step.c): rows [.][4] as they are before it, NULL:
+ * no memory; what the change adds to the energy, in halves. */
+double *gn_dem_kept(const gn_particles *of, const double *rows);
+void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
+                       size_t count, double halves[2]);
+/* What the kernels get in the coming step (dem_step.c). */
+gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_periodic_box *box, const gn_contacts *list,
+                                    bool measure);
+gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  bool measure);
 
 #endif

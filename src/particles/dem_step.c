@@ -1,8 +1,23 @@
 /* The particles' part of a step: forces, motion, and what both sum up to. */
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "drive/box.h"
+#include "frame/balance.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/motion.h"
+#include "measure/energy.h"
 #include "membrane/membrane.h"
-#include "world/internal.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
+#include "particles/particles_private.h"
+#include "scene/scene.h"
+#include "soa/records.h"
 #include "world/space.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>
@@ -87,7 +102,7 @@ void gn_dem_forces(gn_world *w, bool measure) {
     gn_contact_args bonds = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.bonds, measure);
     gn_contact_args pairs = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.pairs, measure);
     gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
-    gn_sweep(w, &bonds, &pairs, &motion);
+    gn_dem_sweep(w, &bonds, &pairs, &motion);
 }
 
 /* In block order, whoever worked on them. */
@@ -149,7 +164,7 @@ void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     gn_dem *d = dem;
     if (d->hold.count) {
         gn_motion_args motion = gn_dem_motion_args(ctx, dem, boundary, measure);
-        gn_sweep_held(dem, &motion);
+        gn_dem_sweep_held(dem, &motion);
     }
     add_up(ctx, dem, boundary, &d->done);
     follow_change(ctx, dem);
@@ -181,7 +196,7 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     motion.dt_past = 0.0;
     motion.dt = kick;
     if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
-    gn_sweep(w, &bonds, &pairs, &motion);
+    gn_dem_sweep(w, &bonds, &pairs, &motion);
     w->ctx.dt_past = past;
     add_up(&w->ctx, &w->dem, &w->boundary, &d->done);
     if (w->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&w->ctx, &w->dem);

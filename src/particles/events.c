@@ -2,8 +2,14 @@
  * rows of the list. Only blocks whose sums say that something happened are looked at. */
 #include "particles/events.h"
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <stdlib.h>
 #include <string.h>

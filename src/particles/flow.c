@@ -1,10 +1,20 @@
 /* Sources and sinks: what they are made of, and what is counted. */
 #include "particles/flow.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "pack/domain.h"
 #include "pack/sizes.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "scene/flow_def.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <string.h>
 

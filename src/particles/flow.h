@@ -6,8 +6,13 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
 #include "pack/domain.h"
 #include "scene/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Doubles only: checkpoints store them as they are. */
 typedef struct gn_source_state {

@@ -1,10 +1,15 @@
 #include "particles/fragments.h"
 
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
 #include "conversion/conversion.h"
-#include "world/internal.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "soa/bond_causes.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,12 @@
 #ifndef GN_PARTICLES_FRAGMENTS_H
 #define GN_PARTICLES_FRAGMENTS_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct gn_fragments {
     double count;   /* of two or more particles; NaN: no bonds */

@@ -1,7 +1,12 @@
 #include "particles/from_run.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "io/h5.h"
+#include "io/h5_private.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/field.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,8 +3,12 @@
 #ifndef GN_PARTICLES_FROM_RUN_H
 #define GN_PARTICLES_FROM_RUN_H
 
+#include "base/error.h"
 #include "io/packing.h"
 #include "scene/scene.h"
+
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct gn_from_run {
     size_t count;        /* particles, without those that had been removed */

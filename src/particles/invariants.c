@@ -1,7 +1,13 @@
 #include "particles/invariants.h"
 
+#include "boundary/boundary.h"
 #include "conversion/conversion.h"
-#include "world/internal.h"
+#include "frame/step_context.h"
+#include "kernels/partials.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "particles/lists.h"
+#include "soa/records.h"
 
 #ifndef NDEBUG
 #include <assert.h>

@@ -2,7 +2,7 @@
 #ifndef GN_PARTICLES_INVARIANTS_H
 #define GN_PARTICLES_INVARIANTS_H
 
-#include "world/world.h"
+#include "frame/parts.h"
 
 #ifdef NDEBUG
 static inline void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,

@@ -1,9 +1,20 @@
 /* What the contact laws (kernels/law.h) are told of the world. */
+#include "kernels/law.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "boundary/body_springs.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "neigh/pairs.h"
 #include "particles/bond_sections.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "particles/particles_private.h"
+#include "scene/scene.h"
 #include "scene/sides.h"
-#include "world/internal.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "timestep/indentation.h"
 
 #include <math.h>
 

@@ -1,7 +1,16 @@
 /* What acts on every particle, for output: the sums that motion_template.c works with, in plain C.
  */
+#include "particles/loads.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "boundary/boundary.h"
+#include "frame/step_context.h"
+#include "kernels/partials.h"
+#include "particles/dem.h"
+#include "particles/particles_private.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

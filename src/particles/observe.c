@@ -1,6 +1,17 @@
 /* The contacts as they are at the present positions, for output. */
+#include "particles/observe.h"
+#include "base/effects.h"
+#include "base/error.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/dispatch.h"
+#include "kernels/partials.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "particles/particles_private.h"
+#include "soa/field.h"
+#include "soa/records.h"
 #include "soa/single.h"
-#include "world/internal.h"
 
 gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_periodic_box *box, const gn_contacts *list,

@@ -1,8 +1,17 @@
 /* Particle sets: who belongs to them, what they change, how they move. */
+#include "particles/sets.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
 #include "conversion/conversion.h"
-#include "world/internal.h"
+#include "drive/control.h"
+#include "frame/step_context.h"
+#include "kernels/motion.h"
+#include "particles/dem.h"
+#include "particles/particles_private.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,16 @@
+#include "particles/specimen.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "frame/step_context.h"
+#include "io/packing.h"
 #include "mesh/gmsh.h"
+#include "mesh/mesh.h"
+#include "pack/pack.h"
 #include "pack/store.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "soa/records.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #ifndef GN_PLAN_COST_H
 #define GN_PLAN_COST_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* Processor time in s, summed over threads. */

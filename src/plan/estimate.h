@@ -3,6 +3,7 @@
 #ifndef GN_PLAN_ESTIMATE_H
 #define GN_PLAN_ESTIMATE_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 typedef struct gn_estimate {

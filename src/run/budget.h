@@ -4,8 +4,10 @@
 #define GN_RUN_BUDGET_H
 
 #include "accuracy/causes.h"
+#include "frame/parts.h"
 #include "io/files.h"
 #include "io/h5.h"
+#include "io/h5_private.h"
 #include "test_kinds/readings.h"
 #include "world/world.h"
 

@@ -1,18 +1,28 @@
 /* Checkpoints: everything that decides the future, so that a resumed run gives the same bits. The
  * parts of the world have theirs (checkpoint_dem.c, checkpoint_boundary.c, checkpoint_elements.c).
  */
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/printable.h"
+#include "base/version.h"
+#include "frame/ledger.h"
+#include "io/atomic_file.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
+#include "io/h5_pieces.h"
+#include "io/h5_private.h"
+#include "measure/energy.h"
+#include "measure/measure.h"
 #include "run/checkpoint_internal.h"
 #include "run/kept.h"
 #include "run/parts.h"
 #include "run/run.h"
 #include "run/spacing.h"
 #include "run/stages.h"
-#include "world/internal.h"
+#include "scene/scene.h"
+#include "soa/field.h"
 #include "world/origin.h"
+#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>

@@ -1,9 +1,20 @@
 /* The part of a checkpoint that walls, bodies and the contacts with them have. */
+#include "base/error.h"
 #include "base/memory.h"
+#include "boundary/bodies.h"
+#include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "io/h5.h"
+#include "io/h5_pieces.h"
+#include "io/h5_private.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
-#include "world/internal.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -1,9 +1,18 @@
 /* The part of a checkpoint that particles have. */
+#include "base/effects.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "conversion/conversion.h"
+#include "io/h5.h"
+#include "io/h5_pieces.h"
+#include "io/h5_private.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
-#include "world/internal.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -2,7 +2,10 @@
 #ifndef GN_RUN_CHECKPOINT_INTERNAL_H
 #define GN_RUN_CHECKPOINT_INTERNAL_H
 
+#include "frame/parts.h"
 #include "io/h5_pieces.h"
+#include "io/h5_private.h"
+#include "soa/field.h"
 #include "world/world.h"
 
 /* A data set in the group `arrays`, and the place of the array. */

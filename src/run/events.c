@@ -5,9 +5,14 @@
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
 #include "run/parts.h"
-#include "world/internal.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "io/h5.h"
+#include "io/h5_private.h"
+#include "particles/events.h"
+#include "soa/field.h"
+#include "world/world.h"
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 

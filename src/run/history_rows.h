@@ -2,6 +2,7 @@
 #ifndef GN_RUN_HISTORY_ROWS_H
 #define GN_RUN_HISTORY_ROWS_H
 
+#include "frame/parts.h"
 #include "test_kinds/history.h"
 #include "world/world.h"
 

@@ -1,8 +1,17 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
+#include "base/error.h"
 #include "base/memory.h"
+#include "boundary/bodies.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "io/h5.h"
+#include "io/h5_private.h"
+#include "io/snapshot.h"
 #include "run/output_table.h"
 #include "run/parts.h"
-#include "world/internal.h"
+#include "scene/values.h"
+#include "soa/field.h"
+#include "world/world.h"
 
 #include <string.h>
 

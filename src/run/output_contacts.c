@@ -2,7 +2,18 @@
 #define GN_EVERY_EFFECT
 #include "run/output_contacts.h"
 
-#include "world/internal.h"
+#include "base/error.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "io/h5_private.h"
+#include "io/snapshot.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "soa/field.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

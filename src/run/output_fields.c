@@ -2,11 +2,20 @@
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
+#include "base/asked.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "conversion/conversion.h"
-#include "membrane/membrane.h"
-#include "world/internal.h"
+#include "measure/measure.h"
+#include "particles/dem.h"
+#include "particles/fragments.h"
+#include "particles/loads.h"
+#include "particles/observe.h"
+#include "soa/bond_causes.h"
+#include "soa/field.h"
+#include "soa/records.h"
 #include "world/space.h"
+#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>

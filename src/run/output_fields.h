@@ -2,8 +2,11 @@
 #ifndef GN_RUN_OUTPUT_FIELDS_H
 #define GN_RUN_OUTPUT_FIELDS_H
 
+#include "frame/parts.h"
 #include "particles/fragments.h"
+#include "particles/observe.h"
 #include "run/output_table.h"
+#include "soa/records.h"
 #include "world/world.h"
 
 typedef struct gn_output_view {

@@ -3,7 +3,9 @@
 #ifndef GN_RUN_PARTS_H
 #define GN_RUN_PARTS_H
 
+#include "frame/parts.h"
 #include "io/h5.h"
+#include "io/h5_private.h"
 #include "run/output_table.h"
 #include "world/world.h"
 

@@ -5,6 +5,7 @@
 #ifndef GN_RUN_QUANTITIES_H
 #define GN_RUN_QUANTITIES_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 /* In 2D a vector has two components, a turn one (z), a tensor three. */

@@ -1,18 +1,23 @@
 #include "run/run.h"
 
+#include "base/error.h"
 #include "base/timer.h"
 #include "conversion/conversion.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "io/snapshot.h"
+#include "measure/energy.h"
 #include "run/folder.h"
 #include "run/kept.h"
 #include "run/parts.h"
 #include "run/spacing.h"
 #include "run/stages.h"
 #include "scene/manifest.h"
+#include "scene/scene.h"
 #include "scene/stops.h"
-#include "world/internal.h"
-#include "world/origin.h"
+#include "solids/elements.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

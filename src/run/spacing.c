@@ -1,9 +1,12 @@
 #include "run/spacing.h"
 
+#include "base/error.h"
 #include "conversion/conversion.h"
 #include "run/stages.h"
+#include "scene/scene.h"
+#include "scene/stages.h"
 #include "scene/stops.h"
-#include "world/internal.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,18 @@
  * changes in the world in world/stages.c. */
 #include "run/stages.h"
 
+#include "base/error.h"
 #include "base/vec3.h"
+#include "boundary/walls.h"
+#include "frame/balance.h"
+#include "particles/flow.h"
 #include "run/spacing.h"
-#include "world/internal.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "scene/stages.h"
+#include "scene/table.h"
+#include "scene/values.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdlib.h>

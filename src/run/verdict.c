@@ -4,9 +4,12 @@
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
 #include "laboratory/geometry.h"
+#include "particles/bonds.h"
+#include "particles/specimen.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/acts.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 

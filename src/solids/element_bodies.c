@@ -1,8 +1,12 @@
 #include "solids/element_bodies.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/union_find.h"
 #include "base/vec3.h"
+#include "boundary/surface.h"
+#include "fem/solid.h"
+#include "soa/records.h"
 #include "solids/elements.h"
 
 #include <math.h>

@@ -2,7 +2,11 @@
 #ifndef GN_SOLIDS_ELEMENT_BODIES_H
 #define GN_SOLIDS_ELEMENT_BODIES_H
 
+#include "base/error.h"
 #include "boundary/surface.h"
+#include "solids/elements.h"
+
+#include <stdint.h>
 
 /* Elements that share nodes, as a rigid body at the start. */
 typedef struct gn_element_body {

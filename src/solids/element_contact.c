@@ -1,9 +1,20 @@
 /* Particles on the surface of a solid of finite elements: its facets become a surface of the world,
  * and what particles do to the nodes joins their forces as contacts with walls join those of
  * particles. */
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/field.h"
+#include "soa/records.h"
 #include "solids/element_bodies.h"
-#include "world/internal.h"
+#include "solids/elements.h"
+#include "surfaces/facet_tree.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,18 @@
 #include "solids/element_walls.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "boundary/boundary.h"
 #include "conversion/conversion.h"
+#include "conversion/load_course.h"
 #include "conversion/rest_state.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

@@ -4,7 +4,10 @@
 #ifndef GN_SOLIDS_ELEMENT_WALLS_H
 #define GN_SOLIDS_ELEMENT_WALLS_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stddef.h>
 
 typedef struct gn_wall_passed {
     size_t touching; /* nodes of elements on it at the start that no motion holds against it */

@@ -1,7 +1,12 @@
 #include "base/point.h"
-#include "world/internal.h"
 
+#include "boundary/boundary.h"
 #include "boundary/surface.h"
+#include "boundary/surfaces.h"
+#include "frame/step_context.h"
+#include "mesh/joints.h"
+#include "particles/dem.h"
+#include "solids/elements.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,11 +5,19 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
 #include "fem/solid.h"
 #include "frame/balance.h"
 #include "measure/energy.h"
 #include "mesh/joints.h"
+#include "mesh/mesh.h"
 #include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/element_bodies.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* What particles do to the surface (element_contact.c). */
 typedef struct gn_element_contact {

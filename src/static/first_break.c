@@ -12,11 +12,20 @@
  * it. Viscous damping acts on every particle with a m v, which the contacts balance. */
 #include "static/first_break.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "limit/equilibrium.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
 #include "timestep/trial.h"
-#include "world/internal.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdarg.h>

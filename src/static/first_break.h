@@ -3,6 +3,7 @@
 #ifndef GN_STATIC_FIRST_BREAK_H
 #define GN_STATIC_FIRST_BREAK_H
 
+#include "frame/parts.h"
 #include "world/world.h"
 
 typedef struct gn_first_break {

@@ -4,8 +4,17 @@
  * is free at most gains twice what it did in the last step, or what it falls. */
 #include "timestep/body_paths.h"
 
+#include "base/error.h"
 #include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
 #include "drive/control.h"
+#include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
 
 #include <math.h>
 

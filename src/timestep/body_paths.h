@@ -2,7 +2,8 @@
 #ifndef GN_TIMESTEP_BODY_PATHS_H
 #define GN_TIMESTEP_BODY_PATHS_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
 
 /* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
  * quarter of the smallest radius, and no body turns by more than a quarter of a

@@ -2,11 +2,24 @@
  * what ties them. The unknowns are M^1/2 v of the particles that move by themselves and of the
  * nodes with all that they carry; particles of zones take N v, and hand N^T f back. With consistent
  * masses the metric is theirs, over the lump that scales the unknowns. */
+#include "base/error.h"
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "conversion/conversion.h"
+#include "couple/consistent.h"
+#include "couple/ties.h"
 #include "fem/linear.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
 #include "limit/damped.h"
 #include "limit/springs.h"
+#include "limit/step_limits.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "timestep/particle_limit.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

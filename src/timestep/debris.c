@@ -14,8 +14,18 @@
  * asked first: only where it misses more than TOLD of what has gone through while such a particle
  * collides with energy that can be the reason its contacts are resolved as those of loose particles
  * are. */
+#include "timestep/debris.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "soa/records.h"
+#include "timestep/collisions.h"
+#include "timestep/timestep_private.h"
 
 #include <math.h>
 

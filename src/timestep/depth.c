@@ -1,6 +1,15 @@
 #include "timestep/depth.h"
 
-#include "world/internal.h"
+#include "base/error.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "boundary/surfaces.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/law.h"
+#include "soa/records.h"
+#include "timestep/surface_limit.h"
+#include "timestep/timestep_private.h"
 
 #include <math.h>
 

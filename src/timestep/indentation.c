@@ -3,9 +3,25 @@
  * speeds, of the contact itself and of those beside it, whichever is most. Kernels count contacts
  * that are pressed further; then all are looked at again before the next step. What is expected of
  * a contact never falls: nor does an automatic step ever rise. */
+#include "timestep/indentation.h"
+#include "base/error.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
+#include "boundary/surface.h"
+#include "boundary/surface_lists.h"
+#include "boundary/surfaces.h"
 #include "drive/control.h"
-#include "world/internal.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
+#include "timestep/step_limit.h"
+#include "timestep/timestep_private.h"
+#include "world/world.h"
 
 #include <math.h>
 

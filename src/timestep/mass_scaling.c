@@ -3,8 +3,21 @@
  * before the lists are made again, collisions that have to be resolved. What is asked for by a
  * rigorous bound is more than the sharp limit needs, so the bound is asked at a smaller step, which
  * is looked for until the sharp limit is the wanted one. */
+#include "timestep/mass_scaling.h"
+#include "base/error.h"
 #include "base/memory.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/lists.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "timestep/step_limit.h"
+#include "timestep/timestep_private.h"
+#include "world/world.h"
 
 #include <math.h>
 

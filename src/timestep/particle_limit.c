@@ -1,8 +1,23 @@
 /* The step that the particles allow: of the springs that act, of what may act before the lists are
  * made again, of collisions. */
+#include "timestep/particle_limit.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
-#include "world/internal.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "limit/equilibrium.h"
+#include "limit/step_limits.h"
+#include "measure/measure.h"
+#include "particles/dem.h"
+#include "scene/couple_def.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
+#include "timestep/timestep_private.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,17 @@
 /* How far things move in one step. Particles and what they touch may each move half the smallest
  * radius: then the two have come closer by at most a radius, and neither is behind the other before
  * it was seen to press. */
+#include "base/error.h"
 #include "base/point.h"
-#include "boundary/contact_rows.h"
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "frame/step_context.h"
+#include "kernels/motion.h"
+#include "particles/dem.h"
+#include "scene/values.h"
+#include "soa/records.h"
+#include "solids/elements.h"
 
 #include <math.h>
 

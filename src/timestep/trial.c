@@ -1,9 +1,23 @@
 #include "timestep/trial.h"
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "boundary/contact_rows.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/balance.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "kernels/law.h"
+#include "limit/equilibrium.h"
+#include "measure/energy.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "scene/table.h"
+#include "soa/field.h"
+#include "soa/records.h"
 #include "soa/single.h"
-#include "world/internal.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

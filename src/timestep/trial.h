@@ -4,7 +4,14 @@
 #ifndef GN_TIMESTEP_TRIAL_H
 #define GN_TIMESTEP_TRIAL_H
 
-#include "world/world.h"
+#include "base/error.h"
+#include "frame/parts.h"
+#include "limit/equilibrium.h"
+#include "soa/records.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Paths are [particles][6], m and rad: x y z and turns, from the state gone out from. */
 typedef struct gn_trial {

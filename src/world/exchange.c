@@ -1,6 +1,9 @@
 #include "world/exchange.h"
 
+#include "base/error.h"
 #include "base/memory.h"
+#include "measure/energy.h"
+#include "sched/hold.h"
 #include "world/world.h"
 
 #include <string.h>

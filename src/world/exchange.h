@@ -6,9 +6,12 @@
 #ifndef GN_WORLD_EXCHANGE_H
 #define GN_WORLD_EXCHANGE_H
 
+#include "base/error.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"
+
+#include <stddef.h>
 
 typedef struct gn_exchange {
     void *context; /* the caller's */

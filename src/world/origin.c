@@ -1,9 +1,25 @@
 #include "world/origin.h"
 
+#include "base/error.h"
 #include "base/point.h"
+#include "boundary/boundary.h"
+#include "boundary/surface.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "io/packing.h"
 #include "mesh/gmsh.h"
+#include "mesh/mesh.h"
+#include "particles/dem.h"
 #include "particles/from_run.h"
-#include "world/internal.h"
+#include "particles/specimen.h"
+#include "scene/mesh_def.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "scene/values.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,6 +7,7 @@
 
 #include "frame/parts.h"
 
+#include "base/error.h"
 #include "mesh/mesh.h"
 #include "scene/scene.h"
 

@@ -1,5 +1,14 @@
 /* A plane wave that is under way at the start (initial.pulse). */
-#include "world/internal.h"
+#include "base/error.h"
+#include "base/vec3.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/couple_def.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 #include "zones/zones.h"
 
 #include <math.h>

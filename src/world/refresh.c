@@ -1,8 +1,15 @@
 /* When the lists of the world are made anew, and in which order. */
+#include "base/error.h"
 #include "base/timer.h"
+#include "boundary/boundary.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
 #include "particles/invariants.h"
+#include "timestep/depth.h"
+#include "timestep/step_limit.h"
 #include "world/exchange.h"
-#include "world/internal.h"
+#include "world/world.h"
 
 #include <math.h>
 

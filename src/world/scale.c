@@ -1,6 +1,16 @@
 #include "world/scale.h"
 
-#include "world/internal.h"
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/place.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,17 @@
 #include "world/space.h"
 
+#include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "drive/box.h"
+#include "frame/step_context.h"
 #include "laboratory/ends.h"
 #include "membrane/membrane.h"
-#include "world/internal.h"
+#include "particles/dem.h"
+#include "particles/flow.h"
+#include "scene/laboratory.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
 
 #include <math.h>
 

@@ -2,7 +2,10 @@
 #ifndef GN_WORLD_SPACE_H
 #define GN_WORLD_SPACE_H
 
+#include "frame/parts.h"
 #include "world/world.h"
+
+#include <stdbool.h>
 
 /* Tells whether walls or periodic sides close the specimen in along every axis; `now` and `start`:
  * their distances, m, multiplied. Walls are the first two across an axis that face each other. */

@@ -2,12 +2,21 @@
  * before, and each part of the world takes what it holds of it anew. */
 #include "scene/stages.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "boundary/boundary.h"
+#include "frame/step_context.h"
 #include "membrane/membrane.h"
+#include "particles/dem.h"
+#include "scene/scene.h"
+#include "scene/table.h"
+#include "soa/records.h"
+#include "solids/elements.h"
 #include "timestep/body_paths.h"
-#include "world/internal.h"
+#include "timestep/step_limit.h"
 #include "world/origin.h"
+#include "world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,14 @@
 /* The parallel part of a step: contacts, walls, motion. Who does what: sched/deal.h. */
 #include "base/timer.h"
-#include "world/internal.h"
+#include "boundary/boundary.h"
+#include "drive/box.h"
+#include "kernels/contact.h"
+#include "kernels/motion.h"
+#include "kernels/partials.h"
+#include "particles/active_pairs.h"
+#include "particles/dem.h"
+#include "sched/deal.h"
+#include "world/world.h"
 
 #include <omp.h>
 
@@ -74,8 +82,8 @@ gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
                          error);
 }
 
-void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
-              const gn_motion_args *motion) {
+void gn_dem_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
+                  const gn_motion_args *motion) {
     static const gn_deal_work blocks = {contacts, move, waited};
     const double begin = gn_now();
     const bool booked = w->ctx.step % GN_BOOKED == 0;
@@ -95,7 +103,7 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
 }
 
 /* Forces on walls were found with the loads. */
-void gn_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
+void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion) {
     const size_t held = dem->hold.count, count = dem->particles.soa.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;

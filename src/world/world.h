@@ -3,16 +3,26 @@
 #ifndef GN_WORLD_WORLD_H
 #define GN_WORLD_WORLD_H
 
+#include "base/error.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
 #include "drive/control.h"
 #include "frame/ledger.h"
+#include "frame/parts.h"
 #include "frame/step_context.h"
+#include "kernels/contact.h"
+#include "kernels/motion.h"
 #include "laboratory/strain_gauge.h"
+#include "measure/measure.h"
 #include "particles/dem.h"
+#include "scene/scene.h"
 #include "solids/elements.h"
 #include "world/exchange.h"
 #include "zones/zone_state.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* X(name, text): what the seconds of a run are booked under. */
 #define GN_PHASES(X)                                                                               \
@@ -38,6 +48,7 @@ typedef enum gn_phase {
 } gn_phase;
 
 const char *gn_phase_name(gn_phase phase);
+
 const char *gn_phase_text(gn_phase phase);
 
 /* How a stage of the scene went; doubles, as checkpoints have it. */
@@ -84,6 +95,7 @@ void gn_world_point_out(const gn_step_context *ctx, const double point[3], doubl
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
  * failure nothing is held. */
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
+
 void gn_world_free(gn_world *world);
 
 /* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
@@ -92,6 +104,7 @@ gneiss_status gn_world_prepare(gn_step_context *ctx, gn_dem *dem, gn_periodic_bo
 
 /* Goes over to a stage of the scene, between two steps; the step is chosen anew (stages.c). */
 gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error);
+
 /* Chooses the step as at the start. */
 gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
 
@@ -112,81 +125,12 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
+
 /* The same whether it is due or not. */
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
-
-/* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
- */
-double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                            const gn_zones *zones);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones);
-
-/* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
- * the rigorous bound is above the step. */
-gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
-
-/* Finds the limit of loose grains as they lie at the end of a run, long after the last look maybe:
- * for what is written, when the state has been saved. The step stays. */
-gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
-
-/* What gn_world_check_step does after a step in which bonds broke, for a specimen that may have
- * come apart by it. */
-gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
-
-/* The same after a step that was measured because of debris: what of it makes energy counts. */
-gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
-
-/* The same for what the lists, just made, let happen before they are made again. */
-gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
-/* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
-void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
-
-/* What is to be said of a given step: that it does not resolve collisions, or that contacts which
- * may form need a smaller one. "" : nothing. */
-const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                                  size_t size);
-
-/* Which free body is so light, or stiff, that its contacts ask for steps a thousand times shorter
- * than those of all else. "": none. */
-const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, char *text, size_t size);
-
-/* Steps that a collision must last. */
-double gn_world_contact_steps(const gn_step_context *ctx);
-
-/* The largest share of the missing force that a servo wall takes up in a step and is stable. */
-double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, size_t wall);
-
-/* Who the shortest collision is between. */
-const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
-                               size_t size);
-
-/* What non-viscous damping leaves of the limit, 1 without it. */
-double gn_world_nonviscous_share(const gn_step_context *ctx);
-/* Of a scene that calls for these effects. */
-double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
-
-/* The lists with the forces of the present positions in their rows (velocities and tangential
- * forces of the last step): for output. The world is not changed; the copies are the caller's. */
-typedef struct gn_observed {
-    gn_contacts bonds, pairs;
-} gn_observed;
-gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_periodic_box *box, gn_observed *observed,
-                               gneiss_error *error);
-void gn_observed_free(gn_observed *observed);
-
-/* What acts on every particle at the present positions, N and N m, [particles][6] each, in their
- * order: all of it but what zones of elements do and what prescribes a motion supplies, background
- * damping included; background damping. Of walls and surfaces as the last step found it. */
-gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_periodic_box *box, double *total,
-                             double *damping, gneiss_error *error);
 
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_step_context *ctx, const gn_dem *dem,
@@ -196,20 +140,25 @@ gn_assembly gn_world_assembly(const gn_step_context *ctx, const gn_dem *dem,
  * that of the convex hull of the particles. */
 bool gn_world_volume_is_of_test(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids);
+
 bool gn_world_volume_is_of_hull(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids);
+
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
 const char *gn_world_volume_source(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, const gn_solids *solids);
 
 /* Of particles and elements, kg, without what was added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
+
 /* m; of all rows of particles. */
 double gn_world_mean_radius(const gn_dem *dem);
+
 /* m: extent at the start of what is tested: of the particles, radii included, and of the elements
  * that are one body with them (`couple`), which may be packed in a part of it alone. */
 void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
                    double upper[3]);
+
 double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
 
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
@@ -224,8 +173,32 @@ uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 size_t gn_world_bytes(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       const gn_solids *solids);
 
-/* specimen.c: whether the radii of a packing came out narrower than they were asked for; `text`
- * then says so. Without sources and sinks, so that it is said of the specimen. */
-bool gn_specimen_is_narrow(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
+/* The scene of world->stage, relative to the origin, from world->given; room for what the stages
+ * come to (stages.c). */
+gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
+
+gneiss_status gn_stages_create(const gn_step_context *ctx, gn_stages *stages, gneiss_error *error);
+
+/* GNEISS_ERROR_INPUT where the first stage waits for what no pressed contact can bring. */
+gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_solids *solids, const gn_stages *stages,
+                                    gneiss_error *error);
+
+/* The wave that the scene begins with, when lists have been made (pulse.c). */
+gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
+
+/* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
+gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
+
+void gn_dem_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
+                  const gn_motion_args *motion);
+
+/* Moves the particles that an exchange had wait. */
+void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion);
+
+/* Seconds are booked under phases in one step of so many, which counts for the others: looking at
+ * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
+ * readings. */
+enum { GN_BOOKED = 7 };
 
 #endif

@@ -1,8 +1,20 @@
 /* Figures of zones for who checks a scene. */
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/vec3.h"
+#include "couple/ties.h"
 #include "couple/zone.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "scene/couple_def.h"
+#include "scene/scene.h"
+#include "soa/records.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

@@ -1,6 +1,15 @@
 /* A step of the masses that tie the nodes of zones to each other (couple/consistent.h): what the
  * lump's motion needs on top of loads, and what it misses of the energy; what nodes are to a force
  * at a particle's place. */
+#include "couple/consistent.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "sched/hold.h"
+#include "soa/records.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

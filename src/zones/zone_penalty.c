@@ -8,6 +8,17 @@
  * frequency of all is at most
  *     max( w_D^2 + (1 + e) max_i k_i/m_i, w_F^2 + (1 + 1/e) max_a sum_i k_i N_a(X_i)/m_a ). */
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "couple/ties.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "sched/hold.h"
+#include "soa/records.h"
+#include "solids/elements.h"
+#include "world/world.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

@@ -1,8 +1,17 @@
 /* What is read off zones as the run goes on. */
 #include "base/ball.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "conversion/conversion.h"
 #include "couple/zone.h"
+#include "fem/solid.h"
+#include "frame/ledger.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

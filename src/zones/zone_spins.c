@@ -13,7 +13,15 @@
  * leaves the particles where they are but turns them has alone. Nodes are shared out by the
  * inertias in the elements at them. */
 #include "base/eigen.h"
+#include "base/error.h"
 #include "base/memory.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+#include "soa/records.h"
+#include "zones/zone_state.h"
+#include "zones/zones.h"
 #include "zones/zones_private.h"
 
 #include <math.h>

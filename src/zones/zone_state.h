@@ -3,6 +3,7 @@
 #define GN_ZONES_ZONE_STATE_H
 
 #include "frame/parts.h"
+#include "zones/zones.h"
 
 #include <stdint.h>
 

@@ -3,9 +3,14 @@
 #ifndef GN_ZONES_ZONES_H
 #define GN_ZONES_ZONES_H
 
+#include "base/error.h"
 #include "couple/consistent.h"
 #include "couple/ties.h"
-#include "world/world.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Which part of a model sets its step. */
 typedef enum gn_side { GN_SIDE_PARTICLES, GN_SIDE_ELEMENTS, GN_SIDE_ZONE, GN_SIDES } gn_side;

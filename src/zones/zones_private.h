@@ -2,9 +2,17 @@
 #ifndef GN_ZONES_ZONES_PRIVATE_H
 #define GN_ZONES_ZONES_PRIVATE_H
 
-#include "world/exchange.h"
-#include "world/internal.h"
+#include "base/error.h"
+#include "couple/ties.h"
+#include "fem/solid.h"
+#include "frame/parts.h"
+#include "frame/step_context.h"
+#include "measure/energy.h"
+#include "particles/dem.h"
+#include "solids/elements.h"
 #include "zones/zones.h"
+
+#include <stddef.h>
 
 static inline gn_fem_solid *gn_coupled_solid(const gn_solids *solids) {
     return &solids->elements[0]->solid;

@@ -1,0 +1,96 @@
+/* Functions that the files of this folder share. */
+#ifndef GN_BOUNDARY_BOUNDARY_PRIVATE_H
+#define GN_BOUNDARY_BOUNDARY_PRIVATE_H
+
+#include "base/error.h"
+#include "boundary/surface.h"
+#include "frame/parts.h"
+#include "kernels/contact.h"
+#include "measure/energy.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* m/s2 by which what acts on a particle besides the contact of a row opens its gap along n, the
+ * unit vector into the wall or surface (crossing.c). Of the forces of the instant, so when those of
+ * all pairs are found. Of a body only its weight, and background damping is left out. */
+double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, const gn_solids *solids,
+                             const gn_zones *zones, size_t row, const double n[3]);
+/* The same of the spring of a zone that holds its particle, beside a contact of the stiffness kn,
+ * N/m; 0 where the step does not resolve both together. */
+double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones, double kn, size_t row, const double n[3]);
+/* Walls (walls.c). */
+gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
+                              gneiss_error *error);
+gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                    const gn_solids *solids, const gn_zones *zones, bool first,
+                                    gneiss_error *error);
+/* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
+ * those that touch. */
+void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
+                           gn_contact_sums *sums);
+/* Adds what presses along the normal of a wall contact by the linear law, as far as it follows from
+ * places and velocities alone. */
+void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     size_t row, double force[3]);
+/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+double gn_wall_area(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall);
+/* Surfaces (surface_lists.c): facets within reach of a particle, as gn_wall_contacts.wall counts
+ * them, ascending into `found` (NULL: only counted). */
+size_t gn_surfaces_near(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        size_t particle, int32_t *found);
+/* The centre of a particle as the surface's vertices see it. */
+void gn_surface_centre(const gn_dem *dem, const gn_boundary *boundary, const gn_surface *surface,
+                       size_t particle, double centre[3]);
+/* Place of the surface that a facet belongs to. */
+size_t gn_surface_of_facet(const gn_boundary *boundary, int32_t facet);
+/* Notes where surfaces are when the lists are made. */
+void gn_surfaces_refer(gn_boundary *boundary);
+/* Bound on the path of any vertex since then. `exact`: looks where they are. */
+double gn_surfaces_travel(gn_boundary *boundary, bool exact);
+/* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
+ * returns the first row behind them. */
+size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
+                                gn_boundary *boundary, const gn_solids *solids,
+                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_contact_sums *sums);
+/* The same as gn_wall_presses, of what gn_surface_contacts_work does; without contacts that share
+ * with one of the normal `but` (NULL: all). */
+size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
+                          const gn_boundary *boundary, const gn_solids *solids,
+                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          double force[3]);
+/* Sums the forces on bodies and vertices. */
+void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);
+/* Its velocity over the last step where the row's force acted. */
+void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
+                         double v[3]);
+/* m/s2 along n, with which a point of a body goes under gravity, a force and a moment. */
+double gn_rigid_accelerates(const gn_step_context *ctx, const gn_rigid *body, const double force[3],
+                            const double moment[3], const double lever[3], const double n[3]);
+/* Rigid bodies (bodies.c). */
+gneiss_status gn_bodies_create(const gn_step_context *ctx, gn_boundary *boundary, gn_solids *solids,
+                               gneiss_error *error);
+/* New velocities from the forces. */
+void gn_bodies_kick(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                    gn_ledger *ledger);
+/* Kinetic energy of free motions at the instant of the kick. */
+void gn_bodies_kinetic(const gn_step_context *ctx, const gn_boundary *boundary, double *translation,
+                       double *rotation);
+/* New positions. */
+void gn_bodies_drift(const gn_step_context *ctx, gn_boundary *boundary, gn_ledger *ledger);
+/* Works over half an interval, with the velocities of that. */
+void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
+                    gn_energy *ledger);
+/* Sums the forces on the walls, moves them over the coming step; works as those of bodies. */
+void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
+void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
+void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
+                   gn_energy *ledger);
+
+#endif

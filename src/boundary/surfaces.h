@@ -1,0 +1,46 @@
+/* Contacts of particles with surfaces. */
+#ifndef GN_BOUNDARY_SURFACES_H
+#define GN_BOUNDARY_SURFACES_H
+
+#include "base/error.h"
+#include "boundary/surface.h"
+#include "frame/parts.h"
+#include "surfaces/facet.h"
+#include "surfaces/patch.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Contacts with them (surfaces.c). A particle whose centre is on a surface cannot be pushed off it:
+ * refused at the start, later the run has gone bad. */
+gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, const gn_solids *solids,
+                                        const gn_zones *zones, gneiss_error *error);
+/* Contacts of the facets of one surface that the particle of row `begin` has, at the present
+ * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
+ * distance up to that far from the particle, each for itself, or of a patch the facets up to that
+ * far, with parts of the stiffness that add up to all of it. */
+enum { GN_SURFACE_CONTACTS = GN_PATCH_FACETS };
+typedef struct gn_surface_contact {
+    const gn_surface *surface;
+    size_t particle;
+    gn_facet_contact contact;
+    bool patch; /* see gn_surface_patched */
+    int parts;  /* of a surface whose vertices move by themselves */
+    int32_t vertex[3];
+    double weight[3];
+} gn_surface_contact;
+size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, const gn_solids *solids,
+                              const gn_zones *zones, size_t begin, double skin,
+                              gn_surface_contact *contacts, size_t *count);
+/* That there is room for all facets that a particle presses at once (patch.h). */
+gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
+                                        const gn_boundary *boundary, const gn_solids *solids,
+                                        const gn_zones *zones, gneiss_error *error);
+/* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
+ * components do not. */
+double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);
+
+#endif

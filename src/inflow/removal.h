@@ -1,0 +1,13 @@
+/* Removal of particles. */
+#ifndef GN_INFLOW_REMOVAL_H
+#define GN_INFLOW_REMOVAL_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+
+/* Particles outside the domain (removal.c) fail the run or leave the model, those in sinks leave:
+ * without mass and contacts, and what they and their contacts held is booked as carried away. Call
+ * with the lists as the last step left them. */
+gneiss_status gn_dem_check_domain(gn_world *world, gneiss_error *error);
+
+#endif

@@ -1,0 +1,33 @@
+/* Numbering of particles and contacts when lists are made. */
+#ifndef GN_PARTICLES_LISTS_H
+#define GN_PARTICLES_LISTS_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "soa/field.h"
+#include "soa/records.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Numbers of particles (lists.c): null particles behind the last one, index_of_id, and the ends of
+ * contacts, which are sorted again; place[old] is the new one. */
+void gn_dem_null_particles(const gn_step_context *ctx, gn_dem *dem);
+void gn_dem_number_ids(gn_dem *dem);
+gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);
+/* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */
+void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem);
+/* Contacts whose particles have other numbers: i, j and where the contact was. Sorts the keys and
+ * puts the items of *list in their order, into *now; *list is freed (lists.c). */
+typedef struct gn_renamed {
+    int32_t i, j, place;
+    bool swapped;
+} gn_renamed;
+gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn_renamed *keys,
+                              gneiss_error *error);
+/* The first contact of a sorted list that does not come before (i, j) (lists.c). */
+size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
+size_t gn_blocks(size_t count, size_t block);
+
+#endif

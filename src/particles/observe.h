@@ -1,0 +1,28 @@
+/* Contacts with the forces of the present positions. */
+#ifndef GN_PARTICLES_OBSERVE_H
+#define GN_PARTICLES_OBSERVE_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "soa/records.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Some contacts of a list (observe.c), with the forces of the present places in their rows; the
+ * caller's, also on failure. */
+gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
+                                  const gn_periodic_box *box, const gn_contacts *list,
+                                  const int32_t *chosen, size_t count, gn_contacts *seen,
+                                  gneiss_error *error);
+/* The lists with the forces of the present positions in their rows (velocities and tangential
+ * forces of the last step): for output. The world is not changed; the copies are the caller's. */
+typedef struct gn_observed {
+    gn_contacts bonds, pairs;
+} gn_observed;
+gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_periodic_box *box, gn_observed *observed,
+                               gneiss_error *error);
+void gn_observed_free(gn_observed *observed);
+
+#endif

@@ -1,0 +1,52 @@
+/* Functions that the files of this folder share. */
+#ifndef GN_PARTICLES_PARTICLES_PRIVATE_H
+#define GN_PARTICLES_PARTICLES_PRIVATE_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+#include "kernels/partials.h"
+#include "neigh/pairs.h"
+#include "soa/records.h"
+
+#include <stddef.h>
+
+/* The contact law, asked of the world (law.c). Writes the parameters of a new contact, whose ends
+ * are known; of all contacts of a list those that follow the step. */
+void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list, size_t c);
+void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list);
+/* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
+gneiss_status gn_law_derive(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
+                            gneiss_error *error);
+/* What particles are by Hertz's law to each other and to what they touch (law.c). */
+gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Parameters of all contacts of a list from the materials as they are now, but not what they have
+ * gone through. */
+gneiss_status gn_contacts_take_materials(const gn_step_context *ctx, const gn_dem *dem,
+                                         gn_contacts *list, gneiss_error *error);
+/* Motions and forces of sets as the scene has them now. */
+gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
+gneiss_status gn_bonds_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                            const gn_solids *solids, gneiss_error *error);
+/* The same of pairs as they stand now, beside the bonds that are there; all that hold, undone. The
+ * lists have to be made anew. */
+gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                           const gn_solids *solids, gneiss_error *error);
+void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem);
+/* Sets (sets.c): first materials and groups, then, when masses are known, motions and forces. */
+gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+gneiss_status gn_sets_apply(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Velocities of prescribed particles and sums of the reactions. */
+void gn_prescription_update(const gn_step_context *ctx, gn_dem *dem, double time);
+void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem);
+/* A step of no length on a copy of a list, in double (observe.c): whatever limits it would reach
+ * stays in the copy, which is the caller's, also on failure. `partials`: of the list, with rows of
+ * double; NULL: forces stand in the rows of the copy alone. */
+gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_periodic_box *box, const gn_contacts *list,
+                                   const gn_partials *partials, gn_contacts *copy,
+                                   gneiss_error *error);
+/* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
+void gn_dem_confine(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds);
+
+#endif

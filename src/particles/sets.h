@@ -1,0 +1,16 @@
+/* Sets of particles. */
+#ifndef GN_PARTICLES_SETS_H
+#define GN_PARTICLES_SETS_H
+
+#include "frame/parts.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Whether a particle, by where it was at the start, is one of a set's. */
+bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t particle);
+/* Mean displacement of a set from the start along an axis, m. */
+double gn_set_travel(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     size_t set, int axis);
+
+#endif
