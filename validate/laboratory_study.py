@@ -64,7 +64,10 @@ def bonds_per_particle(run):
 
 
 def spread(values, digits=3):
-    values = np.asarray(values, float)
+    """Mean and range of the values that are there."""
+    values = np.asarray([value for value in values if np.isfinite(value)], float)
+    if not len(values):
+        return ""
     text = f"{np.mean(values):.{digits}g}"
     return text if len(values) < 2 else f"{text} ({np.min(values):.{digits}g} to {np.max(values):.{digits}g})"
 
@@ -121,7 +124,8 @@ def disc_part():
                                                                     WIDE if "20 degrees" in name else FLAT)) for seed in seeds]
         if number in (0, 1, 2):
             drawn[f"{few(count)} spheres"] = runs[0]
-        rows.append([name, few(count), f"{speed:g}", len(seeds), f"{np.mean([bonds_per_particle(r) for r in runs]):.2f}",
+        peaks = sum(np.isfinite(r.peak_stress) for r in runs)
+        rows.append([name, few(count), f"{speed:g}", len(seeds) if peaks == len(seeds) else f"{len(seeds)}, peaks in {peaks}", f"{np.mean([bonds_per_particle(r) for r in runs]):.2f}",
                      spread([r.peak_stress / 1e6 for r in runs]), spread([100 * r.peak_strain for r in runs], 2),
                      spread([r.centre_tension / 1e6 for r in runs], 2), spread([r.centre_ratio for r in runs], 2),
                      f"{np.mean([r.broken[0] for r in runs]):.0f} + {np.mean([r.broken[1] for r in runs]):.0f}"])
