@@ -232,7 +232,8 @@ run_tests() {
         "$python" "$root/tools/count_tests.py" "$folder/meson-logs/testlog.json"
         return 1
     fi
-    "$meson" test -C "$folder" --no-rebuild --print-errorlogs "${@:2}" || true
+    # One more than there are cores: some tests wait for a program or a terminal.
+    "$meson" test -C "$folder" --no-rebuild --print-errorlogs --num-processes $(($(nproc) + 1)) "${@:2}" || true
     "$python" "$root/tools/count_tests.py" "$folder/meson-logs/testlog.json"
 }
 

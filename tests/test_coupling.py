@@ -179,7 +179,7 @@ def particles_of_a_zone_outside_of_elements_are_refused(folder):
            r"\d+:\d+: couple.zones: expected every particle of the zone in an element, found particle \d+")
 
 
-@fact
+@plain_fact
 def particles_and_elements_in_space_are_drawn_in_one_section(folder):
     sys.path.insert(0, os.path.join(ROOT, "tools"))
     from report_coupling import Section, plot_together, quantities
@@ -215,7 +215,7 @@ def particles_that_sleep_are_not_damaged(folder):
         assert np.max(particles["damage"][:]) == 0.0
 
 
-@fact
+@plain_fact
 def a_beam_in_mixed_mode_opens_as_it_was_measured(folder):
     """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. What turns into particles by then is at the notch's tip and,
     as the load is to its right, more on that side."""
@@ -264,7 +264,7 @@ def check_says_what_the_packing_that_is_put_by_returns(folder):
     assert "particles and elements differ" in done.stdout
 
 
-@fact
+@plain_fact
 def who_sleeps_is_drawn_where_the_elements_are(folder):
     sys.path.insert(0, os.path.join(ROOT, "tools"))
     from report import bodies_text, count_rows
@@ -438,7 +438,7 @@ run: {threads: 1}
 """
 
 
-@fact
+@plain_fact
 def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(folder):
     """A beam ends where its load is 95 % below its peak, or as time.stop.peak_drop says."""
     for drop, over in ((None, False), (0.95, False), (0.15, True)):
@@ -817,7 +817,7 @@ run: {threads: 1}
 """
 
 
-@fact
+@plain_fact
 def conversions_of_a_symmetric_beam_are_symmetric(folder):
     columns, rows = 60, 20
     places = (f"[{x + 0.5 - columns // 2} mm, {y + 0.5} mm, 0.5 mm]" for y in range(rows) for x in range(columns))

@@ -5,12 +5,6 @@ from program import *  # noqa: F403
 from hard import case, page, table
 
 
-def under_sanitizer():
-    """There every run takes ten times as long: once each has to do."""
-    with open(PROGRAM, "rb") as file:
-        return b"__asan_init" in file.read()
-
-
 def test_of(one, sets):
     def test(folder):
         seen, figures = case.watch(one, folder)
@@ -39,7 +33,8 @@ def there_are_at_least_fifty(folder):
 
 
 if __name__ == "__main__":
-    words, sets = sys.argv[2:], [] if under_sanitizer() else case.present_sets()
+    # Under a sanitizer a run takes several times as long, and each case runs once.
+    words, sets = sys.argv[2:], [] if SANITIZED else case.present_sets()
     for one in table.CASES:
         if not words or any(word in one.name for word in words):
             fact(test_of(one, sets))

@@ -61,7 +61,7 @@ def contacts_of_a_broken_rock_have_the_force_of_their_overlap(folder):
         assert np.count_nonzero(weak) < 0.01 * len(two)
 
 
-@fact
+@plain_fact
 def asking_for_contacts_changes_no_bit_of_a_run_and_no_other_file(folder):
     with_, without = (os.path.join(folder, name) for name in ("with", "without"))
     run(UCS, with_, *ALL)
@@ -74,7 +74,7 @@ def asking_for_contacts_changes_no_bit_of_a_run_and_no_other_file(folder):
     assert series(without) == series(with_) and series(without, "bonds") == series(with_, "bonds")
 
 
-@fact
+@plain_fact
 def lines_of_contacts_end_at_centres_and_where_walls_act(folder):
     run(UCS, os.path.join(folder, "out"), *ALL)
     name = series(os.path.join(folder, "out"), "contacts")[-1][0]
@@ -265,7 +265,7 @@ def bursts_are_breaks_that_are_near_in_place_and_time(folder):
         assert abs(file["bursts"].attrs["window"] / (2 * sums * slow.mean()) - 1) < 1e-12
 
 
-@fact
+@plain_fact
 def bursts_are_the_same_whatever_rows_threads_and_interruptions(folder):
     one, two = (os.path.join(folder, name) for name in ("one", "two"))
     run(UCS, one, *SLOW, "--threads", 1)

@@ -65,7 +65,7 @@ static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     uint64_t at = 16;
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
         double c = asked[k], worst = 0.0, sum = 0.0;
-        enum { DRAWN = 200 };
+        enum { DRAWN = 50 };
         for (int n = 0; n < DRAWN; n++) {
             meeting m = draw(&at);
             double off = rebound(&m, c, GN_STEPS_PER_CONTACT) - c;

@@ -63,7 +63,7 @@ def resume_with_other_threads_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT, "--threads", 3)
 
 
-@fact
+@plain_fact
 def bound_threads_have_a_core_each(folder):
     if len(os.sched_getaffinity(0)) < 2:
         raise Skip("one core")
@@ -93,7 +93,7 @@ def killed_early_and_resumed_gives_the_same_bits(folder):
     killed_and_resumed(folder, 1)
 
 
-@fact
+@plain_fact
 def killed_at_ten_random_moments_and_resumed_gives_the_same_bits(folder):
     pick = random.Random(20)
     process = start(folder, "--set", "output.checkpoint=5 ms", "--threads", "1")
@@ -130,14 +130,14 @@ def a_run_ended_by_a_stop_condition_stays_ended(folder):
     assert before["stop_reason"] == after["stop_reason"] == "strain reached 0.002", after["stop_reason"]
 
 
-@fact
+@plain_fact
 def a_stop_condition_lifted_on_resume_equals_a_run_without_it(folder):
     run(UCS, folder, "--set", "time.stop.strain=0.2 %")
     resume(folder, "--set", "time.stop.strain=off")
     check_same(folder, reference())
 
 
-@fact
+@plain_fact
 def a_later_end_on_resume_equals_a_straight_run(folder):
     run(UCS, folder, "--set", "time.end=0.1 ms", "--set", "output.history_rows=100")
     resume(folder, "--set", "time.end=0.3 ms")

@@ -1,10 +1,15 @@
-"""Has the compiler read every source of a build folder, for its warnings: only_read.py COMPILE_COMMANDS. Nothing is written."""
+"""Has the compiler read every source of a build folder, for its warnings: only_read.py COMPILE_COMMANDS. Nothing is written. A
+source that is compiled several times is read once for each set of definitions (-D)."""
 import concurrent.futures
 import json
 import os
 import shlex
 import subprocess
 import sys
+
+
+def differs_by(entry):
+    return entry["file"], *sorted(word for word in shlex.split(entry["command"]) if word.startswith("-D"))
 
 
 def read(entry):
@@ -19,7 +24,7 @@ def read(entry):
 
 def main(path):
     with open(path) as file:
-        entries = json.load(file)
+        entries = list({differs_by(entry): entry for entry in reversed(json.load(file))}.values())
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         found = list(pool.map(read, entries))
     for _, said in found:
