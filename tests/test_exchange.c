@@ -2,7 +2,7 @@
 #include "world_helpers.h"
 
 #include "run/parts.h"
-#include "world/exchange.h"
+#include "world/features.h"
 
 #include <unistd.h>
 
@@ -135,8 +135,9 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
             t->count++;
         }
     assert_int_equal(t->count, w->ctx.scene.dimension == 3 ? 36 : 6);
-    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, .act = tie_act}, &error) != GNEISS_OK)
-        fail_msg("%s", error.message);
+    const gn_feature tied = {.hook = {[GN_HOOK_LISTS] = tie_mark, [GN_HOOK_ACT] = tie_act},
+                             .context = t};
+    if (gn_feature_add(w, tied, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 static two_blocks *stack(int dimension, double step, int threads) {
@@ -356,7 +357,7 @@ static void waiting_changes_no_bit(void **state) {
     gn_world *w = solids(3, 4e-7, 2);
     tie t;
     tie_make(&t, w, -1, 0);
-    w->features.exchange[0].act = nothing;
+    w->features.added[0].hook[GN_HOOK_ACT] = nothing;
     run_steps(w, 300);
     assert_true(w->dem.hold.count > 0 && w->solids.elements[0]->solid.hold.count > 0);
     assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
@@ -373,8 +374,8 @@ static void an_exchange_may_stop_the_run(void **state) {
     (void)state;
     gn_world *w = solids(2, 4e-7, 1);
     gneiss_error error = {0};
-    assert_int_equal(gn_exchange_add(w, (gn_exchange){.mark = nothing, .act = refuse}, &error),
-                     GNEISS_OK);
+    const gn_feature stop = {.hook = {[GN_HOOK_ACT] = refuse}};
+    assert_int_equal(gn_feature_add(w, stop, &error), GNEISS_OK);
     assert_int_equal(gn_world_step(w, false, &error), GNEISS_ERROR_UNSTABLE);
     assert_string_equal(error.message, "step 0: refused");
     world_end(w);

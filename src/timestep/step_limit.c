@@ -1,7 +1,6 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
 #include "timestep/body_paths.h"
-#include "world/exchange.h"
 #include "world/internal.h"
 #include "zones/zones.h"
 

@@ -1,7 +1,7 @@
 /* When the lists of the world are made anew, and in which order. */
 #include "base/timer.h"
 #include "particles/invariants.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "world/internal.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_refresh(w, error));
     GN_TRY(
         gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, first, error));
-    GN_TRY(gn_exchanges_mark(w, error));
+    GN_TRY(gn_features_follow_lists(w, error));
     GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
@@ -22,7 +22,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
-    return gn_exchanges_mark(w, error);
+    return gn_features_follow_lists(w, error);
 }
 
 gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {

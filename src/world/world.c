@@ -11,7 +11,7 @@
 #include "laboratory/section.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "world/internal.h"
 #include "world/origin.h"
 #include "zones/zones.h"
@@ -430,7 +430,7 @@ void gn_world_free(gn_world *w) {
     gn_dem_free(&w->dem);
     gn_strain_gauge_free(&w->gauge.weights);
     gn_free(w->gauge.belongs);
-    gn_exchanges_free(&w->features);
+    gn_features_free(&w->features);
     gn_coupled_free(w->zones.coupled);
     gn_free(w->stages.state);
     gn_scene_free(&w->ctx.scene);

@@ -11,7 +11,7 @@
 #include "laboratory/strain_gauge.h"
 #include "particles/dem.h"
 #include "solids/elements.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "zones/zone_state.h"
 
 /* X(name, text): what the seconds of a run are booked under. */
@@ -64,7 +64,7 @@ struct gn_world {
     gn_boundary boundary; /* walls, bodies and facets that they touch */
     gn_solids solids;     /* bodies of finite elements */
     gn_zones zones;       /* particles and elements as one body; conversions */
-    gn_features features; /* exchanges between force and motion */
+    gn_features features; /* what only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */
