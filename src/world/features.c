@@ -32,7 +32,8 @@ void gn_features_choose(gn_world *w) {
     for (size_t k = 0; k < GN_FEATURE_COUNT; k++)
         if (!all[k]->used || all[k]->used(w)) f->used[f->used_count++] = all[k];
     f->holds = false;
-    for (size_t k = 0; k < count_of(f); k++) f->holds |= feature_at(f, k)->hook[GN_HOOK_LISTS] != 0;
+    for (size_t k = 0; k < count_of(f); k++)
+        f->holds |= feature_at(f, k)->hook[GN_HOOK_LISTS] != NULL;
 }
 
 gneiss_status gn_features_run(gn_world *w, gn_hook_place place, gneiss_error *error) {
