@@ -4,7 +4,6 @@
 
 #include "conversion/conversion.h"
 #include "couple/front.h"
-#include "world/exchange.h"
 #include "world_helpers.h"
 #include "zones/zones.h"
 

@@ -8,7 +8,6 @@
 #include "world_helpers.h"
 
 #include "conversion/conversion.h"
-#include "world/exchange.h"
 
 static double fastest(const gn_world *w) {
     const gn_particles *of[2] = {&w->dem.particles, &w->solids.elements[0]->solid.nodes};

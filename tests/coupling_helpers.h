@@ -2,7 +2,6 @@
 #ifndef GN_TESTS_COUPLING_HELPERS_H
 #define GN_TESTS_COUPLING_HELPERS_H
 
-#include "world/exchange.h"
 #include "world_helpers.h"
 #include "zones/zones.h"
 

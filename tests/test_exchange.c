@@ -3,7 +3,7 @@
 
 #include "run/parts.h"
 #include "timestep/step_limit.h"
-#include "world/exchange.h"
+#include "world/features.h"
 
 #include <unistd.h>
 
@@ -136,8 +136,9 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
             t->count++;
         }
     assert_int_equal(t->count, w->ctx.scene.dimension == 3 ? 36 : 6);
-    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, .act = tie_act}, &error) != GNEISS_OK)
-        fail_msg("%s", error.message);
+    const gn_feature tied = {.hook = {[GN_HOOK_LISTS] = tie_mark, [GN_HOOK_ACT] = tie_act},
+                             .context = t};
+    if (gn_feature_add(w, tied, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 static two_blocks *stack(int dimension, double step, int threads) {
@@ -357,7 +358,7 @@ static void waiting_changes_no_bit(void **state) {
     gn_world *w = solids(3, 4e-7, 2);
     tie t;
     tie_make(&t, w, -1, 0);
-    w->features.exchange[0].act = nothing;
+    w->features.added[0].hook[GN_HOOK_ACT] = nothing;
     run_steps(w, 300);
     assert_true(w->dem.hold.count > 0 && w->solids.elements[0]->solid.hold.count > 0);
     assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) ==
@@ -374,10 +375,76 @@ static void an_exchange_may_stop_the_run(void **state) {
     (void)state;
     gn_world *w = solids(2, 4e-7, 1);
     gneiss_error error = {0};
-    assert_int_equal(gn_exchange_add(w, (gn_exchange){.mark = nothing, .act = refuse}, &error),
-                     GNEISS_OK);
+    const gn_feature stop = {.hook = {[GN_HOOK_ACT] = refuse}};
+    assert_int_equal(gn_feature_add(w, stop, &error), GNEISS_OK);
     assert_int_equal(gn_world_step(w, false, &error), GNEISS_ERROR_UNSTABLE);
     assert_string_equal(error.message, "step 0: refused");
+    world_end(w);
+}
+
+static void assert_uses(const gn_world *w, const char *names) {
+    text *used = calloc(1, sizeof *used);
+    for (size_t k = 0; k < w->features.used_count; k++)
+        add(used, "%s%s", k ? " " : "", w->features.used[k]->name);
+    assert_string_equal(used->s, names);
+    free(used);
+}
+
+static void a_world_uses_the_features_of_its_scene(void **state) {
+    (void)state;
+    gn_world *w = solids(3, 4e-7, 1);
+    assert_uses(w, "depth gauge events");
+    assert_false(w->features.holds);
+    world_end(w);
+    w = world_of("specimen: {particles: [[0, 0, 0, 1e-3]]}\ngravity: [0, 0, -9.81]\n"
+                 "materials: [{name: m, density: 2500, young: 1e9, poisson: 0.2}]\n"
+                 "law: {stiffness: hertz}\nwalls: [{name: floor, point: [0, 0, -2e-3], "
+                 "normal: [0, 0, 1]}]\ntime: {end: 1}\n");
+    assert_uses(w, "indentation bodies debris depth gauge");
+    world_end(w);
+}
+
+/* The places of a step at which a feature was called, in their order. */
+static gneiss_status note(char **calls, char place) {
+    *(*calls)++ = place;
+    return GNEISS_OK;
+}
+#define NOTE(name, place)                                                                          \
+    static gneiss_status name(void *calls, gn_world *w, gneiss_error *error) {                     \
+        (void)w, (void)error;                                                                      \
+        return note(calls, place);                                                                 \
+    }
+NOTE(before_lists, '1')
+NOTE(limit, '2')
+NOTE(reading, '3')
+NOTE(before_forces, '4')
+NOTE(at_act, '5')
+NOTE(work, '6')
+NOTE(moved, '7')
+NOTE(elements_moved, '8')
+NOTE(read_all, '9')
+NOTE(after_step, '.')
+
+static void a_feature_is_called_at_every_place_of_a_step(void **state) {
+    (void)state;
+    char places[64] = "", *calls = places;
+    const gn_feature probe = {.hook = {[GN_HOOK_BEFORE_LISTS] = before_lists,
+                                       [GN_HOOK_LIMIT] = limit,
+                                       [GN_HOOK_READING] = reading,
+                                       [GN_HOOK_BEFORE_FORCES] = before_forces,
+                                       [GN_HOOK_ACT] = at_act,
+                                       [GN_HOOK_WORK] = work,
+                                       [GN_HOOK_MOVED] = moved,
+                                       [GN_HOOK_ELEMENTS_MOVED] = elements_moved,
+                                       [GN_HOOK_READ] = read_all,
+                                       [GN_HOOK_AFTER_STEP] = after_step},
+                              .context = &calls};
+    gn_world *w = solids(2, 4e-7, 1);
+    gneiss_error error = {0};
+    assert_int_equal(gn_feature_add(w, probe, &error), GNEISS_OK);
+    assert_int_equal(gn_world_step(w, true, &error), GNEISS_OK);
+    assert_int_equal(gn_world_step(w, false, &error), GNEISS_OK);
+    assert_string_equal(places, "123456789.12345678.");
     world_end(w);
 }
 
@@ -391,6 +458,8 @@ int main(void) {
         cmocka_unit_test(an_exchange_gives_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(waiting_changes_no_bit),
         cmocka_unit_test(an_exchange_may_stop_the_run),
+        cmocka_unit_test(a_world_uses_the_features_of_its_scene),
+        cmocka_unit_test(a_feature_is_called_at_every_place_of_a_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

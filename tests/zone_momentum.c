@@ -2,7 +2,6 @@
  * prints by how much its momentum has changed, over the sum of sizes. For random_zones.py. */
 #include "world_helpers.h"
 
-#include "world/exchange.h"
 #include "zones/zones.h"
 
 /* What the nodes carry of particles is counted there; particles that springs tie have their own. */

@@ -14,7 +14,7 @@ typedef struct gn_periodic_box gn_periodic_box;   /* drive/box.h */
 typedef struct gn_gauge gn_gauge;                 /* laboratory/strain_gauge.h */
 typedef struct gn_approach gn_approach;           /* drive/control.h */
 typedef struct gn_bar_section gn_bar_section;     /* drive/control.h */
-typedef struct gn_features gn_features;           /* world/exchange.h */
+typedef struct gn_features gn_features;           /* world/features.h */
 typedef struct gn_stages gn_stages;               /* world/world.h */
 typedef struct gn_ending gn_ending;               /* frame/step_context.h */
 typedef struct gn_surface gn_surface;             /* boundary/surface.h */

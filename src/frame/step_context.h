@@ -36,6 +36,8 @@ struct gn_step_context {
     int64_t dt_lowered; /* number of times that the step was lowered while running */
 
     gn_machine machine;        /* control of the ends of the test */
+    bool measure;              /* the instant of the step is read */
+    bool sums;                 /* sums over contacts are asked for, whether or not it is read */
     double period[3];          /* m: present sides of a periodic box; 0: not periodic */
     double volume;             /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */

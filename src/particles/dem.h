@@ -169,6 +169,7 @@ struct gn_dem {
     double listed_holds; /* s: step of the particles alone at which all that is listed holds */
     gn_resolution resolution;      /* the shortest so far */
     bool debris_told;              /* while it is looked at because the ledger misses something */
+    bool debris_read;              /* the step is measured because of debris */
     int64_t broken_without_debris; /* bonds that had broken when there was none (debris.c) */
     gn_depth depth;                /* the furthest so far */
     uint8_t *loose;                /* [ids]: not bonded at the start, see collisions.c */

@@ -8,7 +8,7 @@
 #include "particles/invariants.h"
 #include "timestep/depth.h"
 #include "timestep/step_limit.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_refresh(w, error));
     GN_TRY(
         gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, first, error));
-    GN_TRY(gn_exchanges_mark(w, error));
+    GN_TRY(gn_features_follow_lists(w, error));
     GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
@@ -29,7 +29,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_restore(&w->ctx, &w->dem, &w->box, error));
     GN_TRY(gn_boundary_restore(&w->dem, &w->boundary, error));
-    return gn_exchanges_mark(w, error);
+    return gn_features_follow_lists(w, error);
 }
 
 gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {

@@ -32,7 +32,7 @@
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "world/origin.h"
 #include "zones/zones.h"
 
@@ -450,7 +450,7 @@ void gn_world_free(gn_world *w) {
     gn_dem_free(&w->dem);
     gn_strain_gauge_free(&w->gauge.weights);
     gn_free(w->gauge.belongs);
-    gn_exchanges_free(&w->features);
+    gn_features_free(&w->features);
     gn_coupled_free(w->zones.coupled);
     gn_free(w->stages.state);
     gn_scene_free(&w->ctx.scene);

@@ -17,7 +17,7 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "solids/elements.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "zones/zone_state.h"
 
 #include <stdbool.h>
@@ -75,7 +75,7 @@ struct gn_world {
     gn_boundary boundary; /* walls, bodies and facets that they touch */
     gn_solids solids;     /* bodies of finite elements */
     gn_zones zones;       /* particles and elements as one body; conversions */
-    gn_features features; /* exchanges between force and motion */
+    gn_features features; /* what only some scenes use */
 
     gn_periodic_box box;        /* motion of the sides of a periodic box */
     gn_gauge gauge;             /* average strain */

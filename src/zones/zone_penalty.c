@@ -194,24 +194,19 @@ static double total(const double *of, size_t count) {
     return sum;
 }
 
-gneiss_status gn_penalty_act(void *context, gn_world *w, gneiss_error *error) {
+void gn_penalty_act(gn_world *w) {
     gn_coupled *q = w->zones.coupled;
-    (void)context;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
-    (void)error;
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) pull(&w->ctx, &w->dem, &w->solids, q, k, width);
     gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
-    return GNEISS_OK;
 }
 
 /* The second half of what dashpots take. */
-gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error) {
+void gn_penalty_follow(gn_world *w) {
     gn_coupled *q = w->zones.coupled;
-    (void)context;
-    (void)error;
     for (size_t k = 0; k < q->ties.count; k++) {
         double slip[3], spin[3];
         q->lost[k] = 0.0;
@@ -223,11 +218,8 @@ gneiss_status gn_penalty_follow(void *context, gn_world *w, gneiss_error *error)
         q->lost[k] -= 0.5 * w->ctx.dt * gn_dot3(q->twist[k], spin);
     }
     w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
-    return GNEISS_OK;
 }
 
-void gn_penalty_book(void *context, const gn_world *w, gn_energy *reading) {
-    const gn_coupled *q = w->zones.coupled;
-    (void)context;
+void gn_penalty_book(const gn_coupled *q, gn_energy *reading) {
     reading->elastic_coupling += total(q->stored, q->ties.count);
 }

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/point.h"
+#include "base/timer.h"
 #include "base/vec3.h"
 #include "conversion/conversion.h"
 #include "couple/consistent.h"
@@ -22,7 +23,7 @@
 #include "sched/hold.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "world/exchange.h"
+#include "world/features.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
 #include "zones/zones_private.h"
@@ -279,9 +280,8 @@ static void find_places(const gn_dem *dem, gn_coupled *q) {
     }
 }
 
-static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
+GN_HOOK(hold) {
     gn_coupled *q = w->zones.coupled;
-    (void)context;
     gn_fem_solid *b = gn_coupled_solid(&w->solids);
     find_places(&w->dem, q);
     for (size_t k = 0; k < q->ties.count; k++)
@@ -310,10 +310,25 @@ static void take(const gn_step_context *ctx, gn_dem *dem, int width, size_t p, d
     }
 }
 
-static void book(void *context, const gn_world *w, gn_energy *reading) {
+/* The stress of the elements is that at the places of the instant, before these have their loads.
+ */
+GN_HOOK(read_stress) {
+    if (!w->ctx.measure) return GNEISS_OK;
+    const double begin = gn_now();
+    gneiss_status status = gn_coupled_mean_stress(&w->ctx, &w->dem, &w->solids, &w->zones,
+                                                  w->zones.state.stress, error);
+    w->seconds[GN_PHASE_measure] += gn_now() - begin;
+    return status;
+}
+
+GN_HOOK(add_to_reading) {
     const gn_coupled *q = w->zones.coupled;
-    (void)context;
-    reading->kinetic += q->kinetic;
+    for (int k = 0; k < 9; k++) w->ledger.stress[k] += w->zones.state.stress[k];
+    if (q->stiffness)
+        gn_penalty_book(q, &w->ledger.reading);
+    else
+        w->ledger.reading.kinetic += q->kinetic;
+    return GNEISS_OK;
 }
 
 /* --- slaved spins --- */
@@ -377,11 +392,9 @@ void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
     }
 }
 
-static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
+static void hand_over(gn_world *w) {
     gn_coupled *q = w->zones.coupled;
-    (void)context;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
-    (void)error;
     if (q->before) gn_masses_remember(&w->solids, q);
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
@@ -393,7 +406,6 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     }
     gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
-    return GNEISS_OK;
 }
 
 /* Velocity and displacement at a tie. */
@@ -466,10 +478,9 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
 }
 
 /* What is kept of the particles' largest speed is that of all. */
-static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
+static gneiss_status follow(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_coupled *q = w->zones.coupled;
-    (void)context;
     if (q->before) gn_masses_book(&w->ctx, &w->solids, q);
     double speed = place_all(&w->ctx, &w->dem, &w->solids, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
@@ -485,28 +496,43 @@ static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
         (long long)w->ctx.step, w->ctx.time, speed, d->radius_min, w->ctx.dt, w->ctx.stable);
 }
 
-/* --- both ways to it --- */
-
-static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
-    gn_exchange exchange = {NULL, mark, act, NULL, follow, book};
-    if (q->stiffness) {
-        exchange.act = gn_penalty_act;
-        exchange.follow = gn_penalty_follow;
-        exchange.book = gn_penalty_book;
-    }
-    w->zones.coupled = q;
-    gneiss_status status = gn_exchange_add(w, exchange, error);
-    if (status != GNEISS_OK) w->zones.coupled = NULL;
-    return status;
+/* By springs or by a constraint. */
+GN_HOOK(act) {
+    if (w->zones.coupled->stiffness)
+        gn_penalty_act(w);
+    else
+        hand_over(w);
+    return GNEISS_OK;
 }
+
+GN_HOOK(elements_moved) {
+    if (!w->zones.coupled->stiffness) return follow(w, error);
+    gn_penalty_follow(w);
+    return GNEISS_OK;
+}
+
+static bool has_zones(const gn_world *w) {
+    return w->zones.coupled != NULL;
+}
+
+const gn_feature gn_feature_zones = {
+    .name = "zones",
+    .used = has_zones,
+    .hook = {[GN_HOOK_LISTS] = hold,
+             [GN_HOOK_BEFORE_FORCES] = read_stress,
+             [GN_HOOK_ACT] = act,
+             [GN_HOOK_ELEMENTS_MOVED] = elements_moved,
+             [GN_HOOK_READ] = add_to_reading},
+};
+
+/* --- both ways to it --- */
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     GN_TRY(check_law(&w->ctx, error));
     if (w->ctx.scene.couple.has_convert) {
         GN_TRY(gn_conversion_prepare(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
         GN_TRY(find(&w->ctx, &w->dem, &w->solids, q, error));
-        GN_TRY(lump(&w->dem, &w->solids, *q, error));
-        return hand_over(w, *q, error);
+        return lump(&w->dem, &w->solids, *q, error);
     }
     for (size_t k = 0; k < w->ctx.scene.couple.zone_count; k++)
         GN_TRY(check_end(&w->ctx, &w->solids, k, error));
@@ -522,24 +548,29 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
         load_nodes(gn_coupled_solid(&w->solids));
         place_all(&w->ctx, &w->dem, &w->solids, *q);
     }
-    return hand_over(w, *q, error);
+    return GNEISS_OK;
+}
+
+static gneiss_status take_over(gn_zones *zones, gn_coupled *q, gneiss_status status) {
+    if (status == GNEISS_OK)
+        zones->coupled = q;
+    else
+        gn_coupled_free(q);
+    return status;
 }
 
 gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = prepare(w, &q, error);
-    if (status != GNEISS_OK) gn_coupled_free(q);
-    return status;
+    return take_over(&w->zones, q, status);
 }
 
 gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
     gn_coupled *q = NULL;
     if (!w->ctx.scene.has_couple) return GNEISS_OK;
     gneiss_status status = find(&w->ctx, &w->dem, &w->solids, &q, error);
-    if (status == GNEISS_OK) status = hand_over(w, q, error);
-    if (status != GNEISS_OK) gn_coupled_free(q);
-    return status;
+    return take_over(&w->zones, q, status);
 }
 
 /* --- particles that leave --- */

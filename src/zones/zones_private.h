@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "couple/ties.h"
 #include "fem/solid.h"
+#include "frame/feature.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"
@@ -42,9 +43,9 @@ void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coup
  * a step. */
 void gn_penalty_set(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                     const gn_zones *zones, gn_coupled *q);
-gneiss_status gn_penalty_act(void *context, gn_world *world, gneiss_error *error);
-gneiss_status gn_penalty_follow(void *context, gn_world *world, gneiss_error *error);
-void gn_penalty_book(void *context, const gn_world *world, gn_energy *reading);
+void gn_penalty_act(gn_world *world);
+void gn_penalty_follow(gn_world *world);
+void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading);
 
 /* Threads for so many particles or nodes of zones: one where they are few, or where the threads of
  * the particles have found that they wait for each other (sched/pace.h). */

@@ -1,0 +1,80 @@
+/* A feature is a part of a model that only some scenes use. It hooks functions into places of the
+ * step, which names none of them; a scene that does not use it pays nothing for it.
+ *
+ * The seam between force and motion: blocks of particles and nodes that a feature holds
+ * (GN_HOOK_LISTS) wait until all forces of the instant are known; it adds to their loads
+ * (GN_HOOK_ACT), and they move. All other blocks move as soon as their forces are done. */
+#ifndef GN_FRAME_FEATURE_H
+#define GN_FRAME_FEATURE_H
+
+#include "frame/parts.h"
+
+#include "base/error.h"
+
+#include <stdbool.h>
+
+/* Places of a step, in their order. */
+typedef enum gn_hook_place {
+    /* Before the lists of the step are looked at: may change which particles and elements are
+     * there, and makes the lists anew in that case. */
+    GN_HOOK_BEFORE_LISTS,
+    /* Whenever lists were made, so that particles may have changed places: holds the blocks that
+     * GN_HOOK_ACT needs (gn_hold_particle on world->dem.hold and on the hold of a body of
+     * elements). Also when a feature is added to a world that has lists. */
+    GN_HOOK_LISTS,
+    GN_HOOK_LIMIT,   /* lists are those of the step: may lower its length */
+    GN_HOOK_READING, /* may set ctx.measure, so that the instant is read, and ctx.sums */
+    GN_HOOK_BEFORE_FORCES,
+    /* Forces of contacts, walls and elements are known: adds to the loads of what is held
+     * (gn_hold_load). Gravity, applied forces and background damping join them in the motion.
+     * Velocities are those of the last half step. */
+    GN_HOOK_ACT,
+    GN_HOOK_WORK,  /* velocities are new: books the work of the interval before the instant */
+    GN_HOOK_MOVED, /* particles, walls and bodies have moved; an instant that is read was read */
+    GN_HOOK_ELEMENTS_MOVED,
+    GN_HOOK_READ, /* of an instant that is read: adds to ledger.reading and ledger.stress */
+    GN_HOOK_AFTER_STEP,
+    GN_HOOK_PLACES
+} gn_hook_place;
+
+typedef gneiss_status gn_hook(void *context, gn_world *world, gneiss_error *error);
+/* Head of a hook that needs no context. */
+#define GN_HOOK(name)                                                                              \
+    static gneiss_status name(__attribute__((unused)) void *context, gn_world *w,                  \
+                              __attribute__((unused)) gneiss_error *error)
+
+typedef struct gn_feature {
+    const char *name;
+    /* Tells whether the scene, as the present stage has it, uses the feature: asked whenever lists
+     * are made and when a stage begins. NULL: always, as of those that are added to a world. */
+    bool (*used)(const gn_world *world);
+    gn_hook *hook[GN_HOOK_PLACES]; /* NULL: nothing to do there */
+    void *context;                 /* passed to the hooks */
+    void (*end)(void *context);    /* when the world is freed; NULL: nothing to do */
+} gn_feature;
+
+/* The features of scenes, in the order in which their hooks are called at every place; those that
+ * were added to a world (world/features.h) come after them. X(name): gn_feature_<name>. */
+#define GN_FEATURES(X)                                                                             \
+    X(conversion)                                                                                  \
+    X(indentation)                                                                                 \
+    X(bodies)                                                                                      \
+    X(debris)                                                                                      \
+    X(depth)                                                                                       \
+    X(zones)                                                                                       \
+    X(gauge)                                                                                       \
+    X(control)                                                                                     \
+    X(membrane)                                                                                    \
+    X(ends)                                                                                        \
+    X(box)                                                                                         \
+    X(events)
+
+#define X(name) extern const gn_feature gn_feature_##name;
+GN_FEATURES(X)
+#undef X
+
+#define GN_COUNT_FEATURE(name) +1
+enum { GN_FEATURE_COUNT = 0 GN_FEATURES(GN_COUNT_FEATURE) };
+#undef GN_COUNT_FEATURE
+
+#endif

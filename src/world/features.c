@@ -1,0 +1,266 @@
+/* Calls of the features, and the descriptors of those whose functions take parts of a world. */
+#include "world/features.h"
+
+#include "base/memory.h"
+#include "conversion/conversion.h"
+#include "drive/box.h"
+#include "drive/control.h"
+#include "laboratory/ends.h"
+#include "laboratory/strain_gauge.h"
+#include "membrane/membrane.h"
+#include "particles/dem.h"
+#include "particles/events.h"
+#include "sched/hold.h"
+#include "timestep/debris.h"
+#include "timestep/depth.h"
+#include "timestep/indentation.h"
+#include "timestep/step_limit.h"
+#include "world/world.h"
+
+#include <string.h>
+
+static const gn_feature *const all[] = {
+#define X(name) &gn_feature_##name,
+    GN_FEATURES(X)
+#undef X
+};
+
+static size_t count_of(const gn_features *features) {
+    return features->used_count + features->added_count;
+}
+
+static const gn_feature *feature_at(const gn_features *features, size_t k) {
+    return k < features->used_count ? features->used[k]
+                                    : &features->added[k - features->used_count];
+}
+
+void gn_features_choose(gn_world *w) {
+    gn_features *f = &w->features;
+    f->used_count = 0;
+    for (size_t k = 0; k < GN_FEATURE_COUNT; k++)
+        if (!all[k]->used || all[k]->used(w)) f->used[f->used_count++] = all[k];
+    f->holds = false;
+    for (size_t k = 0; k < count_of(f); k++)
+        f->holds |= feature_at(f, k)->hook[GN_HOOK_LISTS] != NULL;
+}
+
+gneiss_status gn_features_run(gn_world *w, gn_hook_place place, gneiss_error *error) {
+    const gn_features *f = &w->features;
+    for (size_t k = 0; k < count_of(f); k++) {
+        const gn_feature *one = feature_at(f, k);
+        if (one->hook[place]) GN_TRY(one->hook[place](one->context, w, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_features_follow_lists(gn_world *w, gneiss_error *error) {
+    gn_features_choose(w);
+    gn_hold_clear(&w->dem.hold);
+    for (size_t k = 0; k < w->solids.count; k++) gn_hold_clear(&w->solids.elements[k]->solid.hold);
+    return gn_features_run(w, GN_HOOK_LISTS, error);
+}
+
+gneiss_status gn_feature_add(gn_world *w, gn_feature feature, gneiss_error *error) {
+    gn_features *f = &w->features;
+    gn_feature *added = gn_alloc_array(f->added_count + 1, sizeof *added);
+    if (!added) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a feature");
+    if (f->added) memcpy(added, f->added, f->added_count * sizeof *added);
+    added[f->added_count++] = feature;
+    gn_free(f->added);
+    f->added = added;
+    gneiss_status status = w->dem.motion_sums ? gn_features_follow_lists(w, error) : GNEISS_OK;
+    if (status != GNEISS_OK) f->added_count--;
+    return status;
+}
+
+void gn_features_free(gn_features *features) {
+    for (size_t k = 0; k < features->added_count; k++)
+        if (features->added[k].end) features->added[k].end(features->added[k].context);
+    gn_free(features->added);
+}
+
+/* --- elements that turn into particles --- */
+
+static bool converts(const gn_world *w) {
+    return gn_converts(&w->ctx);
+}
+
+GN_HOOK(convert) {
+    return gn_conversion_look(w, error);
+}
+
+const gn_feature gn_feature_conversion = {
+    .name = "conversion",
+    .used = converts,
+    .hook = {[GN_HOOK_BEFORE_LISTS] = convert},
+};
+
+/* --- the length of the step --- */
+
+static bool is_hertz(const gn_world *w) {
+    return w->ctx.effects & GN_FX_HERTZ;
+}
+
+GN_HOOK(check_indentation) {
+    return gn_pressed_check(w, error);
+}
+
+const gn_feature gn_feature_indentation = {
+    .name = "indentation",
+    .used = is_hertz,
+    .hook = {[GN_HOOK_LIMIT] = check_indentation},
+};
+
+static bool has_automatic_step(const gn_world *w) {
+    return w->ctx.scene.step == 0.0 && w->ctx.scene.has_specimen;
+}
+
+GN_HOOK(follow_bodies) {
+    gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_bodies = {
+    .name = "bodies",
+    .used = has_automatic_step,
+    .hook = {[GN_HOOK_LIMIT] = follow_bodies},
+};
+
+/* Wedged debris gains some tenths of its energy in every collision of a few steps. Counted by
+ * steps, so that it does not depend on what is written, or resumed. */
+enum { DEBRIS_EVERY = 20 };
+
+static bool may_have_debris(const gn_world *w) {
+    return w->ctx.effects & GN_FX_ENERGY && has_automatic_step(w);
+}
+
+GN_HOOK(find_debris) {
+    w->dem.debris_read = false;
+    if ((w->ctx.step + 1) % DEBRIS_EVERY != 0) return GNEISS_OK;
+    GN_TRY(gn_debris_find(&w->ctx, &w->dem, &w->dem.debris_read, error));
+    w->ctx.measure |= w->dem.debris_read;
+    return GNEISS_OK;
+}
+
+GN_HOOK(check_debris) {
+    return w->dem.debris_read ? gn_world_check_debris(w, error) : GNEISS_OK;
+}
+
+const gn_feature gn_feature_debris = {
+    .name = "debris",
+    .used = may_have_debris,
+    .hook = {[GN_HOOK_READING] = find_debris, [GN_HOOK_AFTER_STEP] = check_debris},
+};
+
+/* --- readings --- */
+
+static bool has_specimen(const gn_world *w) {
+    return w->ctx.scene.has_specimen;
+}
+
+GN_HOOK(look_at_depth) {
+    if (!w->ctx.measure) return GNEISS_OK;
+    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
+}
+
+const gn_feature gn_feature_depth = {
+    .name = "depth",
+    .used = has_specimen,
+    .hook = {[GN_HOOK_BEFORE_FORCES] = look_at_depth},
+};
+
+GN_HOOK(look_at_gauge) {
+    return gn_gauge_look(&w->ctx, &w->dem, &w->gauge, error);
+}
+
+const gn_feature gn_feature_gauge = {
+    .name = "gauge",
+    .used = has_specimen,
+    .hook = {[GN_HOOK_BEFORE_FORCES] = look_at_gauge},
+};
+
+static bool has_ends(const gn_world *w) {
+    return gn_scene_tested(&w->ctx.scene);
+}
+
+GN_HOOK(look_at_ends) {
+    gn_ends_look(w, false);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_ends = {
+    .name = "ends",
+    .used = has_ends,
+    .hook = {[GN_HOOK_ACT] = look_at_ends},
+};
+
+static bool has_events(const gn_world *w) {
+    return w->ctx.effects & GN_FX_EVENTS;
+}
+
+GN_HOOK(note_events) {
+    return gn_events_note(&w->ctx, &w->dem, error);
+}
+
+const gn_feature gn_feature_events = {
+    .name = "events",
+    .used = has_events,
+    .hook = {[GN_HOOK_MOVED] = note_events},
+};
+
+/* --- what acts on the specimen --- */
+
+static bool is_controlled(const gn_world *w) {
+    return w->ctx.scene.test.has_control;
+}
+
+GN_HOOK(control_ends) {
+    gn_control_look(w);
+    return GNEISS_OK;
+}
+
+const gn_feature gn_feature_control = {
+    .name = "control",
+    .used = is_controlled,
+    .hook = {[GN_HOOK_BEFORE_FORCES] = control_ends},
+};
+
+static bool has_membrane(const gn_world *w) {
+    return w->ctx.effects & GN_FX_MEMBRANE;
+}
+
+GN_HOOK(press) {
+    return gn_membrane_press(&w->ctx, &w->dem, error);
+}
+
+const gn_feature gn_feature_membrane = {
+    .name = "membrane",
+    .used = has_membrane,
+    .hook = {[GN_HOOK_BEFORE_FORCES] = press},
+};
+
+static bool is_periodic(const gn_world *w) {
+    return w->ctx.effects & GN_FX_PERIODIC;
+}
+
+/* A servo asks for the stress in every step. */
+GN_HOOK(ask_for_sums) {
+    w->ctx.sums |= gn_box_moves(&w->ctx, &w->box);
+    return GNEISS_OK;
+}
+
+GN_HOOK(book_box) {
+    gn_box_book(&w->ctx, &w->dem, &w->box, &w->ledger);
+    return GNEISS_OK;
+}
+
+GN_HOOK(move_box) {
+    return gn_box_move(&w->ctx, &w->dem, &w->box, &w->ledger, error);
+}
+
+const gn_feature gn_feature_box = {
+    .name = "box",
+    .used = is_periodic,
+    .hook =
+        {[GN_HOOK_READING] = ask_for_sums, [GN_HOOK_WORK] = book_box, [GN_HOOK_MOVED] = move_box},
+};

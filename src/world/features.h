@@ -1,0 +1,30 @@
+/* The features of a world (frame/feature.h): those that its scene uses, and those that were added.
+ * They are not saved with the world: what a feature of a scene has to keep is a member of the
+ * world, and one that was added is added again after a resume. */
+#ifndef GN_WORLD_FEATURES_H
+#define GN_WORLD_FEATURES_H
+
+#include "frame/feature.h"
+
+#include <stddef.h>
+
+struct gn_features {
+    const gn_feature *used[GN_FEATURE_COUNT]; /* [used_count] */
+    gn_feature *added;                        /* [added_count] */
+    size_t used_count, added_count;
+    bool holds; /* one of them may hold blocks: time is booked as GN_PHASE_exchange */
+};
+
+/* Adds a feature, also to a world that runs. On failure the context is still the caller's. */
+gneiss_status gn_feature_add(gn_world *world, gn_feature feature, gneiss_error *error);
+
+void gn_features_free(gn_features *features);
+
+/* Finds which of them the scene uses. */
+void gn_features_choose(gn_world *world);
+/* The same, and holds their blocks: when lists have been made. */
+gneiss_status gn_features_follow_lists(gn_world *world, gneiss_error *error);
+/* Calls the hooks at a place. */
+gneiss_status gn_features_run(gn_world *world, gn_hook_place place, gneiss_error *error);
+
+#endif
