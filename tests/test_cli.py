@@ -899,7 +899,7 @@ def a_servo_that_never_holds_is_told(folder):
     for speed, told in ((0.01, True), (1, False)):
         scene["walls"][0]["servo"]["max_velocity"] = speed
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
-        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows and is to hold 1 N" in done.stderr) == told, done.stderr
+        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows, and its target is 1 N" in done.stderr) == told, done.stderr
 
 
 @fact
@@ -956,7 +956,7 @@ def a_servo_that_loses_what_it_held_is_told_though_it_has_it_again_at_the_end(fo
     for name, motion in (("stays", 0), ("leaves", away)):
         scene["sets"][0]["motion"]["vz"] = motion
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, name), "--quiet"), 0)
-        told = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows and is to hold 1 N \(and was off by more than a tenth in (\d+) % of the run since it first held\)", done.stderr)
+        told = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows, and its target is 1 N \(and was off by more than a tenth in (\d+) % of the run since it was first reached\)", done.stderr)
         assert bool(told) == (name == "leaves"), done.stderr
 
 

@@ -3,7 +3,7 @@
 #include "conversion_helpers.h"
 #include "limit/springs.h"
 #include "particles/flow.h"
-#include "run/verdict.h"
+#include "run/warnings.h"
 #include "run_helpers.h"
 
 #include <unistd.h>

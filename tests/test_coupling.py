@@ -321,7 +321,7 @@ def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_na
     run(scene, out, *thin)
     end = summary(out)
     said = {warning["name"]: warning["text"] for warning in end["warnings"]}["conversion_halted"]
-    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone has to be wider than 0.0003 m", said), said
+    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone must be wider than 0.0003 m", said), said
     assert end["counts"]["elements"] == 2 * 120 * 32 and end["counts"]["asleep"] == 240, end["counts"]
     enough = fine + ["couple.convert.width=1.2 mm"]
     looked = gneiss("check", scene, *enough)
@@ -339,7 +339,7 @@ def conversion_that_comes_to_what_is_driven_says_so(folder):
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         summary = json.load(file)
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
-    assert "has nodes of a motion or a load; what is driven or loaded has to be farther" in said and "couple.convert.box" not in said, said
+    assert "has nodes of a motion or a load; driven or loaded elements must be farther" in said and "couple.convert.box" not in said, said
 
 
 @fact
@@ -354,7 +354,7 @@ def nodes_that_are_only_watched_are_told_before_conversion_comes_to_them(folder)
     done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves meet in the middle
     assert re.search("gneiss: " + words, done.stderr), done.stderr
     said = warnings_of(out).get("conversion_halted", "")
-    assert "has nodes of motion 'mid', which is only watched; sets of particles, which may sleep, can watch there instead" in said, said
+    assert "has nodes of motion 'mid', which is only watched; sets of particles, which may be dormant, can record there instead" in said, said
 
 
 @fact
@@ -379,7 +379,7 @@ def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
 def every_warning_of_a_run_is_in_the_documentation_and_in_the_list(folder):
     names, sources = set(), os.path.join(ROOT, "src", "run")
     for name in os.listdir(sources):
-        if name.startswith("verdict"):
+        if name.startswith("warnings"):
             with open(os.path.join(sources, name), encoding="utf-8") as file:
                 text = file.read()
             names |= set(re.findall(r'\b(?:add|gn_warnings_add|warn_of_passing)\(\s*(?:run, )?list,[^"]{0,40}"(\w+)"', text))
@@ -451,7 +451,7 @@ def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(
         fallen = 100 * (1 - stress[-1] / stress.max())
         assert end["readings"]["flexural_strength"] == stress.max(), end["readings"]
         assert over == ("conversion_halted" not in said) == ("peak_halted" not in said), said
-        words = f"with the stress {fallen:.1f} % below the {stress.max():.4g} Pa that strengths were read off, not the 95.0 % with which"
+        words = f"with the stress {fallen:.1f} % below the {stress.max():.4g} Pa from which strengths were read, not the 95.0 % with which"
         assert over or fallen < 90 and words in said["peak_halted"], said
 
 
@@ -467,8 +467,8 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/step"][-1] == summary["steps"] - 1  # the last row is how far it came
-    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and what comes after is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
-                     r"couple\.convert\.box and the packing in it have to reach farther on that side .* by the width of the zone, 0\.006 m", said), said
+    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and the further behaviour is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
+                     r"couple\.convert\.box and the packing in it must extend beyond the converted elements on that side by the width of the zone, 0\.006 m", said), said
     page = gneiss("report", out)
     assert page.returncode == 0, page.stdout + page.stderr
     with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
@@ -610,7 +610,7 @@ def a_run_that_converts_nothing_says_how_near_it_came(folder):
     assert "is no less than" not in gneiss("check", scene).stdout
     run(scene, os.path.join(folder, "never"), "--set", "couple.convert.every=100000", "--set", "time.end=44 us")
     text = warnings_of(os.path.join(folder, "never"))["nothing_converted"]
-    assert float(re.search(r"was (\S+) % of a limit", text).group(1)) > 110 and "no look came after that (couple.convert.every)" in text, text
+    assert float(re.search(r"was (\S+) % of a limit", text).group(1)) > 110 and "no check followed (couple.convert.every)" in text, text
 
 
 @fact
@@ -657,11 +657,11 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
     stiff = warnings_of(os.path.join(folder, "stiff"))
     with h5py.File(os.path.join(folder, "stiff", "results.h5")) as file:
         made = -file["history/energy_conversion"][-1]
-    part, scale = (float(v) for v in re.search(r"made (\S+) of the (\S+) J", stiff["energy_conversion"]).groups())
+    part, scale = (float(v) for v in re.search(r"generated (\S+) of the energy throughput of (\S+) J", stiff["energy_conversion"]).groups())
     assert abs(part * scale / made - 1) < 0.01 and part > 0.03, (part, scale, made)
     found = summary(os.path.join(folder, "stiff"))["conversions"]
     assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
-    times = float(re.search(r"by stiffness: the particles held (\S+) times as much", stiff["energy_conversion"]).group(1))
+    times = float(re.search(r"due to stiffness: the particles stored (\S+) times as much", stiff["energy_conversion"]).group(1))
     assert abs(times / found["held"] - 1) < 0.01, (times, found)
     # As stiff along the axes when its sides are held, and 1.8 times as stiff when they are free.
     free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")

@@ -153,8 +153,8 @@ static void a_run_tells_of_a_source_behind_a_wall(void **state) {
         "{name: b, box: {size: [4 mm, 4 mm, 4 mm]}, origin: [0, 0, %s], rate: 1e6, "
         "mean_radius: 1 mm}]\n";
     static const char *const at[] = {"-10 mm", "10 mm"};
-    static const char *const says[] = {"; wall 'floor' has all of its region behind it",
-                                       "; walls, bodies or particles are all over its region"};
+    static const char *const says[] = {"; wall 'floor' has the whole region of the source behind it",
+                                       "; walls, bodies or particles fill its region"};
     for (int k = 0; k < 2; k++) {
         char scene_text[2048], tail[512];
         gn_scene scene;

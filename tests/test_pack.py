@@ -167,7 +167,7 @@ def a_folder_in_which_a_run_works_takes_no_packing(folder):
     assert wait_until(process, lambda: os.path.exists(os.path.join(out, "particles.hdf.series"))), process.stderr.read()
     done = gneiss("pack", request(folder), "--out", out, **cached(folder))
     assert process.wait(timeout=120) == 0, process.stderr.read()
-    expect(done, 2, "found another run or packing at work")
+    expect(done, 2, "found another run or packing that writes into it")
     assert "packing.h5" not in os.listdir(out) and len(series(out)) > 2
 
 
@@ -177,7 +177,7 @@ def a_folder_takes_one_packing_at_a_time(folder):
     os.mkdir(out)
     held = os.open(out, os.O_RDONLY)
     fcntl.flock(held, fcntl.LOCK_EX)
-    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "another run or packing at work")
+    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "another run or packing that writes into it")
     assert not os.listdir(out), os.listdir(out)
     os.close(held)
     pack(folder, request(folder))

@@ -46,7 +46,7 @@ def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
            "time": {"end": "0.1 ms", "mass_scaling": {"factor": 2}}}
     out = os.path.join(folder, "out")
     done = expect(gneiss("run", write_scene(folder, far), "--out", out, "--quiet"), 0)
-    assert [w["name"] for w in summary(out)["warnings"]] == ["mass_scaling"] and "asks for a step of" in done.stderr
+    assert [w["name"] for w in summary(out)["warnings"]] == ["mass_scaling"] and "requests a step of" in done.stderr
     with results(out) as file:
         assert np.allclose(file["particles/mass"], 2000 * 4 / 3 * np.pi * 1e-9, rtol=1e-14)
 
@@ -216,7 +216,7 @@ def a_truncated_checkpoint_gives_way_to_the_older_one(folder):
     truncate(newer)
     size = os.path.getsize(newer)
     done = gneiss("resume", out, "--set", "time.end=0.4 ms", "--quiet")
-    expect(done, 0, "warning: .*" + os.path.basename(newer), "going on from the checkpoint of step")
+    expect(done, 0, "warning: .*" + os.path.basename(newer), "continuing from the checkpoint of step")
     assert not os.path.exists(newer), "a damaged checkpoint is still listed"
     assert os.path.getsize(newer + ".damaged") == size, "the damaged checkpoint was not kept"
     run(LATTICE, straight)
