@@ -1082,7 +1082,7 @@ static void a_loaded_world_takes_a_later_end(void **state) {
     remove_place(&p);
 }
 
-static void what_is_no_checkpoint_is_refused(void **state) {
+static void a_file_that_is_no_checkpoint_is_refused(void **state) {
     (void)state;
     place p = make_place();
     gneiss_error error = {0};
@@ -1216,7 +1216,7 @@ int main(void) {
         cmocka_unit_test(a_run_that_went_bad_can_be_looked_at_and_nothing_else),
         cmocka_unit_test(a_saved_world_goes_on_to_the_same_bits),
         cmocka_unit_test(a_loaded_world_takes_a_later_end),
-        cmocka_unit_test(what_is_no_checkpoint_is_refused),
+        cmocka_unit_test(a_file_that_is_no_checkpoint_is_refused),
         cmocka_unit_test(a_run_in_a_folder_leaves_its_files),
         cmocka_unit_test(a_run_resumes_in_its_folder),
         cmocka_unit_test(a_folder_belongs_to_one_world_at_a_time),

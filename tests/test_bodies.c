@@ -388,7 +388,7 @@ static double fastest(const gn_world *w) {
 }
 
 /* At the automatic step nothing grows; at what would do for the spheres alone it does. */
-static void the_limit_knows_of_free_bodies(void **state) {
+static void the_limit_includes_free_bodies(void **state) {
     (void)state;
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};
     for (int k = 0; k < 2; k++) {
@@ -659,7 +659,7 @@ int main(void) {
         cmocka_unit_test(particles_and_a_body_keep_momentum),
         cmocka_unit_test(the_ledger_of_particles_and_a_body_closes),
         cmocka_unit_test(a_sphere_rebounds_from_a_free_body),
-        cmocka_unit_test(the_limit_knows_of_free_bodies),
+        cmocka_unit_test(the_limit_includes_free_bodies),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_resumed_run_gives_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),

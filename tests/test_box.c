@@ -429,7 +429,7 @@ static void what_a_box_cannot_do_is_refused(void **state) {
     expect_refused("z: {rate: 1}", "run: {precision: mixed}", "run.precision: expected double");
 }
 
-static void a_rate_beyond_what_a_step_resolves_stops_the_run(void **state) {
+static void a_rate_that_a_step_cannot_resolve_stops_the_run(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_world *w = crystal(0, 0, 0, "x: {rate: -1e4}", "");
@@ -456,7 +456,7 @@ int main(void) {
         cmocka_unit_test(a_seam_is_none_where_the_box_is_open_across_it),
         cmocka_unit_test(a_layer_that_is_sheared_has_the_same_bits),
         cmocka_unit_test(what_a_box_cannot_do_is_refused),
-        cmocka_unit_test(a_rate_beyond_what_a_step_resolves_stops_the_run),
+        cmocka_unit_test(a_rate_that_a_step_cannot_resolve_stops_the_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

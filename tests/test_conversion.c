@@ -86,7 +86,7 @@ static void a_block_at_rest_becomes_particles_at_rest(void **state) {
 }
 
 /* Also in blocks in which others are awake. */
-static void who_sleeps_has_no_contact_and_stays(void **state) {
+static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     (void)state;
     block s = plate;
     s.rest = "gravity: [0, -9.81]\nrun: {threads: 1}\n";
@@ -276,7 +276,7 @@ static double most_changed(gn_world *w, const double low[3], const double high[3
 
 /* A row of conversions of elements smaller than particles, far from the origin, in a body that
  * vibrates: few can make up for what is missing each time, and nobody is to be thrown. */
-static void conversions_throw_nobody(void **state) {
+static void conversion_creates_no_spurious_velocities(void **state) {
     (void)state;
     static const double rows[3][2] = {{28e-3, 14e-3}, {29.9e-3, 8e-3}, {20e-3, 15.9e-3}};
     const block small[] = {
@@ -373,7 +373,7 @@ static bool any_element_between(const gn_world *w, double from, double to) {
 }
 
 /* Twice the width of a zone is too little between two of them: what is there goes too. */
-static void two_places_that_meet_leave_nothing_between_them(void **state) {
+static void two_converting_places_that_join_leave_no_element_between_them(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
     convert(w, 4e-3, 8e-3, 0.0, 1.0);
@@ -386,7 +386,7 @@ static void two_places_that_meet_leave_nothing_between_them(void **state) {
 }
 
 /* What is kept of elements from one conversion to the next says what a look at all of them does. */
-static void the_bound_of_what_is_left_is_that_of_all_elements(void **state) {
+static void the_bound_of_the_remaining_elements_is_that_of_all_elements(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
         block s = space ? cube : plate;
@@ -420,7 +420,7 @@ static gneiss_status find_with_all(const gn_spectrum *spectrum, void *context,
 }
 
 /* The particles' limit is found among those who are awake: that of the full operator. */
-static void the_limit_of_who_is_awake_is_that_of_all(void **state) {
+static void the_limit_of_active_particles_is_that_of_the_full_operator(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
         const block s = {.cells = {space ? 20 : 40, space ? 4 : 8, 4}, .space = space};
@@ -598,7 +598,7 @@ static void where_no_packing_is_ready_conversion_stops(void **state) {
     world_end(w);
 }
 
-static void what_is_driven_does_not_convert(void **state) {
+static void driven_elements_do_not_convert(void **state) {
     (void)state;
     char elements[512];
     block s = pulled(elements, sizeof elements, 0.0);
@@ -610,7 +610,7 @@ static void what_is_driven_does_not_convert(void **state) {
 
 /* Nodes of a zone that are driven fast: half a step of what their reactions jump by is booked with
  * the conversion. */
-static void what_reactions_jump_by_is_booked(void **state) {
+static void jumps_of_reactions_are_booked(void **state) {
     (void)state;
     block s = plate;
     s.elements = ", motions: [{name: top, box: {min: [13 mm, 15.9 mm], max: [17 mm, 17 mm]}, "
@@ -742,7 +742,7 @@ static const char *said_of(const gn_run *run, const char *name, gn_warnings *lis
 
 /* What turns rigidly has as much more angular momentum as inertia: of a small body of elements no
  * larger than particles 1 % and more, of a larger one with larger elements far less. */
-static void a_run_tells_what_conversion_does_to_angular_momentum(void **state) {
+static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **state) {
     (void)state;
     const block blocks[] = {{.cells = {15, 8, 0}},
                             {.cells = {4, 4, 0}, .finer = 2, .distortion = 0.2, .thin = 2e-3}};
@@ -866,7 +866,7 @@ static void assert_refused(const block *s, const char *from, const char *to, con
     free(t);
 }
 
-static void what_cannot_convert_is_refused(void **state) {
+static void invalid_conversions_are_refused(void **state) {
     (void)state;
     assert_refused(&plate, "stress: 1e30", "every: 10", "expected a limit, stress or mohr_coulomb");
     assert_refused(&plate, "width: 0.006", "width: 0", "couple.convert.width");
@@ -907,7 +907,7 @@ static void what_cannot_convert_is_refused(void **state) {
 }
 
 /* What would push particles apart as they wake, which no strain of the elements did. */
-static void what_is_not_free_of_stress_as_it_is_packed_is_refused(void **state) {
+static void conversion_packings_under_stress_are_refused(void **state) {
     (void)state;
     static const char range[] = "interaction_range: 0.01";
     static const char *const changed[] = {"overlap_range: 0.005   ", "passive_gaps: false    "};
@@ -926,15 +926,15 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_block_that_moves_and_turns_becomes_particles_that_do),
         cmocka_unit_test(a_block_at_rest_becomes_particles_at_rest),
-        cmocka_unit_test(who_sleeps_has_no_contact_and_stays),
+        cmocka_unit_test(dormant_particles_have_no_contacts_and_do_not_move),
         cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
         cmocka_unit_test(small_elements_keep_mass_and_momentum),
-        cmocka_unit_test(conversions_throw_nobody),
-        cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
-        cmocka_unit_test(the_bound_of_what_is_left_is_that_of_all_elements),
-        cmocka_unit_test(the_limit_of_who_is_awake_is_that_of_all),
+        cmocka_unit_test(conversion_creates_no_spurious_velocities),
+        cmocka_unit_test(two_converting_places_that_join_leave_no_element_between_them),
+        cmocka_unit_test(the_bound_of_the_remaining_elements_is_that_of_all_elements),
+        cmocka_unit_test(the_limit_of_active_particles_is_that_of_the_full_operator),
         cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),
@@ -943,16 +943,16 @@ int main(void) {
         cmocka_unit_test(friction_of_a_limit_may_be_an_angle),
         cmocka_unit_test(a_bond_that_breaks_in_a_zone_converts_its_elements),
         cmocka_unit_test(where_no_packing_is_ready_conversion_stops),
-        cmocka_unit_test(what_is_driven_does_not_convert),
-        cmocka_unit_test(what_reactions_jump_by_is_booked),
+        cmocka_unit_test(driven_elements_do_not_convert),
+        cmocka_unit_test(jumps_of_reactions_are_booked),
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
-        cmocka_unit_test(a_run_tells_what_conversion_does_to_angular_momentum),
+        cmocka_unit_test(a_run_reports_the_change_of_angular_momentum_by_conversion),
         cmocka_unit_test(a_full_list_of_warnings_takes_no_more),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
         cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
         cmocka_unit_test(a_row_at_a_conversion_counts_both_sides_after_it),
-        cmocka_unit_test(what_cannot_convert_is_refused),
-        cmocka_unit_test(what_is_not_free_of_stress_as_it_is_packed_is_refused),
+        cmocka_unit_test(invalid_conversions_are_refused),
+        cmocka_unit_test(conversion_packings_under_stress_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

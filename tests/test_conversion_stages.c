@@ -161,7 +161,7 @@ static void effects_that_come_with_a_stage_can_be_resumed(void **state) {
     free(undamped);
 }
 
-static void what_sleepers_would_not_know_is_refused(void **state) {
+static void changes_that_dormant_particles_would_miss_are_refused(void **state) {
     (void)state;
     static const char *const changes[][3] = {
         {"materials: {m: {friction: 0.5}}", "materials", "materials: {m: {f"},
@@ -194,7 +194,7 @@ int main(void) {
         cmocka_unit_test(stages_are_what_tables_are),
         cmocka_unit_test(threads_and_resumption_in_a_stage_give_the_same_bits),
         cmocka_unit_test(effects_that_come_with_a_stage_can_be_resumed),
-        cmocka_unit_test(what_sleepers_would_not_know_is_refused),
+        cmocka_unit_test(changes_that_dormant_particles_would_miss_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

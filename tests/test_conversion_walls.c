@@ -21,7 +21,7 @@ static double lowest_awake(const gn_world *w) {
 
 /* Elements did not feel the wall that they are in: who wakes there is free of stress, and what
  * comes on top is k d^2/2 each. */
-static void who_wakes_in_a_wall_feels_what_comes_on_top(void **state) {
+static void a_particle_activated_inside_a_wall_feels_added_loads_only(void **state) {
     (void)state;
     for (int passive = 0; passive < 2; passive++) {
         double how[2] = {1e-6, 0.0};
@@ -78,7 +78,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(who_wakes_in_a_wall_feels_what_comes_on_top),
+        cmocka_unit_test(a_particle_activated_inside_a_wall_feels_added_loads_only),
         cmocka_unit_test(a_body_rebounds_on_its_particles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

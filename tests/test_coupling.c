@@ -429,7 +429,7 @@ static void a_zone_is_weighed(void **state) {
 
 /* --- what is refused --- */
 
-static void what_is_no_zone_is_refused(void **state) {
+static void invalid_zones_are_refused(void **state) {
     (void)state;
     strip s = small_strip(false);
     assert_refused(&s, "from: [0.013", "from: [0.011", "expected elements that end on the plane");
@@ -477,7 +477,7 @@ int main(void) {
         cmocka_unit_test(diagonals_that_there_are_not_are_refused),
         cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(a_zone_is_weighed),
-        cmocka_unit_test(what_is_no_zone_is_refused),
+        cmocka_unit_test(invalid_zones_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

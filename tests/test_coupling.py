@@ -206,7 +206,7 @@ def particles_and_elements_in_space_are_drawn_in_one_section(folder):
 
 
 @fact
-def particles_that_sleep_are_not_damaged(folder):
+def dormant_particles_are_not_damaged(folder):
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=0.2 ms", "--set", "output.snapshots=0")
     with h5py.File(os.path.join(out, "results.h5")) as file:
@@ -252,7 +252,7 @@ output: {history_rows: 20, snapshots: 0}
 
 
 @fact
-def check_says_what_the_packing_that_is_put_by_returns(folder):
+def check_reports_the_wave_that_the_prepared_packing_returns(folder):
     done = gneiss("check", write_scene(folder, PULLED))
     particles, elements = (float(v) for v in re.search(r"modulus +(\S+) Pa of particles that follow elements, (\S+) Pa of these", done.stdout).groups())
     assert abs(particles / 24e9 - (29 / 30 + 7 / 8) / 2) < 0.025 and abs(elements / 24e9 - 1) < 1e-3, done.stdout  # bonds end at the sides; of the hull
@@ -265,7 +265,7 @@ def check_says_what_the_packing_that_is_put_by_returns(folder):
 
 
 @fact
-def who_sleeps_is_drawn_where_the_elements_are(folder):
+def dormant_particles_are_drawn_at_their_elements(folder):
     sys.path.insert(0, os.path.join(ROOT, "tools"))
     from report import bodies_text, count_rows
     from report_coupling import Section, plot_together
@@ -332,7 +332,7 @@ def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_na
 
 
 @fact
-def conversion_that_comes_to_what_is_driven_says_so(folder):
+def conversion_that_reaches_driven_elements_is_reported(folder):
     out = os.path.join(folder, "out")
     done = run(write_scene(folder, PULLED), out, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -343,7 +343,7 @@ def conversion_that_comes_to_what_is_driven_says_so(folder):
 
 
 @fact
-def nodes_that_are_only_watched_are_told_before_conversion_comes_to_them(folder):
+def nodes_that_only_record_are_warned_of_before_conversion_reaches_them(folder):
     scene = write_scene(folder, PULLED.replace("couple:", "    - {name: mid, box: {min: [13.9 mm, 7.9 mm], max: [14.1 mm, 8.1 mm]}}\ncouple:"))
     everywhere = ("--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=4 mm")
     words = r"warning: 'mid', which only watches \(elements\.motions\), has nodes in couple\.convert\.box: elements there stay.*sets of particles"
@@ -366,7 +366,7 @@ def a_set_that_moves_particles_of_a_zone_is_named_at_its_place(folder):
 
 
 @fact
-def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
+def keys_that_exclude_conversion_are_reported_with_their_value(folder):
     scene = write_scene(folder, PULLED)
     for setting, words in (("couple.constraint=penalty", "expected no couple.constraint but lumped beside couple.convert, found penalty"),
                            ("couple.constraint=consistent", "beside couple.convert, found consistent"),
@@ -531,7 +531,7 @@ def warnings_of(out):
 
 
 @fact
-def particles_that_do_not_weigh_what_elements_leave_them_are_warned_of(folder):
+def particles_with_another_mass_than_elements_leave_them_are_warned_of(folder):
     """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
     scene = write_scene(folder, ZONE)
     for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
@@ -648,7 +648,7 @@ sets:
 
 
 @fact
-def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
+def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(folder):
     scene = write_scene(folder, MEETING)
     run(scene, os.path.join(folder, "same"))
     same = warnings_of(os.path.join(folder, "same"))

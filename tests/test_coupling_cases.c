@@ -213,7 +213,7 @@ static gn_world *two_materials(const char *rest) {
     return w;
 }
 
-static void a_zone_across_two_materials_is_told_apart(void **state) {
+static void a_zone_across_two_materials_uses_both(void **state) {
     (void)state;
     gn_world *w = two_materials("run: {threads: 1}\n");
     gn_zone_figures f;
@@ -352,7 +352,7 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
 }
 
 /* Pulled apart in the zone, where bonds hold least. */
-static void bonds_that_break_in_a_zone_are_told(void **state) {
+static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene;
@@ -422,11 +422,11 @@ int main(void) {
         cmocka_unit_test(a_zone_without_elements_or_particles_is_refused_with_its_place),
         cmocka_unit_test(where_zones_overlap_both_have_the_whole_of_the_body),
         cmocka_unit_test(overlapping_zones_keep_energy_and_turn_without_force),
-        cmocka_unit_test(a_zone_across_two_materials_is_told_apart),
+        cmocka_unit_test(a_zone_across_two_materials_uses_both),
         cmocka_unit_test(a_zone_across_two_materials_keeps_energy),
         cmocka_unit_test(a_zone_may_lose_all_its_particles),
         cmocka_unit_test(a_zone_that_has_lost_particles_resumes_with_the_same_bits),
-        cmocka_unit_test(bonds_that_break_in_a_zone_are_told),
+        cmocka_unit_test(bonds_that_break_in_a_zone_are_warned_of),
         cmocka_unit_test(a_test_takes_its_sizes_from_all_of_the_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

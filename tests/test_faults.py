@@ -61,7 +61,7 @@ def third_snapshot(folder):
 
 
 @fact
-def a_snapshot_that_meets_a_full_disk_is_followed_by_a_checkpoint(folder):
+def a_snapshot_on_a_full_disk_is_followed_by_a_checkpoint(folder):
     name, step = third_snapshot(folder)
     out = os.path.join(folder, "out")
     done = faulty("run", LATTICE, "--out", out, "--quiet", "--set", "output.snapshots=5", write=f"{name}:28")

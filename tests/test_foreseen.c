@@ -258,7 +258,7 @@ static void assert_foreseen(const block *s) {
     world_end(run);
 }
 
-static void the_step_of_a_run_is_the_one_foretold(void **state) {
+static void the_step_of_a_run_is_the_predicted_one(void **state) {
     (void)state;
     const block flat = beam(false, 1, ""), fine = beam(false, 2, ""), space = beam(true, 1, "");
     assert_foreseen(&flat);
@@ -266,7 +266,7 @@ static void the_step_of_a_run_is_the_one_foretold(void **state) {
     assert_foreseen(&space);
 }
 
-static void the_step_of_slaved_spins_is_the_one_foretold(void **state) {
+static void the_step_of_slaved_spins_is_the_predicted_one(void **state) {
     (void)state;
     const block flat = beam(false, 1, ", spins: slaved"), fine = beam(false, 2, ", spins: slaved"),
                 space = beam(true, 1, ", spins: slaved");
@@ -286,8 +286,8 @@ int main(void) {
         cmocka_unit_test(foreseeing_leaves_a_world_as_it_was),
         cmocka_unit_test(what_nothing_loads_never_converts),
         cmocka_unit_test(what_stays_below_its_limit_is_said_to),
-        cmocka_unit_test(the_step_of_a_run_is_the_one_foretold),
-        cmocka_unit_test(the_step_of_slaved_spins_is_the_one_foretold),
+        cmocka_unit_test(the_step_of_a_run_is_the_predicted_one),
+        cmocka_unit_test(the_step_of_slaved_spins_is_the_predicted_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -77,7 +77,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
 }
 
 /* Over three decades of speed, by steps so short that they are not what is looked at. */
-static void restitution_is_what_is_asked_of_whatever_is_met(void **state) {
+static void restitution_is_as_requested_for_any_pair(void **state) {
     (void)state;
     const double asked[] = {0.5, 0.9};
     for (int k = 0; k < KINDS; k++)
@@ -279,7 +279,7 @@ static void momentum_stays_in_collisions_that_resist_rolling(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(restitution_is_what_is_asked_of_whatever_is_met),
+        cmocka_unit_test(restitution_is_as_requested_for_any_pair),
         cmocka_unit_test(restitution_is_kept_by_automatic_steps),
         cmocka_unit_test(restitution_of_a_pair_goes_over_that_of_materials),
         cmocka_unit_test(a_sphere_on_an_incline_is_held_up_to_the_resistance),

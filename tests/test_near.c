@@ -68,7 +68,7 @@ static void assert_same_worlds(const char *name, const gn_world *a, const gn_wor
     assert_same(name, "closeness", d->pairs.closeness, e->pairs.closeness, c);
 }
 
-static void leaving_out_what_does_not_touch_changes_no_bit(void **state) {
+static void omitting_distant_pairs_changes_no_bit(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         gn_world *packed = made(&cases[k], 2), *whole = made(&cases[k], 1);
@@ -110,7 +110,7 @@ static void reading_the_world_changes_no_bit(void **state) {
 
 /* Pairs of grains at random places and speeds: bits of every set are those of the scalar one, and
  * whoever is left out touches at no time that was asked for, nor nearly. */
-static void who_acts_is_found(void **state) {
+static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };
     static double pos[2 * PAIRS][4], vel[2 * PAIRS][4];
@@ -284,9 +284,9 @@ static void checkpoints_do_not_show_in_the_ledger(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaving_out_what_does_not_touch_changes_no_bit),
+        cmocka_unit_test(omitting_distant_pairs_changes_no_bit),
         cmocka_unit_test(reading_the_world_changes_no_bit),
-        cmocka_unit_test(who_acts_is_found),
+        cmocka_unit_test(acting_pairs_are_found),
         cmocka_unit_test(losses_are_the_same_to_rounding),
         cmocka_unit_test(a_lattice_that_touches_is_worked_on_whole),
         cmocka_unit_test(what_is_packed_comes_back),

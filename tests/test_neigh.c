@@ -318,7 +318,7 @@ static void turn_by_180_degrees(gn_world *w) {
     for (size_t a = 0; a < 2; a++) w->dem.pairs.shear[a * w->dem.pairs.soa.capacity] *= -1.0;
 }
 
-static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
+static void a_contact_is_unchanged_if_its_ends_change_places(void **state) {
     (void)state;
     gn_world *a = rubbing(), *b = rubbing();
     gneiss_error error = {0};
@@ -346,7 +346,7 @@ static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
 }
 
 /* Fast particles have short-lived lists, whose skin grows; a box of 4.4 mm bears 0.2 mm of it. */
-static void the_skin_grows_no_wider_than_a_periodic_box_bears(void **state) {
+static void the_skin_grows_no_wider_than_a_periodic_box_allows(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [4, 4, 2]}, group: "
@@ -374,8 +374,8 @@ int main(void) {
         cmocka_unit_test(the_skin_does_not_change_the_motion),
         cmocka_unit_test(a_skin_below_the_path_of_a_step_does_not_change_a_rebound),
         cmocka_unit_test(shear_forces_survive_reorderings),
-        cmocka_unit_test(a_contact_whose_ends_change_places_goes_on_as_before),
-        cmocka_unit_test(the_skin_grows_no_wider_than_a_periodic_box_bears),
+        cmocka_unit_test(a_contact_is_unchanged_if_its_ends_change_places),
+        cmocka_unit_test(the_skin_grows_no_wider_than_a_periodic_box_allows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

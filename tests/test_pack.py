@@ -762,7 +762,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 
 
 @fact
-def sizes_that_too_few_particles_cannot_have_are_told(folder):
+def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
     """Of 40 discs one in 400 of which is above half the largest size. The run has no more than a step."""
     def told(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}

@@ -166,7 +166,7 @@ static void a_reading_that_does_not_converge_has_no_error_of_size_and_says_so(vo
     assert_true(noted(&c, "does not converge"));
 }
 
-static void what_is_beyond_the_study_is_told(void **state) {
+static void scenes_beyond_the_study_are_reported(void **state) {
     (void)state;
     gn_test_groups q = usual();
     gn_error_causes c;
@@ -357,7 +357,7 @@ int main(void) {
         cmocka_unit_test(four_packings_halve_the_scatter_and_leave_the_bias),
         cmocka_unit_test(slower_loading_and_more_particles_are_better),
         cmocka_unit_test(a_reading_that_does_not_converge_has_no_error_of_size_and_says_so),
-        cmocka_unit_test(what_is_beyond_the_study_is_told),
+        cmocka_unit_test(scenes_beyond_the_study_are_reported),
         cmocka_unit_test(uniform_strain_of_a_lattice_is_the_stiffness_of_its_chains),
         cmocka_unit_test(bonds_along_the_axis_break_at_their_strength_over_their_stiffness),
         cmocka_unit_test(a_scene_without_a_test_is_not_covered_and_says_why),

@@ -196,7 +196,7 @@ static const char owners[] =
 
 /* A quantity that the history has of bodies is in results.h5 without further work, a row for each
  * in the order of the scene. */
-static void results_have_what_the_history_has_of_bodies(void **state) {
+static void results_have_the_final_quantities_of_bodies(void **state) {
     (void)state;
     char path[] = "/tmp/gneiss-quantities-XXXXXX";
     gneiss_error error = {0};
@@ -232,7 +232,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(docs_quantities_md_is_up_to_date),
         cmocka_unit_test(columns_follow_the_table),
-        cmocka_unit_test(results_have_what_the_history_has_of_bodies),
+        cmocka_unit_test(results_have_the_final_quantities_of_bodies),
     };
     if (argc < 2) return cmocka_run_group_tests(tests, NULL, NULL);
     FILE *file = fopen(argv[1], "w");

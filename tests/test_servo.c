@@ -87,7 +87,7 @@ static void the_default_is_not_touched(void **state) {
  * the force that was to be taken up in it, 0.1 of 5 N: the wall's path is k (and of dashpots c/dt)
  * of all of them into that, and the dashpot of a contact that closes acts for 1.5 steps at most.
  * A path for one of them alone gave up to 36 times as much, at any step. */
-static void a_crowd_that_is_met_at_once_is_not_hit(void **state) {
+static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
     (void)state;
     const char layer[] = "lattice: {kind: cubic, radius: 1 mm, cells: [6, 6, 1], spacing: 1.01}";
     for (int damped = 0; damped < 2; damped++)
@@ -174,7 +174,7 @@ static void follows(const char *particles, double top, const char *damping) {
         }
 }
 
-static void a_lid_holds_its_force_on_what_goes_on_moving(void **state) {
+static void a_lid_holds_its_force_on_grains_in_motion(void **state) {
     (void)state;
     const char damped[] = "contact: {restitution: 0.3}";
     follows(one, 1.99998e-3, damped);
@@ -212,9 +212,9 @@ int main(void) {
         cmocka_unit_test(one_sphere_settles_at_any_relaxation),
         cmocka_unit_test(a_lattice_settles_at_any_relaxation),
         cmocka_unit_test(the_default_is_not_touched),
-        cmocka_unit_test(a_crowd_that_is_met_at_once_is_not_hit),
+        cmocka_unit_test(a_servo_approaches_a_crowd_of_grains_softly),
         cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
-        cmocka_unit_test(a_lid_holds_its_force_on_what_goes_on_moving),
+        cmocka_unit_test(a_lid_holds_its_force_on_grains_in_motion),
         cmocka_unit_test(servos_that_cannot_be_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,7 +51,7 @@ static specimen *sleeping_rock(int k) {
     return s;
 }
 
-static void who_is_awake_has_the_limit_of_the_full_operator(void **state) {
+static void active_particles_have_the_limit_of_the_full_operator(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
         specimen *s = sleeping_rock(k);
@@ -71,7 +71,7 @@ static void who_is_awake_has_the_limit_of_the_full_operator(void **state) {
 }
 
 /* Their springs, and no others. */
-static void who_is_picked_keeps_all_springs(void **state) {
+static void selected_particles_keep_all_springs(void **state) {
     (void)state;
     specimen *s = sleeping_rock(0);
     gn_springs all, awake;
@@ -110,8 +110,8 @@ static void a_step_without_end_holds_where_nothing_resists(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(who_is_awake_has_the_limit_of_the_full_operator),
-        cmocka_unit_test(who_is_picked_keeps_all_springs),
+        cmocka_unit_test(active_particles_have_the_limit_of_the_full_operator),
+        cmocka_unit_test(selected_particles_keep_all_springs),
         cmocka_unit_test(a_step_without_end_holds_where_nothing_resists),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
