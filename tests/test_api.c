@@ -636,8 +636,8 @@ static void zones_have_elements_and_a_reading(void **state) {
     gneiss_world_free(w);
 }
 
-/* What is derived from the state as well: damage is that of the bonds that have broken, and bonds
- * that are broken have the largest criterion. */
+/* Derived outputs follow the state as well: damage is that of the broken bonds, and broken bonds
+ * have the largest criterion. */
 static void outputs_are_those_of_the_files(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, NULL, NULL);
@@ -1005,7 +1005,7 @@ static void two_worlds_in_two_threads_give_the_same_bits(void **state) {
     for (int k = 0; k < 3; k++) gneiss_world_free(w[k]);
 }
 
-/* The same step, far above the limit, on purpose. */
+/* A world with the same step, deliberately far above the limit. */
 static gneiss_world *unstable_world(const char *folder) {
     const char *overrides[] = {"time.step=0.1 ms", "time.on_unstable=warn", "time.end=1 s"};
     gneiss_error error = {0};

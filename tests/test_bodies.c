@@ -188,8 +188,8 @@ static double energy_error(double dt, double time, double *late) {
     return worst;
 }
 
-/* Of second order in steps of less than 0.005 rad, of fourth in longer ones; the error of the first
- * half of 100 and 600 turns is that of the second. */
+/* The error is of second order for steps of less than 0.005 rad and of fourth order for longer
+ * ones; that of the first half of 100 and 600 turns equals that of the second half. */
 static void an_asymmetric_top_keeps_momentum_and_energy(void **state) {
     (void)state;
     const double dt[] = {1.25e-3, 0.02}, time[] = {30.0, 200.0}, most[] = {1e-5, 1e-6};
@@ -203,7 +203,8 @@ static void an_asymmetric_top_keeps_momentum_and_energy(void **state) {
     }
 }
 
-/* Of a symmetric top the axis turns about the momentum with L/I: where it points after a time. */
+/* The axis of a symmetric top rotates about the momentum with L/I; returns the error of its
+ * direction after a time. */
 static double precession_error(double dt) {
     gn_world *w = top("1, 1, 3", "1, 0, 4", dt);
     const gn_rigid *b = &w->boundary.bodies[0];
@@ -561,7 +562,7 @@ static void a_free_surface_that_cuts_itself_is_refused(void **state) {
     snprintf(scene_text, sizeof scene_text,
              "bodies: [{name: b, surface: %s, stiffness: 1, free: true, mass: 1}]", path);
     REFUSE(scene_text, "expected a surface that does not cut itself");
-    /* What is only touched, or says itself what it weighs, may. */
+    /* Bodies that are only touched, or have a given mass, may be open. */
     static const char *const may[] = {
         "", ", free: true, mass: 2, inertia: [1, 1, 1], reference: [0.5, 0.5, 0.5]"};
     for (int k = 0; k < 2; k++)

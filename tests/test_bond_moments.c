@@ -282,8 +282,8 @@ static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
     }
 }
 
-/* What bending takes from the pressure at one fibre is none that friction sees: pressed, bent and
- * slid, the bond has used up its strength when it breaks, and not before. */
+/* The tension that bending adds at one fibre does not reduce the pressure for friction: under
+ * pressure, bending and sliding the bond breaks when its strength is used up, and not before. */
 static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
     (void)state;
     const char *const couplings[] = {", coupling: none", ", coupling: quadratic",
@@ -512,8 +512,8 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
 
 /* --- with everything else --- */
 
-/* A block thrown at a floor, with all that contacts can have, whose bonds break in every way and
- * some of whose particles leave the domain. */
+/* A block hits a floor with all options of contacts. Its bonds break in every way and some of its
+ * particles leave the domain. */
 static const char *const thrown =
     "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s, jitter: 0.02}}\n"
     "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2.5, friction: 0.4, "

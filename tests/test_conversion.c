@@ -55,7 +55,7 @@ static void convert_moving(const block *s) {
         assert_near(after.moment[a], before.moment[a], 1e-12 * before.mass * 0.04);
         assert_near(after.momentum[a], before.momentum[a], 1e-12 * before.mass * 5.0);
     }
-    /* Of a rigid motion by v0 and w the angular momentum is x0 x v0 m + w I about the origin. */
+    /* The angular momentum of a rigid motion by v0 and w is x0 x v0 m + w I about the origin. */
     assert_near(after.turning[2] - before.turning[2], turned[3] * (after.inertia - before.inertia),
                 1e-11 * before.mass * 0.04 * 5.0);
     const double more = 0.5 * turned[3] * turned[3] * (after.inertia - before.inertia);
@@ -85,7 +85,7 @@ static void a_block_at_rest_becomes_particles_at_rest(void **state) {
     world_end(w);
 }
 
-/* Also in blocks in which others are awake. */
+/* Blocks that also contain active particles are included. */
 static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     (void)state;
     block s = plate;
@@ -168,7 +168,8 @@ static void a_strained_block_becomes_particles_under_its_stress(void **state) {
     }
 }
 
-/* What waits in a zone is weighted anew as the front goes on: in the end it carries all. */
+/* Particles of a zone get new weights as the front advances: in the end they carry the whole
+ * stress. */
 static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
     (void)state;
     const double gradient[9] = {1e-6, 2e-6, 0, 0, 2e-6, 0, 0, 0, 0};
@@ -274,8 +275,9 @@ static double most_changed(gn_world *w, const double low[3], const double high[3
     return most;
 }
 
-/* A row of conversions of elements smaller than particles, far from the origin, in a body that
- * vibrates: few can make up for what is missing each time, and nobody is to be thrown. */
+/* A row of elements smaller than particles converts, far from the origin, in a vibrating body: only
+ * a few particles and nodes can correct the missing momentum each time, and none of them may get a
+ * large velocity. */
 static void conversion_creates_no_spurious_velocities(void **state) {
     (void)state;
     static const double rows[3][2] = {{28e-3, 14e-3}, {29.9e-3, 8e-3}, {20e-3, 15.9e-3}};
@@ -385,7 +387,7 @@ static void two_converting_places_that_join_leave_no_element_between_them(void *
     world_end(w);
 }
 
-/* What is kept of elements from one conversion to the next says what a look at all of them does. */
+/* The bound that is updated from one conversion to the next equals the bound of all elements. */
 static void the_bound_of_the_remaining_elements_is_that_of_all_elements(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -419,7 +421,8 @@ static gneiss_status find_with_all(const gn_spectrum *spectrum, void *context,
     return status;
 }
 
-/* The particles' limit is found among those who are awake: that of the full operator. */
+/* The limit of the particles is computed from the active ones: it equals that of the full
+ * operator. */
 static void the_limit_of_active_particles_is_that_of_the_full_operator(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -631,7 +634,8 @@ static void jumps_of_reactions_are_booked(void **state) {
 
 /* --- means --- */
 
-/* Of the specimen, whoever carries it: strain, stress, and how far a gauge goes. Uniform strain. */
+/* Means of strain, stress and gauge displacement over the specimen, particles and elements
+ * together. The strain is uniform. */
 static void assert_means(gn_world *w, const double gradient[9]) {
     double found[9], u[3] = {0.0}, v[3];
     const double x[3] = {0.5 * 25e-3, 0.5 * 15e-3, 0.0}; /* of particles from 10 to 15 mm */
@@ -714,7 +718,7 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
     }
 }
 
-/* --- what is told --- */
+/* --- warnings --- */
 
 /* A block that flies and turns, of which a corner converts. */
 static gn_run *turned_run(const block *s) {
@@ -740,8 +744,8 @@ static const char *said_of(const gn_run *run, const char *name, gn_warnings *lis
     return NULL;
 }
 
-/* What turns rigidly has as much more angular momentum as inertia: of a small body of elements no
- * larger than particles 1 % and more, of a larger one with larger elements far less. */
+/* A rigid rotation gains as much angular momentum as inertia: 1 % and more for a small body of
+ * elements no larger than particles, far less for a larger body with larger elements. */
 static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **state) {
     (void)state;
     const block blocks[] = {{.cells = {15, 8, 0}},
@@ -840,7 +844,7 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     unlink(path);
 }
 
-/* A row that falls on a conversion has what is left and who is awake after it. */
+/* A row at a conversion counts the remaining elements and the active particles after it. */
 static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -906,7 +910,7 @@ static void invalid_conversions_are_refused(void **state) {
                    "couple.convert.width: expected a zone that is narrower than the body of 0.03");
 }
 
-/* What would push particles apart as they wake, which no strain of the elements did. */
+/* Such packings would push particles apart on activation, without any strain of the elements. */
 static void conversion_packings_under_stress_are_refused(void **state) {
     (void)state;
     static const char range[] = "interaction_range: 0.01";

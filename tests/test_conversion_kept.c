@@ -1,4 +1,4 @@
-/* What conversions keep, and the step that they leave. */
+/* Quantities that conversions preserve, and the step after them. */
 #include "conversion_helpers.h"
 
 /* --- the step --- */
@@ -94,10 +94,10 @@ static void assert_kept(const block *s, field *motion, const double low[3], cons
     world_end(w);
 }
 
-/* Of blocks that are stretched, sheared, turn, and vibrate (with waves of three elements, of which
- * particles have a fortieth less energy), in the middle, at an edge and at a corner. Where masses
- * would have to change by more than half to keep the inertia, as at corners and edges of elements
- * of two particles, angular momentum is not that of before. */
+/* Blocks are stretched, sheared, rotate, and vibrate (with waves of three elements, for which
+ * particles have a fortieth less energy), and convert in the middle, at an edge and at a corner.
+ * Where masses would have to change by more than half to keep the inertia, as at corners and edges
+ * of elements of two particles, angular momentum is not preserved. */
 static void conversions_keep_both_momenta(void **state) {
     (void)state;
     static const double boxes[3][2][3] = {{{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 1.0}},
@@ -256,11 +256,10 @@ static double sum_of(const gn_conversion_parts *p) {
     return p->sampled + p->stiffness + p->uneven + p->balance + p->motion + p->step;
 }
 
-/* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
- * whole body that converts the mean stress is that of the elements times the quotient of both
- * moduli, and so is the energy, whose difference is booked. Both are
- * sums over the same bonds, the moduli those along the axes. The packing's error is that of its
- * modulus, 24 % here. */
+/* Particles of a packing that follow a strain have the stress of their affine modulus: if a whole
+ * body converts, the mean stress is that of the elements times the ratio of both moduli, and so is
+ * the energy; the difference is booked. Both are sums over the same bonds, with moduli along the
+ * axes. The error of the packing is that of its modulus, 24 % here. */
 static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
     (void)state;
     const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
@@ -357,8 +356,8 @@ static void bend(const double *x, const void *of, double u[3], double v[3]) {
     v[1] = -2.0 * k[1] * x[0];
 }
 
-/* With all that there is beside it: what is booked is all told, of one conversion and of several.
- */
+/* The parts add up to the booked energy with every other effect present, for one conversion and for
+ * several. */
 static void parts_of_the_booked_energy_add_up(void **state) {
     (void)state;
     const double still[] = {1e-4, 0.0}, moving[] = {1e-4, 5.0};

@@ -1,4 +1,4 @@
-/* Walls beside elements that turn into particles: they press who is awake. */
+/* Walls beside elements that convert to particles: walls load active particles. */
 #include "conversion_helpers.h"
 
 static const char floor_below[] =
@@ -19,8 +19,8 @@ static double lowest_awake(const gn_world *w) {
     return count;
 }
 
-/* Elements did not feel the wall that they are in: who wakes there is free of stress, and what
- * comes on top is k d^2/2 each. */
+/* Elements had no contact with the wall that they are in: particles activated there are free of
+ * stress, and an additional overlap d stores k d^2/2 each. */
 static void a_particle_activated_inside_a_wall_feels_added_loads_only(void **state) {
     (void)state;
     for (int passive = 0; passive < 2; passive++) {

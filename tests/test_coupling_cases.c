@@ -61,9 +61,9 @@ static void stress_is_whole_through_a_zone(void **state) {
 
 /* --- a pulse in a packing --- */
 
-/* Of 20 mm, which has left the first 30 mm after 40 of its way. Bonds whose tangential springs know
- * nothing of it would hold a part of it back: normal springs against tangential ones, a fifth of it
- * where both are alike. What disorder scatters runs about: some percent. */
+/* A pulse of 20 mm has left the first 30 mm after 40 mm of travel. Tangential springs of bonds that
+ * ignored it would retain a part of it: normal springs act against tangential ones, a fifth of it
+ * if both are equal. Disorder scatters some per cent. */
 static void a_pulse_in_a_packing_leaves_nothing_where_it_began(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -138,8 +138,8 @@ static gn_world *corner(const char *rest) {
         density / solid, modulus, modulus, density, rest);
 }
 
-/* Of every place elements and particles have the whole, and in a zone of several the elements have
- * the smaller part of what either says. */
+/* Elements and particles together have the whole of the body everywhere, and in a zone of several
+ * the elements have the smaller of the weights. */
 static void where_zones_overlap_both_have_the_whole_of_the_body(void **state) {
     (void)state;
     gn_world *w = corner("run: {threads: 1}\n");
@@ -369,7 +369,7 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     const double strain[3] = {1.1e-5, 0.0, 0.0};
     set_fields(&run->world, stretch, strain);
     run_steps(&run->world, 2);
-    /* The same stretch breaks a bond, whatever its part of it is. */
+    /* An equal stretch breaks a bond, whatever its weight. */
     assert_int_equal(gn_coupled_broken(&run->world.dem), 6 * 6);
     gn_warnings warnings;
     assert_int_equal(gn_run_warnings(run, &warnings, NULL), GNEISS_OK);

@@ -505,7 +505,7 @@ static void errors_say_where_and_what(void **state) {
     }
 }
 
-/* What only the mesh or the machine can tell is placed at the key as well. */
+/* Errors that only the mesh or the machine reveals are reported at the key as well. */
 static void what_is_found_out_later_is_placed_at_its_key(void **state) {
     (void)state;
     const char *const scenes[][3] = {

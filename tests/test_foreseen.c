@@ -1,4 +1,4 @@
-/* What is foretold of the step of a body whose elements convert, before it has made one. */
+/* Prediction of the step of a body with converting elements, before the first conversion. */
 #include "conversion_helpers.h"
 #include "solids/element_walls.h"
 
@@ -241,8 +241,8 @@ static void run_to_first(gn_world *w) {
     assert_true(gn_conversion_begun(&w->solids));
 }
 
-/* The step of the first conversion and that of the run some time later, beside what was foretold.
- */
+/* Compares the step after the first conversion and that of the run some time later with the
+ * predicted step. */
 static void assert_foreseen(const block *s) {
     gn_world *w = block_of(s), *run = block_of(s);
     gn_foreseen f = foreseen_of(w);

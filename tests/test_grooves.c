@@ -58,7 +58,8 @@ static double share_at(double angle) {
     return (1.0 + 4.0 * x) * pow(rest, 4);
 }
 
-/* Of the groove's normals; steps that the collision lasts, m/s, where in a step it begins. */
+/* A bounce: normals of the groove; number of steps of the collision, m/s, phase of its begin within
+ * a step. */
 typedef struct bounce {
     double angle, steps, speed, phase;
 } bounce;

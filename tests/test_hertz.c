@@ -166,7 +166,7 @@ static void restitution_is_as_requested_at_any_speed(void **state) {
     }
 }
 
-/* What the fit of Thornton, Cummins and Cleary 2013 gives, integrated: see law_hertz.c. */
+/* The restitution by the fit of Thornton, Cummins and Cleary 2013, integrated: see law_hertz.c. */
 static void restitution_without_pull_is_that_of_the_fit_at_any_speed(void **state) {
     (void)state;
     const double asked[] = {0.2, 0.5, 0.8, 0.95}, given[] = {0.2002, 0.5, 0.7999, 0.948};
@@ -262,8 +262,8 @@ static gn_world *loop(double friction) {
         friction);
 }
 
-/* What is put into the loop is lost, and none gained: with increments alone, without rescaling,
- * unloading would give back 0.2 of what the shear took. */
+/* The work done on a closed loop is dissipated, and no energy gained: with increments alone,
+ * without rescaling, unloading would return 0.2 of the work of shear. */
 static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     (void)state;
     gn_world *w = loop(100.0); /* it does not slide */

@@ -11,7 +11,7 @@ static const char *const kind_name[] = {"pair",           "rigid wall", "wall of
 
 static const double r = 2.5e-3, density = 4000.0, young = 1e10, poisson = 0.23;
 
-/* What the sphere is to the other by Hertz: E*, R and 1/m of both. */
+/* Effective Hertz parameters of the sphere and the other object: E*, R and 1/m of both. */
 static void pair_of(kind k, double *modulus, double *radius, double *inverse) {
     double alone = young / (1.0 - poisson * poisson), mass = sphere_mass(density, r);
     *modulus = k == RIGID ? alone : 0.5 * alone;

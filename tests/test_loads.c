@@ -1,4 +1,4 @@
-/* What acts on a particle, as output tells it, is what the step makes its motion from. */
+/* The loads of a particle in the output are those from which the step computes its motion. */
 #include "world_helpers.h"
 
 typedef struct loads {

@@ -36,8 +36,8 @@ static void a_uniform_gradient_on_a_lattice_is_read_back(void **state) {
     }
 }
 
-/* Of what is left of a lattice that lost a corner, an edge and one of a face: as a triangulation of
- * it does, by other triangles of the same faces. */
+/* The gauge of a lattice without a corner, an edge and a face particle reads the same as its
+ * triangulation, by other triangles of the same faces. */
 static void a_fast_gauge_reads_the_same_strain_as_a_triangulation(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {

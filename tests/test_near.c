@@ -239,8 +239,8 @@ static void what_is_packed_comes_back(void **state) {
     }
 }
 
-/* What losses add up to depends on which pairs are packed beside each other: that a checkpoint
- * was written may not show in any bit, that a run goes on from it in none of its state. */
+/* Sums of losses depend on which pairs are packed next to each other. Writing a checkpoint may not
+ * change any bit, and a resumed run may not differ in its state. */
 static void checkpoints_do_not_show_in_the_ledger(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -263,7 +263,7 @@ static void checkpoints_do_not_show_in_the_ledger(void **state) {
         if (gn_run_load(path, NULL, 0, &run[2], &error) != GNEISS_OK) fail_msg("%s", error.message);
         for (int r = 0; r < 3; r++) assert_int_equal(gn_run_steps(&run[r], 700, &error), GNEISS_OK);
         for (int r = 1; r < 3; r++) {
-            /* Of a run that goes on the last digit of what was lost may be another one. */
+            /* In a resumed run the last digit of the losses may differ. */
             const double *a = (const double *)&run[0].world.ledger.energy;
             const double *b = (const double *)&run[r].world.ledger.energy;
             for (size_t e = 0; e < sizeof(gn_energy) / sizeof *a; e++)

@@ -1,4 +1,4 @@
-/* Errors by cause, and what is foretold of a test: src/accuracy, src/plan. */
+/* Errors by cause, and predictions for a test: src/accuracy, src/plan. */
 #include "world_helpers.h"
 
 #include "accuracy/covers.h"
@@ -117,7 +117,7 @@ static void a_bias_has_the_sense_of_its_law(void **state) {
     assert_true(packing->bias == 0);
 }
 
-/* What the study found of them stands in base.csv. */
+/* The results of the study for them are in base.csv. */
 static void packings_scatter_as_their_bonds_do(void **state) {
     (void)state;
     gn_test_groups q = usual(), areas = usual(), unknown = usual();
@@ -176,7 +176,7 @@ static void scenes_beyond_the_study_are_reported(void **state) {
     assert_false(gn_causes_predict(&q, "taste", &c));
 }
 
-/* --- what is foretold --- */
+/* --- predictions --- */
 
 /* A square lattice of discs that touch, bonded along x and y: along y each column of discs is a
  * chain of springs k_n of its own, E = k_n over 1 m of thickness and the spacing 2 r, times 2 r. */

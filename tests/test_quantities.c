@@ -32,7 +32,7 @@ static void field_rows(FILE *file, const gn_output_table *table) {
     }
 }
 
-/* What results.h5 has of a group of owners besides a table of fields. */
+/* Writes the data that results.h5 has of a group of owners in addition to a table of fields. */
 static void owner_rows(FILE *file, const char *ends) {
     for (int g = 0; g < GN_QUANTITY_GROUPS; g++) {
         const gn_quantity_group *group = &gn_quantity_groups[g];

@@ -138,7 +138,7 @@ static double held_along_x(double angle, double restitution) {
     return parts / speed;
 }
 
-/* Of what it can give way by only the part along the normal counts: 1/m sin^2. */
+/* Only the part of the compliance along the normal counts: 1/m sin^2. */
 static void restitution_is_kept_against_a_particle_held_along_one_axis(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++)

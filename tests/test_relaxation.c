@@ -98,8 +98,8 @@ static bool is_free(const gn_world *w, size_t p) {
 
 /* --- what is left, counted anew --- */
 
-/* Mean size of what is left of the forces of springs on who is free, moments over the radius, over
- * the mean force of their contacts. */
+/* Returns the mean magnitude of the resultants of springs on free particles, with moments over the
+ * radius, over the mean force of their contacts. */
 static double unbalanced(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     const gn_contacts *lists[2] = {&w->dem.bonds, &w->dem.pairs};
@@ -162,7 +162,7 @@ static void assert_same_motion(const gn_world *a, const gn_world *b) {
     }
 }
 
-/* Largest distance between both, of who is free; others are where they are. */
+/* Returns the largest distance between both states of free particles; all others have not moved. */
 static double moved(const gn_world *a, const gn_world *b) {
     const gn_particles *p = &a->dem.particles, *q = &b->dem.particles;
     double most = 0.0;
@@ -198,7 +198,7 @@ static void a_disordered_packing_is_in_balance_afterwards(void **state) {
     }
 }
 
-/* What springs hold less is what the ledger books more; nothing else is another. */
+/* The loss of energy in springs equals the booked energy; nothing else changes. */
 static void it_takes_energy_and_leaves_velocities(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -327,7 +327,7 @@ static void a_wave_stays_a_wave(void **state) {
 
 /* --- bonds --- */
 
-/* The largest part of its strength that a bond between awake particles bears. */
+/* The largest ratio of load to strength of a bond between active particles. */
 static double most_borne(const gn_world *w) {
     const gn_contacts *k = &w->dem.bonds;
     double most = 0.0;

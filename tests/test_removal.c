@@ -100,9 +100,9 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     world_end(w);
 }
 
-/* What moves on the way out is in the middle of a step. The ledger is off by no more than rounding
- * (some 1e-16 of the scale, as often as there were steps) after it, whatever part of the contacts
- * holds the energy; the steps before may have had errors of their order. */
+/* A particle that moves while it is removed is in the middle of a step. The ledger is off by no
+ * more than rounding (some 1e-16 of the scale per step) after it, whatever part of the contacts
+ * stores the energy; the steps before may have errors of their order. */
 static void closes(const char *what, const char *scene, int64_t lost) {
     gn_world *w = world_of("%stime: {end: 1, safety: 0.1}\nrun: {threads: 1}\n", scene);
     double before = 0.0, leaving = 0.0;

@@ -1,4 +1,4 @@
-/* What is drawn bond by bond, and contacts between two materials with values of their own. */
+/* Random values of single bonds, and contacts between two materials with values of their own. */
 #include "kernels/combine.h"
 
 #include "world_helpers.h"

@@ -93,7 +93,7 @@ static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
     for (int damped = 0; damped < 2; damped++)
         for (int phase = 1; phase < 10; phase++) {
             const char *damping = damped ? "contact: {restitution: 0.5}" : "";
-            /* Of the path of one contact, 0.1 x 5 N/k = 5 um, the gap is one tenth and so on. */
+            /* the gap is one tenth and so on of the path of one contact, 0.1 x 5 N/k = 5 um */
             gn_world *w = pressed(layer, 2.01e-3 + 0.5e-6 * phase, damping, 0.1, 0.5);
             for (int k = 0; k < 100 && w->boundary.walls[1].force[2] == 0.0; k++) run_steps(w, 1);
             double first = w->boundary.walls[1].force[2];
@@ -146,9 +146,9 @@ static void a_stress_is_held_over_the_section_of_the_box(void **state) {
     world_end(w);
 }
 
-/* What goes on moving: a floor at V under one sphere or a lattice of them, at any share and step.
- * By the share alone the lid misses V dt K/rho for ever, here at least a tenth of what it is to
- * hold; with the part that lasts the lid goes at V, and nothing is missing. */
+/* Loads in steady motion: a floor at V under one sphere or a lattice of them, at any share and
+ * step. With the share alone the lid would miss V dt K/rho permanently, here at least a tenth of
+ * its target; with the integral part the lid moves at V, and the error vanishes. */
 static void follows(const char *particles, double top, const char *damping) {
     const double shares[] = {0.05, 0.1, 1.0}, safeties[] = {0.3, 0.9, 0.99}, v = 0.2;
     for (int r = 0; r < 3; r++)

@@ -300,7 +300,7 @@ static void work_is_stored_or_lost(void **state) {
     }
 }
 
-/* --- parameters and what is told --- */
+/* --- parameters and readings of a bond --- */
 
 /* Pulled (sheared) to just below the end and just beyond it. */
 static void check_end(const gn_material *m, gn_softening softening, bool sheared, double at_end) {
@@ -478,9 +478,9 @@ static void damaged_bodies_that_swing_on_keep_their_energy(void **state) {
     }
 }
 
-/* Two spheres whose bond broke at the start meet undamped and yield, mostly in the very step in
- * which they come into touch: at 20 places within a step. What they lose is what they yielded by.
- */
+/* Two spheres with a bond broken at the start collide undamped and yield, mostly in the very step
+ * in which they come into contact: at 20 phases within a step. Their loss of energy is that of
+ * yielding. */
 static void yielding_on_closure_is_in_the_ledger(void **state) {
     (void)state;
     const double mass = sphere_mass(2650, 1e-3), w2 = 2.0 * 1e7 / mass;
@@ -798,8 +798,8 @@ static const way_to_break ways_to_break[] = {
     {0, 0, 0, 0.8, 0.5, 1.0, 0.0, GN_BROKEN_SHEAR},
     {0, 0, 13.5, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_TENSION},
     {0, 0, 13.5, 0.8, 0.3, 1.0, 0.0, GN_BROKEN_SHEAR},
-    /* What softens along loses its cohesion, C (1 - x)/(2 x) at the part x of the way: 0.3 x C of a
-     * brittle one reaches that at 0.70. */
+    /* Softening in shear removes the cohesion, C (1 - x)/(2 x) at the part x of the way: 0.3 x C of
+     * a brittle bond is reached at 0.70. */
     {0, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_SHEAR},
     /* Linear: C - mu_1 f_n with mu_1 R_n = C/2. Brittle at x (across + along/2) = 1 or x along = 1;
      * softening, the slip that is left over ends at u_s whatever the surface was. */

@@ -15,7 +15,7 @@ static bond *make_bent(gn_effects more) {
     return t;
 }
 
-/* What is left of the strength at an opening w > 0. */
+/* Returns the remaining strength at an opening w > 0. */
 static double left_at(double w, const double at[2]) {
     if (w < at[0]) return 1.0 - 2.0 / 3.0 * w / at[0];
     return w < at[1] ? (at[1] - w) / (at[1] - at[0]) / 3.0 : 0.0;

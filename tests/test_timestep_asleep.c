@@ -2,7 +2,8 @@
 #include "limit/springs.h"
 #include "timestep_specimen.h"
 
-/* Who is outside of two slabs sleeps: no mass, no springs. Returns how many are awake. */
+/* Makes particles outside of two slabs dormant: without mass and springs. Returns the number of
+ * active ones. */
 static size_t lull(specimen *s, double low, double high) {
     size_t awake = 0;
     for (size_t i = 0; i < s->p.soa.count; i++) {
@@ -35,7 +36,7 @@ static int by_height(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorted in space, as those of a run are: who is awake is together. */
+/* A specimen sorted in space, as in a run, so that active particles are together. */
 static specimen *sleeping_rock(int k) {
     const double alphas[] = {0.0, 0.4}, kratios[] = {3.7, 0.0};
     specimen *any = rock(0.012, all_effects);

@@ -281,13 +281,12 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
-    SCALAR_UNLESS(
-        no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-        "displacement of the ends over the length since both touched (near unbonded grains: since "
-        "the start), positive in the test's sense; hydrostatic: relative loss of volume"),
+    SCALAR_UNLESS(no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+                  "travel of the ends over the length since contact of both (near unbonded grains: "
+                  "since the start), positive in the test's sense; hydrostatic: loss of volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean of both ends' force over the area (at the start; in a box of walls the present "
-           "one), positive in the test's sense; confined: deviator; hydrostatic: mean pressure"),
+           "mean force of both ends over the area (initial; in a box of walls present), positive "
+           "in the test's sense; confined: deviator; hydrostatic: mean pressure"),
     SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
     SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
@@ -329,10 +328,9 @@ static const gn_quantity of_the_model[] = {
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},
-    SCALAR(
-        always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
-        "mean resultant on a free particle over the mean force of loaded contacts, walls included; "
-        "the largest of that and the ratios of elements and free bodies; at most 1000; 0: none"),
+    SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
+           "mean resultant on a free particle over the mean force of loaded contacts, walls "
+           "included; if larger, that of elements or free bodies; at most 1000; 0: none"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
            "number of particles; with couple.convert of the active ones: those of converted "
            "elements and of the zone around them"),
