@@ -58,7 +58,7 @@ using World = std::unique_ptr<bench_world, decltype(&bench_world_free)>;
 
 enum { COPIES = 2 };
 
-// The world of the last model asked for, or another one like it; benches are registered model by
+// The world of the last requested model, or another one like it; benches are registered model by
 // model.
 bench_world *world_of(const Model &model, std::string *message, int copy = 0) {
     static World worlds[COPIES] = {{nullptr, bench_world_free}, {nullptr, bench_world_free}};
@@ -134,8 +134,8 @@ void step(benchmark::State &state, const Model &model, const Setting &setting) {
     state.SetLabel(after.isa);
 }
 
-// What the machine allows two threads: as many worlds at once, one thread each, that share nothing
-// but the machine. The time is that of a step of either, over the number of worlds.
+// Bench of two worlds at the same time, one thread each, that share nothing but the machine: the
+// bound of the speed-up with two threads. The time is that of a step over the number of worlds.
 void copies(benchmark::State &state, const Model &model, const Setting &setting) {
     bench_world *worlds[COPIES];
     for (int k = 0; k < COPIES; k++) {
@@ -194,7 +194,7 @@ void motion_kernel(benchmark::State &state, const Model &model, const Setting &s
     state.SetLabel(std::string(bench_world_numbers(world).isa) + " " + name);
 }
 
-// --- what is benched
+// --- benches
 // -------------------------------------------------------------------------------------
 
 std::string title(const char *kind, const Model &model, const Setting &setting) {
@@ -221,7 +221,7 @@ void add_copies(const Model &model) {
 
 using KernelBench = void (*)(benchmark::State &, const Model &, const Setting &, std::size_t);
 
-// `cached`: the first blocks only, which stay in the second-level cache.
+// `cached`: only the first blocks, which stay in the second-level cache.
 void add_kernel(const char *kind, KernelBench bench, const Model &model, const std::string &isa,
                 std::size_t blocks, bool cached) {
     std::string name =
@@ -484,7 +484,7 @@ void add_limits() {
                                 giga(bench_limit_triad(static_cast<std::size_t>(96) << 20)));
 }
 
-// Takes our own options out of argv; google-benchmark sees the rest.
+// Removes the program's own options from argv; google-benchmark reads the rest.
 Wanted own_options(int *argc, char **argv) {
     Wanted wanted = {false, false};
     int kept = 1;

@@ -15,7 +15,7 @@ struct bench_world {
     gn_world world;
 };
 
-/* The whole file with `extra` behind it; NULL if it cannot be read. */
+/* Returns the whole file with `extra` appended; NULL if it cannot be read. */
 static char *read_text(const char *path, const char *extra) {
     FILE *file = fopen(path, "rb");
     if (!file) return NULL;
@@ -36,7 +36,7 @@ static char *read_text(const char *path, const char *extra) {
     return text;
 }
 
-/* Splits "key=value"; the texts live in `store`. */
+/* Splits "key=value"; the texts are stored in `store`. */
 static size_t split_overrides(const char *const *pairs, gn_override *overrides, char store[][256]) {
     size_t count = 0;
     for (; pairs && pairs[count] && count < MOST_OVERRIDES; count++) {
@@ -151,7 +151,7 @@ static const gn_contacts *longer_list(const gn_world *w) {
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
     gn_contact_args a = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, longer_list(w), false);
-    a.dt = 0.0; /* the state stands still */
+    a.dt = 0.0; /* the state does not change */
     gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bond_kernel : w->dem.pair_kernel;
     size_t length = a.partials->length, last = blocks * length;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
@@ -192,7 +192,8 @@ static size_t width(const void *array, size_t bytes) {
     return array ? bytes : 0;
 }
 
-/* Bytes of the columns that are streamed; what all contacts share is read from one place. */
+/* Returns the bytes of the columns that are streamed; parameters common to all contacts are read
+ * from one place. */
 static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
     bool mixed = k->kn_f;
     size_t real = mixed ? 4 : 8, bytes = 0;

@@ -1,4 +1,4 @@
-"""What every effect costs where it is on, and that it costs nothing where it is off: docs/evidence/effects.md.
+"""Measures the cost of every effect where it is on, and that it is zero where it is off: docs/evidence/effects.md.
 
     ./do bench --effects [--each [EFFECT,...]]
 
@@ -41,9 +41,9 @@ def background(model):
     return {"rest": f"damping: {{background: {{model: {model}, coefficient: 0.1}}}}\n"}
 
 
-# Of 500 grains, whose set-up callgrind can bear.
+# Scenes of 500 grains, for a set-up of acceptable length under callgrind.
 SMALL = "{kind: fcc, radius: 1e-3, cells: [5, 5, 5], spacing: 0.999}"
-# Name: what it is compared with, what it adds, the passes that it adds.
+# Name: the row that it is compared with, the scene keys that it adds, the passes that it adds.
 COSTS = {
     "rotation": ({}, {"rotation": "on"}, "rows of 8 instead of 4; a second half of each motion block"),
     "shear": ({**BONDS, "stiffness": "kratio: 0, bond_tension_limit: 1e9, bond_shear_limit: 1e9"}, {**BONDS, "stiffness": "kratio: 2, bond_tension_limit: 1e9, bond_shear_limit: 1e9"}, "none"),
@@ -81,7 +81,7 @@ def text(changes, steps, step=STEP):
             f"output: {{snapshots: 0, checkpoint: off, history_rows: 1, {s['output']}}}\nrun: {{threads: 1, {s['run']}}}\n")
 
 
-# What the scene of a row calls for; everything else is left out of the other build.
+# Effects that the scene of a row requires; the other build omits all others.
 FREE = (("grains that only push", BASE, ()),
         ("grains with friction that fall on a floor", {**TURNING, "rest": "gravity: [0, 0, -9.81]\n" + FLOOR % ", kratio: 2, friction: 0.3",
                                                      "output": "energy: on"},
@@ -120,7 +120,7 @@ COUNTED = {}
 
 
 def instructions(program, name, changes):
-    """Per step."""
+    """Counts per step."""
     key = (program, text(changes, MANY))
     if key not in COUNTED:
         COUNTED[key] = count(program, name, changes)
@@ -140,7 +140,7 @@ PRIORITY = ("nice", "-n", "-10") if os.geteuid() == 0 else ()
 
 
 def seconds(cases, steps=3000, turns=TURNS):
-    """Per step, of each (program, name, changes): the least of runs in turns."""
+    """Counts per step of each (program, name, changes): the least of runs in turns."""
     least = [float("inf")] * len(cases)
     for _ in range(turns):
         for k, (program, name, changes) in enumerate(cases):
@@ -152,7 +152,7 @@ def seconds(cases, steps=3000, turns=TURNS):
 
 
 def planned(program, name, changes):
-    """Records: how many, bytes each."""
+    """Returns number and bytes of the records."""
     out = call([program, "plan", scene_file(name, changes, FEW)], env=ENVIRONMENT).stdout
     return {kind: (int(count), int(size)) for kind, count, size in
             re.findall(r"^  (particles|bonds|pairs|wall contacts|nodes|elements) +(\d+) x +(\d+) bytes", out, re.M)}
@@ -279,7 +279,7 @@ def free_table(full):
 
 
 def each_table():
-    """One effect at a time: a build that has only it, in a scene without, beside the build without any."""
+    """One effect at a time: a build with it alone, in a scene without it, beside the build without effects."""
     rows, changes = [], {"lattice": SMALL}
     bare = build("free0", EFFECTS)
     only = sys.argv[sys.argv.index("--each") + 1:]

@@ -48,7 +48,7 @@ def write(path, what):
 
 
 def pour(program, out):
-    """Folder of the run that made the bed: a rough base, loose grains over it, ten units of time of gravity."""
+    """Returns the folder of the run that made the bed: a rough base, loose grains over it, ten units of time of gravity."""
     bed = os.path.join(out, "bed")
     if os.path.exists(os.path.join(bed, "results.h5")):
         return bed
@@ -84,7 +84,7 @@ def data_file(bed, path):
 
 
 def spent(command):
-    """(processor seconds, what it prints) of one program."""
+    """(processor seconds, output) of one program."""
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as text:
         child = subprocess.Popen(command, cwd=folder, stdout=text, stderr=subprocess.STDOUT, env={**os.environ, "OMP_NUM_THREADS": "1", "OMP_WAIT_POLICY": "active"})
         _, status, usage = os.wait4(child.pid, 0)

@@ -11,7 +11,7 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Twelve independent chains, which hide the latency of one. Returns operations. */
+/* Twelve independent chains hide the latency of a single one. Returns the number of operations. */
 #define CHAIN_LOOP(name, attribute, vector, lanes, set, fmadd, registers)                          \
     attribute static double name(long rounds) {                                                    \
         vector a[CHAINS];                                                                          \

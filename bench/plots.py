@@ -99,7 +99,7 @@ def bars(axes, names, values, colours, text, whiskers=None):
 
 
 def lattice(step):
-    """Is it one of the frictional lattices that differ in size only?"""
+    """True for the frictional lattices that differ in size only."""
     return re.fullmatch(r"fcc-\d+k?", step.scene) is not None
 
 
@@ -146,7 +146,7 @@ def plot_size(results, folder):
 
 
 def plot_effects(results, folder):
-    """By processor time on one thread, like the table."""
+    """Plots processor time on one thread, like the table."""
     effects = {n.split("/")[1]: e for n, e in medians(results).items() if n.startswith("effect/")}
     if "none" not in effects:
         return False

@@ -32,7 +32,7 @@ TO_FAILURE = "to failure"  # key of results that are wall seconds of a whole tes
 CODES = {"LAMMPS": ("lmp", "lammps"), "LIGGGHTS": ("liggghts", "liggghts"), "YADE": ("yade", "yade"),
          "ESyS-Particle": ("esysparticle", "esys-particle"), "CalculiX": ("ccx", "calculix-ccx")}
 WITHOUT_MPI = {"YADE", "CalculiX"}
-# Scene: what it counts, and the rows that others are compared with.
+# Scene: the items that it counts, and the rows that others are compared with.
 SCENES = {"fcc-32k": ("contact", ["LAMMPS, 2 ranks"]), "fcc-500k": ("contact", ["LAMMPS, 2 ranks"]),
           "rock-a": ("bond", ["YADE -j2", "ESyS-Particle, 2 workers"]),
           "t4-40k": ("element", ["CalculiX, 2 threads", "CalculiX, 1 thread"]),
@@ -45,7 +45,7 @@ class Failed(Exception):
 
 
 def call(command, extra=None, timeout=900):
-    """What the command prints; it runs in a folder of its own. Waiting OpenMP threads of every code spin briefly."""
+    """Returns the output of the command, which runs in a folder of its own. Waiting OpenMP threads of every code spin briefly."""
     environment = {"GOMP_SPINCOUNT": "20000", **os.environ, **(extra or {})}
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -177,7 +177,7 @@ def elements(scene, threads, steps):
                     CELLS=str(cells), THREADS=str(threads))
 
 
-# --- what is measured ---------------------------------------------------------------------------------
+# --- measurements ---------------------------------------------------------------------------------
 
 
 def missing_codes():
@@ -188,7 +188,7 @@ def missing_codes():
 
 
 def peers_of(scene, steps):
-    """(code, measurement) of the other codes that know the scene."""
+    """(code, measurement) of the other codes that have the scene."""
     lammps, liggghts = "lammps_fcc.in", "liggghts_fcc.in"
     yade, esys = os.path.join(PEERS, "yade_ucs.py"), os.path.join(PEERS, "esys_ucs.py")
     if scene == "fcc-32k":
@@ -344,7 +344,7 @@ def version_of(package):
                           stderr=subprocess.DEVNULL, text=True, check=False) if shutil.which("dpkg-query") else None
     if not done or done.returncode != 0 or not done.stdout:
         return "of unknown version"
-    return re.split(r"[+-]|\.git", done.stdout)[0]  # without what Debian adds
+    return re.split(r"[+-]|\.git", done.stdout)[0]  # without the suffix of Debian
 
 
 def gneiss_version(build):

@@ -48,7 +48,7 @@ def conditions(results):
 
 
 def common_cells(results, entries, name, rate):
-    """Of a whole step: milliseconds, speed-up over one thread, scatter of the repetitions."""
+    """Rows of a whole step: milliseconds, speed-up over one thread, scatter of the repetitions."""
     e = entries[name]
     single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
     ratio = f"{e[rate] / single[rate]:.2f}" if single and e["threads"] > 1 else ""
@@ -73,7 +73,7 @@ def step_table(results, entries):
 
 
 def copies_table(entries):
-    """What the machine gives two threads that share nothing, as a measure of the speed-up of two that do."""
+    """Speed-up of two threads that share nothing, as a bound of that of two that share a world."""
     lines = ["| one model on two threads, two models at once | 1 thread, ms/step | 2 threads | speed-up | two models, 1 thread "
              "each: half a step of either | speed-up that the machine allows | reached |", "| --- |" + " ---: |" * 6]
     for name, e in entries.items():
@@ -88,7 +88,7 @@ def copies_table(entries):
 
 
 def effect_table(entries):
-    """By processor time, which other work on the machine disturbs least."""
+    """Rows by processor time, which other work on the machine disturbs least."""
     effects = {n.split("/")[1]: e for n, e in entries.items() if n.startswith("effect/")}
     if "none" not in effects:
         return []
@@ -139,7 +139,7 @@ def kernel_table(results, entries):
 
 
 def fem_variant(model):
-    """Of a block: the mixed form, the displacement form with forces in single precision, or it in double."""
+    """Rows of a block: the mixed form, the displacement form with forces in single precision, or it in double."""
     return next((v for v in (" mixed", " single") if model.endswith(v.replace(" ", "-"))), "")
 
 

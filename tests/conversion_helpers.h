@@ -1,4 +1,4 @@
-/* Blocks of elements in which a lattice sleeps. */
+/* Blocks of elements with a dormant lattice inside. */
 #ifndef GN_TESTS_CONVERSION_HELPERS_H
 #define GN_TESTS_CONVERSION_HELPERS_H
 
@@ -85,7 +85,7 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
     }
 }
 
-/* Of what is there: elements, as long as all particles sleep. */
+/* Sets all elements to a field, while all particles are dormant. */
 static inline void set_elements(gn_world *w, field *at, const void *of) {
     set_field(&w->solids.elements[0]->solid.nodes, at, of);
     gn_fem_positions_changed(&w->solids.elements[0]->solid);

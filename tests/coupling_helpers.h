@@ -80,7 +80,7 @@ static inline gn_world *strip_of(const strip *s) {
     return w;
 }
 
-/* Whether a particle is one of a zone. */
+/* Returns true for a particle of a zone. */
 static inline bool tied_by_zone(const gn_world *w, size_t p) {
     return gn_coupled_has(w->zones.coupled, w->dem.particles.id[p]);
 }
@@ -98,7 +98,7 @@ static inline void set_field(gn_particles *q, field *at, const void *of) {
     }
 }
 
-/* Of all points of a world. */
+/* Sets all points of a world to a field. */
 static inline void set_fields(gn_world *w, field *at, const void *of) {
     set_field(&w->dem.particles, at, of);
     set_field(&w->solids.elements[0]->solid.nodes, at, of);

@@ -1,4 +1,4 @@
-/* What the tests of bodies share. */
+/* Helpers of the tests of bodies. */
 #ifndef GN_TESTS_DOMAIN_HELP_H
 #define GN_TESTS_DOMAIN_HELP_H
 

@@ -67,7 +67,7 @@ static inline gn_fem_limit fem_limits(gn_fem_solid *solid) {
     return limit;
 }
 
-/* What the elements exert on a node, from the partial sums. */
+/* Sums the force of the elements on a node from the partial sums. */
 static inline void fem_force(const gn_partials *q, int32_t node, double force[3]) {
     size_t block = (size_t)node / GN_PARTICLE_BLOCK;
     for (int k = 0; k < 3; k++) force[k] = 0.0;

@@ -83,7 +83,7 @@ static inline double energy_of(const sample *s, const weights *w, const double (
     return sum;
 }
 
-/* The same as the fit sums it, before it is made relative. */
+/* Returns the energy as the fit sums it, before it is made relative. */
 static inline double energy_of_fit(const gn_fit *f) {
     double sum = 0;
     for (size_t b = 0; b < f->blocks; b++) sum += f->partial[GN_FIT_SUMS * b];

@@ -222,7 +222,7 @@ static bool finite_section(const gn_section *section, const char *base) {
     return true;
 }
 
-/* Whether the text was a scene after all. */
+/* Returns true if the text was a valid scene after all. */
 static bool survives(gn_units *units, const char *text, const gn_override *override) {
     gn_scene scene, again;
     gneiss_error error = {0};

@@ -1,4 +1,4 @@
-/* What the tests of src/io share: a folder of their own, and calls that must work or fail in a
+/* Helpers of the tests of src/io: a folder of their own, and calls that must succeed or fail in a
  * stated way. */
 #ifndef GN_TESTS_IO_HELPERS_H
 #define GN_TESTS_IO_HELPERS_H

@@ -1,4 +1,4 @@
-/* What the tests of packings share: scenes of one shape, mesh files, and what must hold. */
+/* Helpers of the tests of packings: scenes of one shape, mesh files, and common assertions. */
 #ifndef GN_TESTS_PACK_HELP_H
 #define GN_TESTS_PACK_HELP_H
 

@@ -30,7 +30,7 @@ static inline void run_end(gn_run *run) {
     free(run);
 }
 
-/* What comes back from a checkpoint of a run. */
+/* Writes a checkpoint of a run and returns the run resumed from it. */
 static inline gn_run *resumed_of(const gn_run *run) {
     char path[] = "/tmp/gneiss_XXXXXX";
     gn_run *resumed = calloc(1, sizeof *resumed);

@@ -94,7 +94,7 @@ static void move(bond *t, double u, double y, double z) {
 
 /* Rounding of positions (2 mm: 4e-19 m) over all that is done with the stretch. */
 static const double force_rounding = 2e-11; /* N */
-/* Of sums of some 1e-5 J (pressed: 1e-3 J). */
+/* Rounding of sums of some 1e-5 J (under pressure: 1e-3 J). */
 static const double energy_rounding = 1e-18;
 
 static void set_again(bond *t, gn_softening softening) {

@@ -1,4 +1,4 @@
-/* What every cmocka test includes, in the order that cmocka asks for. */
+/* Headers of every cmocka test, in the order that cmocka requires. */
 #ifndef GN_TESTS_TEST_H
 #define GN_TESTS_TEST_H
 

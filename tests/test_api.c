@@ -636,8 +636,8 @@ static void zones_have_elements_and_a_reading(void **state) {
     gneiss_world_free(w);
 }
 
-/* What is derived from the state as well: damage is that of the bonds that have broken, and bonds
- * that are broken have the largest criterion. */
+/* Derived outputs follow the state as well: damage is that of the broken bonds, and broken bonds
+ * have the largest criterion. */
 static void outputs_are_those_of_the_files(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, NULL, NULL);
@@ -1005,7 +1005,7 @@ static void two_worlds_in_two_threads_give_the_same_bits(void **state) {
     for (int k = 0; k < 3; k++) gneiss_world_free(w[k]);
 }
 
-/* The same step, far above the limit, on purpose. */
+/* A world with the same step, deliberately far above the limit. */
 static gneiss_world *unstable_world(const char *folder) {
     const char *overrides[] = {"time.step=0.1 ms", "time.on_unstable=warn", "time.end=1 s"};
     gneiss_error error = {0};
@@ -1082,7 +1082,7 @@ static void a_loaded_world_takes_a_later_end(void **state) {
     remove_place(&p);
 }
 
-static void what_is_no_checkpoint_is_refused(void **state) {
+static void a_file_that_is_no_checkpoint_is_refused(void **state) {
     (void)state;
     place p = make_place();
     gneiss_error error = {0};
@@ -1216,7 +1216,7 @@ int main(void) {
         cmocka_unit_test(a_run_that_went_bad_can_be_looked_at_and_nothing_else),
         cmocka_unit_test(a_saved_world_goes_on_to_the_same_bits),
         cmocka_unit_test(a_loaded_world_takes_a_later_end),
-        cmocka_unit_test(what_is_no_checkpoint_is_refused),
+        cmocka_unit_test(a_file_that_is_no_checkpoint_is_refused),
         cmocka_unit_test(a_run_in_a_folder_leaves_its_files),
         cmocka_unit_test(a_run_resumes_in_its_folder),
         cmocka_unit_test(a_folder_belongs_to_one_world_at_a_time),

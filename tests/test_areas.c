@@ -126,7 +126,7 @@ static void the_ratio_is_that_of_the_regular_solids(void **state) {
 
 /* --- missing faces --- */
 
-/* Of the neighbours on a lattice those not above the plane through the particle. */
+/* Returns the neighbours on a lattice that are not above the plane through the particle. */
 static size_t below(const double (*all)[3], size_t count, const double plane[3],
                     double (*kept)[3]) {
     size_t n = 0;
@@ -339,7 +339,7 @@ static void pairs_that_meet_later_have_dempacks_section(void **state) {
     }
 }
 
-/* What touches at the start says nothing of a body. */
+/* Contacts at the start do not make a body. */
 static void without_bonds_gamma_is_one(void **state) {
     (void)state;
     gn_world *w =
@@ -433,8 +433,8 @@ static void a_contracted_packing_has_one_stress_in_every_bond(void **state) {
     }
 }
 
-/* Of n bonds in directions at random the sum of n_z^4 scatters by 4/3/sqrt(n), so E along an axis
- * by about as much; three of that, for each of three axes. */
+/* For n bonds in random directions the sum of n_z^4 scatters by 4/3/sqrt(n), so E along an axis by
+ * about as much; the tolerance is three of that, for each of three axes. */
 static void a_packing_has_the_modulus_of_uniform_strain_along_every_axis(void **state) {
     (void)state;
     gn_world *w =
@@ -477,7 +477,8 @@ static double square_of(const gn_law_model *m, double ri, double rj, const gn_ma
     return p.kn * (1.0 / pow(ri, d) + 1.0 / pow(rj, d));
 }
 
-/* What is looked at are pairs of the least and the greatest: no pair between may exceed them. */
+/* The limit examines pairs of the smallest and the largest radius: no pair in between may exceed
+ * them. */
 static void no_pair_exceeds_those_of_extreme_radii(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {

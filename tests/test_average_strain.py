@@ -76,7 +76,7 @@ def a_block_that_lies_apart_from_the_start_has_not_come_off(folder):
 
 
 @fact
-def the_strain_of_what_is_left_is_the_same_after_a_stop_and_on_two_threads(folder):
+def the_strain_of_the_remaining_specimen_is_the_same_after_a_stop_and_on_two_threads(folder):
     given = block(CORNER, domain=BEYOND)
     whole = run_scene(folder, given, name="whole")
     found = {"threads": strains(run_scene(folder, given, "--threads", "2", name="threads"))}

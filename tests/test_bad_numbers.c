@@ -58,7 +58,7 @@ static void a_state_that_is_not_finite_is_no_result(void **state) {
     gn_run_free(&run);
 }
 
-/* What went bad is kept as it is, and says that the run did not finish. */
+/* The failed state is stored as it is, and marked as not finished. */
 static void a_failed_run_is_written_with_whatever_it_holds(void **state) {
     const fixture *f = *state;
     gn_run run;

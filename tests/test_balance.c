@@ -59,7 +59,7 @@ static void free_fall_is_no_balance(void **state) {
 }
 
 /* A grain that touches only a wall or a body comes to rest on it: that is balance for both. */
-static void what_rests_on_a_wall_or_a_body_alone_is_in_balance(void **state) {
+static void a_grain_at_rest_on_a_wall_or_a_body_is_in_balance(void **state) {
     (void)state;
     static const char *const ends[] = {BY_RUN, BY_STAGE};
     for (int floor = 0; floor < 2; floor++)
@@ -146,7 +146,7 @@ static void the_ratio_that_is_reported_is_bounded(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(free_fall_is_no_balance),
-        cmocka_unit_test(what_rests_on_a_wall_or_a_body_alone_is_in_balance),
+        cmocka_unit_test(a_grain_at_rest_on_a_wall_or_a_body_is_in_balance),
         cmocka_unit_test(a_falling_body_is_no_balance),
         cmocka_unit_test(grains_that_nothing_touches_are_not_in_balance),
         cmocka_unit_test(the_ratio_that_is_reported_is_bounded),

@@ -98,7 +98,7 @@ static void its_facets_close_it(void **state) {
     close_it(true);
 }
 
-/* Whether the corners of an element mirrored at x = 4 are those of another. */
+/* Returns true if the corners of an element mirrored at x = 4 are those of another. */
 static bool mirrors(const gn_mesh *m, size_t e, size_t other) {
     int same = 0;
     for (int a = 0; a < 4; a++)
@@ -301,8 +301,8 @@ static void rotation_does_not_stiffen_and_stretch_does(void **state) {
     body_end(body);
 }
 
-/* What stiffening promises: a step of bound/factor is stable about the stretched state, the bound
- * of the start alone is not when the stretch is large. */
+/* The stiffening factor guarantees that a step of bound/factor is stable about the stretched state;
+ * the bound of the start alone is not stable for a large stretch. */
 static double growth_after(double share, double stretch) {
     gn_fem_material m = rock;
     m.poisson = 0.0;

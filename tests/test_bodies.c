@@ -190,8 +190,8 @@ static double energy_error(double dt, double time, double *late) {
     return worst;
 }
 
-/* Of second order in steps of less than 0.005 rad, of fourth in longer ones; the error of the first
- * half of 100 and 600 turns is that of the second. */
+/* The error is of second order for steps of less than 0.005 rad and of fourth order for longer
+ * ones; that of the first half of 100 and 600 turns equals that of the second half. */
 static void an_asymmetric_top_keeps_momentum_and_energy(void **state) {
     (void)state;
     const double dt[] = {1.25e-3, 0.02}, time[] = {30.0, 200.0}, most[] = {1e-5, 1e-6};
@@ -205,7 +205,8 @@ static void an_asymmetric_top_keeps_momentum_and_energy(void **state) {
     }
 }
 
-/* Of a symmetric top the axis turns about the momentum with L/I: where it points after a time. */
+/* The axis of a symmetric top rotates about the momentum with L/I; returns the error of its
+ * direction after a time. */
 static double precession_error(double dt) {
     gn_world *w = top("1, 1, 3", "1, 0, 4", dt);
     const gn_rigid *b = &w->boundary.bodies[0];
@@ -390,7 +391,7 @@ static double fastest(const gn_world *w) {
 }
 
 /* At the automatic step nothing grows; at what would do for the spheres alone it does. */
-static void the_limit_knows_of_free_bodies(void **state) {
+static void the_limit_includes_free_bodies(void **state) {
     (void)state;
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};
     for (int k = 0; k < 2; k++) {
@@ -563,7 +564,7 @@ static void a_free_surface_that_cuts_itself_is_refused(void **state) {
     snprintf(scene_text, sizeof scene_text,
              "bodies: [{name: b, surface: %s, stiffness: 1, free: true, mass: 1}]", path);
     REFUSE(scene_text, "expected a surface that does not cut itself");
-    /* What is only touched, or says itself what it weighs, may. */
+    /* Bodies that are only touched, or have a given mass, may be open. */
     static const char *const may[] = {
         "", ", free: true, mass: 2, inertia: [1, 1, 1], reference: [0.5, 0.5, 0.5]"};
     for (int k = 0; k < 2; k++)
@@ -661,7 +662,7 @@ int main(void) {
         cmocka_unit_test(particles_and_a_body_keep_momentum),
         cmocka_unit_test(the_ledger_of_particles_and_a_body_closes),
         cmocka_unit_test(a_sphere_rebounds_from_a_free_body),
-        cmocka_unit_test(the_limit_knows_of_free_bodies),
+        cmocka_unit_test(the_limit_includes_free_bodies),
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(a_resumed_run_gives_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),

@@ -319,7 +319,7 @@ static void polygons_meet_in_the_plane(void **state) {
 
 /* --- what does not meet --- */
 
-static void what_meets_no_bodies_is_known(void **state) {
+static void bodies_that_pass_through_bodies_are_known(void **state) {
     (void)state;
     const double size[3] = {0.1, 0.1, 0.1};
     const char *const more = "stiffness: 2e6, free: true, density: 2000";
@@ -484,7 +484,7 @@ int main(void) {
         cmocka_unit_test(blocks_with_sides_in_line_stay),
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
-        cmocka_unit_test(what_meets_no_bodies_is_known),
+        cmocka_unit_test(bodies_that_pass_through_bodies_are_known),
         cmocka_unit_test(bodies_too_deep_in_each_other_are_warned_of),
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
         cmocka_unit_test(blocks_come_to_rest_on_each_other),

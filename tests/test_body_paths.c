@@ -70,8 +70,8 @@ static void no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius(void **
     }
 }
 
-/* What falls freely where nothing is near is right to rounding at whatever steps, lowered ones too:
- * g t^2/2. */
+/* Free fall without neighbours, g t^2/2, is exact to rounding for any steps, also for lowered
+ * ones. */
 /* A gate that leaves grains at 20 m/s: its corner passes the one that leans on it in many steps. */
 static void a_fast_gate_keeps_the_ledger(void **state) {
     (void)state;
@@ -152,7 +152,7 @@ static void a_body_alone_has_a_step(void **state) {
         assert_true(w->ctx.step >= 100 && path <= 0.25 && turn <= 0.25);
         world_end(w);
     }
-    /* What only falls. */
+    /* A body in free fall. */
     gn_world *w = world_of("%sgravity: [0, 0, -10]\nbodies: [{name: b, " BLOCK
                            ", free: true, density: 2500}]\ntime: {end: 1}\n",
                            head3);

@@ -425,9 +425,9 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     unlink(saved);
 }
 
-/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all places are told from a grain 54 m away: the
- * step is so short that the box creeps by less than an ulp in it, and its weight has a work of
- * which nothing else knows. What holds it is right. */
+/* A box of 1e-5 or 1e-6 kg rests on 1e6 N/m while all positions refer to a grain 54 m away: the
+ * step is so short that the box creeps by less than an ulp in it, and its weight does work that no
+ * position shows. The supporting forces are exact. */
 static void a_light_body_rests_far_from_the_grains(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {

@@ -213,7 +213,7 @@ static void a_bond_breaks_by_pull_and_bending_together(void **state) {
 }
 
 /* Pressed by as much as the fibre is bent, it holds; twice that bend breaks it. */
-static void pressure_takes_from_what_bending_opens(void **state) {
+static void pressure_reduces_the_tension_of_bending(void **state) {
     (void)state;
     double bend = 317.3, moment = bend_stiffness(3) * 2.0 * bend * 1e-8;
     double fibre = 4.0 * share * moment / (multiplier * r);
@@ -282,8 +282,8 @@ static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
     }
 }
 
-/* What bending takes from the pressure at one fibre is none that friction sees: pressed, bent and
- * slid, the bond has used up its strength when it breaks, and not before. */
+/* The tension that bending adds at one fibre does not reduce the pressure for friction: under
+ * pressure, bending and sliding the bond breaks when its strength is used up, and not before. */
 static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
     (void)state;
     const char *const couplings[] = {", coupling: none", ", coupling: quadratic",
@@ -512,8 +512,8 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
 
 /* --- with everything else --- */
 
-/* A block thrown at a floor, with all that contacts can have, whose bonds break in every way and
- * some of whose particles leave the domain. */
+/* A block hits a floor with all options of contacts. Its bonds break in every way and some of its
+ * particles leave the domain. */
 static const char *const thrown =
     "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s, jitter: 0.02}}\n"
     "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2.5, friction: 0.4, "
@@ -592,7 +592,7 @@ static void the_ledger_closes_while_bonds_break(void **state) {
 /* Three spheres fly out of the domain one after the other, bent and twisted: what their bonds hold
  * goes with them, and the work of the last half step. Left are normals that turn by 1e-4 in a step.
  */
-static void what_bent_bonds_hold_leaves_with_their_particles(void **state) {
+static void the_energy_of_bent_bonds_leaves_with_their_particles(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         bool space = dimension == 3;
@@ -792,7 +792,7 @@ int main(void) {
         cmocka_unit_test(a_bond_breaks_by_bending_at_its_extreme_fibre),
         cmocka_unit_test(a_bond_breaks_by_twist_at_its_rim),
         cmocka_unit_test(a_bond_breaks_by_pull_and_bending_together),
-        cmocka_unit_test(pressure_takes_from_what_bending_opens),
+        cmocka_unit_test(pressure_reduces_the_tension_of_bending),
         cmocka_unit_test(twist_and_bending_add_to_their_own_stress_only),
         cmocka_unit_test(shear_and_twist_add_up),
         cmocka_unit_test(coupled_by_squares_the_shares_of_the_fibre_add_up),
@@ -802,7 +802,7 @@ int main(void) {
         cmocka_unit_test(bodies_are_stable_up_to_the_limit_with_moments),
         cmocka_unit_test(bits_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(the_ledger_closes_while_bonds_break),
-        cmocka_unit_test(what_bent_bonds_hold_leaves_with_their_particles),
+        cmocka_unit_test(the_energy_of_bent_bonds_leaves_with_their_particles),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(moments_in_single_precision_follow_the_double_ones),
         cmocka_unit_test(thin_beams_are_no_beams),

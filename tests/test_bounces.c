@@ -105,7 +105,7 @@ static double place_between(double held_density) {
     return place;
 }
 
-static void what_a_held_particle_weighs_does_not_matter(void **state) {
+static void the_mass_of_a_held_particle_does_not_matter(void **state) {
     (void)state;
     double heavy = place_between(2.5e9);
     assert_true(place_between(2500.0) == heavy);
@@ -251,7 +251,7 @@ static double damped_residual(const char *target, const char *others, const char
 /* The dashpot's own part of the next step's path is known as well: with a wall the works close
  * exactly, of pairs to the order of the series. Without it 0.6 % was missing at a restitution of
  * 0.02. */
-static void what_a_damped_crossing_takes_is_in_the_ledger(void **state) {
+static void the_loss_of_a_damped_crossing_is_in_the_ledger(void **state) {
     (void)state;
     static const double restitutions[] = {0.02, 0.2, 0.5, 0.9};
     const char *ball = ", [0, 0, -1e-3, 1e-3]",
@@ -299,9 +299,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_that_bounces_on_a_floor_keeps_its_energy),
         cmocka_unit_test(a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly),
-        cmocka_unit_test(what_a_damped_crossing_takes_is_in_the_ledger),
+        cmocka_unit_test(the_loss_of_a_damped_crossing_is_in_the_ledger),
         cmocka_unit_test(a_ball_in_a_wedge_keeps_its_energy),
-        cmocka_unit_test(what_a_held_particle_weighs_does_not_matter),
+        cmocka_unit_test(the_mass_of_a_held_particle_does_not_matter),
         cmocka_unit_test(a_stiff_platen_that_touches_late_presses_gently),
         cmocka_unit_test(a_change_of_the_step_is_in_the_ledger),
         cmocka_unit_test(a_bonded_column_between_walls_keeps_its_energy),

@@ -47,8 +47,8 @@ static void a_lattice_follows_a_uniform_strain_as_a_whole(void **state) {
     world_end(w);
 }
 
-/* The same crystal with its places shaken, where the box has its seam and elsewhere. What is left
- * is rounding, and that the corner, which stands still, is at another particle. */
+/* One crystal is perturbed at the seam of the box and elsewhere. The results differ by
+ * rounding, and because the fixed corner is at another particle. */
 static void there_is_no_seam(void **state) {
     (void)state;
     const char *sides = "x: {rate: -8}, y: {rate: 3}, z: {rate: -2}";
@@ -87,7 +87,7 @@ static void a_free_particle_keeps_its_speed_in_units_of_the_box(void **state) {
 
 /* --- the servo --- */
 
-/* Grains that do not touch at the start, at the extremes of what a servo may be told. */
+/* Grains without contacts at the start, with extreme settings of a servo. */
 static gn_world *grains(const char *relaxation, const char *more) {
     return world_of(
         "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.01, jitter: "
@@ -207,9 +207,8 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     assert_true(run->world.dem.broken_tension + run->world.dem.broken_shear > 0);
     /* 10 ms at -2 1/s. */
     assert_near(box[last] / box[loaded], exp(-0.02), 1e-4);
-    /* Of the sides across, in means over the stage: a servo lags behind what strains the box, at
-     * the most by the answer of the listed contacts to what happens in a step, 1e9 Pa times 5e-6.
-     */
+    /* The mean stress on the lateral sides over the stage: a servo lags behind the strain of the
+     * box by at most the response of the listed contacts to one step, 1e9 Pa times 5e-6. */
     double sum = 0.0;
     for (size_t r = loaded; r <= last; r++) sum -= xx[r] / (double)(last + 1 - loaded);
     assert_near(sum, 5e4, 5e3);
@@ -430,7 +429,7 @@ static void what_a_box_cannot_do_is_refused(void **state) {
     expect_refused("z: {rate: 1}", "run: {precision: mixed}", "run.precision: expected double");
 }
 
-static void a_rate_beyond_what_a_step_resolves_stops_the_run(void **state) {
+static void a_rate_that_a_step_cannot_resolve_stops_the_run(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_world *w = crystal(0, 0, 0, "x: {rate: -1e4}", "");
@@ -457,7 +456,7 @@ int main(void) {
         cmocka_unit_test(a_seam_is_none_where_the_box_is_open_across_it),
         cmocka_unit_test(a_layer_that_is_sheared_has_the_same_bits),
         cmocka_unit_test(what_a_box_cannot_do_is_refused),
-        cmocka_unit_test(a_rate_beyond_what_a_step_resolves_stops_the_run),
+        cmocka_unit_test(a_rate_that_a_step_cannot_resolve_stops_the_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

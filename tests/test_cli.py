@@ -88,7 +88,7 @@ def readings_of_one_kind_are_in_one_unit(folder):
 
 
 @fact
-def a_slip_in_an_option_is_told_apart_from_a_value_that_is_missing(folder):
+def a_misspelled_option_and_a_missing_value_have_different_messages(folder):
     for slip in ("--threds", "--threds=2"):
         expect(gneiss("run", LATTICE, slip), 2, "unknown option '--threds'; did you mean '--threads'")
     expect(gneiss("run", LATTICE, "-x"), 2, "unknown option '-x'")
@@ -252,7 +252,7 @@ LID = "walls: [{name: lid, point: [0, 0, GAP], normal: [0, 0, -1], stiffness: 1e
 
 
 @fact
-def a_step_that_nothing_limits_yet_is_told_in_words(folder):
+def a_step_without_a_limit_so_far_is_described_in_words(folder):
     loose = LOOSE.replace("STEP", "1e-6")
     held = loose + "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
     for text, words in ((loose, "there are no contacts yet"), (held, "can move")):
@@ -335,7 +335,7 @@ def check_says_what_the_specimen_is(folder):
 
 
 @fact
-def check_warns_of_what_will_spring_apart(folder):
+def check_warns_of_overlaps_under_stress(folder):
     scene = open(LATTICE).read().replace("jitter: 0.05", "spacing: 0.97").replace("{interaction_range: 0.1}",
                                                                                    "{passive_gaps: false}")
     out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
@@ -389,7 +389,7 @@ def check_says_how_particles_lie_on_bodies(folder):
 
 
 @fact
-def a_run_warns_of_particles_behind_a_wall_and_says_who_flew_off_from_there(folder):
+def a_run_warns_of_particles_behind_a_wall_and_names_those_that_flew_off(folder):
     scene = write_scene(folder, """
 dimension: 3
 specimen: {particles: [[0, 0, 0, 1e-3], [0.01, 0, 0, 1e-3], [0.03, 0, 0, 1e-3]]}
@@ -646,7 +646,7 @@ def with_names(**names):
 
 
 @fact
-def wrong_names_are_told_what_was_probably_meant(folder):
+def for_wrong_names_a_similar_name_is_suggested(folder):
     expect(gneiss("check", write_scene(folder, with_names())), 0)
     wrong = {("SPECIMEN", "granit"): "specimen.material: .*'granit'; did you mean 'granite'[?]",
              ("SPECIMEN", "basalt"): "specimen.material: .*'basalt'; there are granite, shale",
@@ -664,7 +664,7 @@ def wrong_names_are_told_what_was_probably_meant(folder):
 
 
 @fact
-def groups_of_a_mesh_are_told_what_was_probably_meant(folder):
+def for_unknown_groups_of_a_mesh_a_similar_name_is_suggested(folder):
     scene = open(os.path.join(SCENES, "elements.yaml")).read()
     group = re.search(r"group: (\w{4,})", scene)[1]
     scene = scene.replace("plate.msh", os.path.join(SCENES, "plate.msh")).replace(f"group: {group}", f"group: {group}x")
@@ -715,7 +715,7 @@ def a_scene_that_is_no_file_is_an_error(folder):
 
 
 @fact
-def output_that_nobody_takes_is_an_error(folder):
+def output_to_a_full_device_is_an_error(folder):
     for arguments in (("keys",), ("run", LATTICE, "--out", folder)):
         with open("/dev/full", "w") as full:
             done = subprocess.run(command(*arguments), stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
@@ -891,7 +891,7 @@ def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
 
 
 @fact
-def a_servo_that_never_holds_is_told(folder):
+def a_servo_that_never_reaches_its_target_is_warned_of(folder):
     scene = {"specimen": {"particles": [[0, 0, "1 mm", "1 mm"]]}, "law": {"stiffness": "uniform"}, "time": {"end": "20 ms"},
              "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e5, "kratio": 0}],
              "sets": [{"name": "held", "select": {"all": True}, "motion": {"vz": 0}}], "output": {"history_rows": 50},
@@ -899,7 +899,7 @@ def a_servo_that_never_holds_is_told(folder):
     for speed, told in ((0.01, True), (1, False)):
         scene["walls"][0]["servo"]["max_velocity"] = speed
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
-        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows and is to hold 1 N" in done.stderr) == told, done.stderr
+        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows, and its target is 1 N" in done.stderr) == told, done.stderr
 
 
 @fact
@@ -918,7 +918,7 @@ def of_many_servos_two_are_named_and_of_one_that_is_to_pull_that_it_cannot(folde
 
 
 @fact
-def a_membrane_that_never_comes_to_its_pressure_is_told(folder):
+def a_membrane_below_its_pressure_is_warned_of(folder):
     scene = {"dimension": 2, "specimen": {"lattice": {"kind": "hexagonal", "radius": "1 mm", "cells": [6, 6]}}, "law": {"stiffness": "uniform"},
              "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e8, "kratio": 2, "bond_tension_limit": 1e12, "bond_shear_limit": 1e12}],
              "bonds": {}, "membrane": {"pressure": "1 MPa", "ramp": "1 s"}, "time": {"end": "1 ms"}}
@@ -946,7 +946,7 @@ def a_box_that_a_servo_shrinks_to_nothing_is_a_run_that_went_bad(folder):
 
 
 @fact
-def a_servo_that_loses_what_it_held_is_told_though_it_has_it_again_at_the_end(folder):
+def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
     """A grain under a lid is pulled away from it in the middle of the run, faster than the lid may follow, and comes back."""
     scene = {"specimen": {"particles": [[0, 0, "1 mm", "1 mm"]]}, "law": {"stiffness": "uniform"}, "time": {"end": "40 ms"},
              "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e5, "kratio": 0}],
@@ -956,7 +956,7 @@ def a_servo_that_loses_what_it_held_is_told_though_it_has_it_again_at_the_end(fo
     for name, motion in (("stays", 0), ("leaves", away)):
         scene["sets"][0]["motion"]["vz"] = motion
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, name), "--quiet"), 0)
-        told = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows and is to hold 1 N \(and was off by more than a tenth in (\d+) % of the run since it first held\)", done.stderr)
+        told = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows, and its target is 1 N \(and was off by more than a tenth in (\d+) % of the run since it was first reached\)", done.stderr)
         assert bool(told) == (name == "leaves"), done.stderr
 
 
@@ -979,7 +979,7 @@ def what_the_command_line_gave_is_blamed_for_what_comes_of_it(folder):
 
 
 @fact
-def where_particles_come_from_is_told_with_its_place(folder):
+def errors_in_specimen_from_are_reported_with_their_place(folder):
     sweep, empty, other = (os.path.join(folder, name) for name in ("sweep", "empty", "other.h5"))
     for name in (sweep, empty):
         os.makedirs(name)

@@ -233,7 +233,7 @@ static void slide_then_roll(int dimension) {
     double late =
         2.0 / sqrt((1.0 + 1.0 / inertia) * kn / m) + mu * m * g / kn / v0 + 2.0 * w->ctx.dt;
     assert_near(began, transition, late);
-    /* What friction took is what sliding lost: 1/2 m v0^2 - 1/2 (m + I/r^2) rolling^2. */
+    /* Friction dissipates the loss of energy by sliding: 1/2 m v0^2 - 1/2 (m + I/r^2) rolling^2. */
     gn_energy e = measured_step(w);
     double lost = 0.5 * m * (v0 * v0 - (1.0 + inertia) * rolling * rolling);
     assert_near(e.friction, lost, 4.0 * m * v0 * swing + lost * 2.0 * overlap);

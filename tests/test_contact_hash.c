@@ -1,5 +1,5 @@
-/* The same bits for any number of threads and any instruction set: hashes of the state after 500
- * steps. */
+/* Results have the same bits for any number of threads and any instruction set: hashes of the state
+ * after 500 steps are compared. */
 #include "world_helpers.h"
 
 /* The world after 500 steps of a scene with `threads` and `isa`; some steps are measured, as in a

@@ -215,7 +215,7 @@ static void expect_refused(const char *said, const char *message) {
     if (!strstr(error.message, message)) fail_msg("%s", error.message);
 }
 
-static void what_cannot_control_is_refused(void **state) {
+static void unsuitable_controls_are_refused(void **state) {
     (void)state;
     expect_refused(", control: {response: 1 ms}",
                    "s.yaml:16:134: test.control: expected opening or lateral_strain, found none");
@@ -240,7 +240,7 @@ int main(void) {
         cmocka_unit_test(walls_and_bodies_are_ends_that_follow),
         cmocka_unit_test(motions_of_elements_are_ends_that_follow),
         cmocka_unit_test(threads_and_a_break_do_not_matter),
-        cmocka_unit_test(what_cannot_control_is_refused),
+        cmocka_unit_test(unsuitable_controls_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

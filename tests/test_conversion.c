@@ -5,7 +5,7 @@
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/sets.h"
-#include "run/verdict.h"
+#include "run/warnings.h"
 #include "run_helpers.h"
 #include "timestep/particle_limit.h"
 
@@ -58,7 +58,7 @@ static void convert_moving(const block *s) {
         assert_near(after.moment[a], before.moment[a], 1e-12 * before.mass * 0.04);
         assert_near(after.momentum[a], before.momentum[a], 1e-12 * before.mass * 5.0);
     }
-    /* Of a rigid motion by v0 and w the angular momentum is x0 x v0 m + w I about the origin. */
+    /* The angular momentum of a rigid motion by v0 and w is x0 x v0 m + w I about the origin. */
     assert_near(after.turning[2] - before.turning[2], turned[3] * (after.inertia - before.inertia),
                 1e-11 * before.mass * 0.04 * 5.0);
     const double more = 0.5 * turned[3] * turned[3] * (after.inertia - before.inertia);
@@ -88,8 +88,8 @@ static void a_block_at_rest_becomes_particles_at_rest(void **state) {
     world_end(w);
 }
 
-/* Also in blocks in which others are awake. */
-static void who_sleeps_has_no_contact_and_stays(void **state) {
+/* Blocks that also contain active particles are included. */
+static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     (void)state;
     block s = plate;
     s.rest = "gravity: [0, -9.81]\nrun: {threads: 1}\n";
@@ -171,7 +171,8 @@ static void a_strained_block_becomes_particles_under_its_stress(void **state) {
     }
 }
 
-/* What waits in a zone is weighted anew as the front goes on: in the end it carries all. */
+/* Particles of a zone get new weights as the front advances: in the end they carry the whole
+ * stress. */
 static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
     (void)state;
     const double gradient[9] = {1e-6, 2e-6, 0, 0, 2e-6, 0, 0, 0, 0};
@@ -277,9 +278,10 @@ static double most_changed(gn_world *w, const double low[3], const double high[3
     return most;
 }
 
-/* A row of conversions of elements smaller than particles, far from the origin, in a body that
- * vibrates: few can make up for what is missing each time, and nobody is to be thrown. */
-static void conversions_throw_nobody(void **state) {
+/* A row of elements smaller than particles converts, far from the origin, in a vibrating body: only
+ * a few particles and nodes can correct the missing momentum each time, and none of them may get a
+ * large velocity. */
+static void conversion_creates_no_spurious_velocities(void **state) {
     (void)state;
     static const double rows[3][2] = {{28e-3, 14e-3}, {29.9e-3, 8e-3}, {20e-3, 15.9e-3}};
     const block small[] = {
@@ -376,7 +378,7 @@ static bool any_element_between(const gn_world *w, double from, double to) {
 }
 
 /* Twice the width of a zone is too little between two of them: what is there goes too. */
-static void two_places_that_meet_leave_nothing_between_them(void **state) {
+static void two_converting_places_that_join_leave_no_element_between_them(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
     convert(w, 4e-3, 8e-3, 0.0, 1.0);
@@ -388,8 +390,8 @@ static void two_places_that_meet_leave_nothing_between_them(void **state) {
     world_end(w);
 }
 
-/* What is kept of elements from one conversion to the next says what a look at all of them does. */
-static void the_bound_of_what_is_left_is_that_of_all_elements(void **state) {
+/* The bound that is updated from one conversion to the next equals the bound of all elements. */
+static void the_bound_of_the_remaining_elements_is_that_of_all_elements(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
         block s = space ? cube : plate;
@@ -422,8 +424,9 @@ static gneiss_status find_with_all(const gn_spectrum *spectrum, void *context,
     return status;
 }
 
-/* The particles' limit is found among those who are awake: that of the full operator. */
-static void the_limit_of_who_is_awake_is_that_of_all(void **state) {
+/* The limit of the particles is computed from the active ones: it equals that of the full
+ * operator. */
+static void the_limit_of_active_particles_is_that_of_the_full_operator(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
         const block s = {.cells = {space ? 20 : 40, space ? 4 : 8, 4}, .space = space};
@@ -601,7 +604,7 @@ static void where_no_packing_is_ready_conversion_stops(void **state) {
     world_end(w);
 }
 
-static void what_is_driven_does_not_convert(void **state) {
+static void driven_elements_do_not_convert(void **state) {
     (void)state;
     char elements[512];
     block s = pulled(elements, sizeof elements, 0.0);
@@ -613,7 +616,7 @@ static void what_is_driven_does_not_convert(void **state) {
 
 /* Nodes of a zone that are driven fast: half a step of what their reactions jump by is booked with
  * the conversion. */
-static void what_reactions_jump_by_is_booked(void **state) {
+static void jumps_of_reactions_are_booked(void **state) {
     (void)state;
     block s = plate;
     s.elements = ", motions: [{name: top, box: {min: [13 mm, 15.9 mm], max: [17 mm, 17 mm]}, "
@@ -634,7 +637,8 @@ static void what_reactions_jump_by_is_booked(void **state) {
 
 /* --- means --- */
 
-/* Of the specimen, whoever carries it: strain, stress, and how far a gauge goes. Uniform strain. */
+/* Means of strain, stress and gauge displacement over the specimen, particles and elements
+ * together. The strain is uniform. */
 static void assert_means(gn_world *w, const double gradient[9]) {
     double found[9], u[3] = {0.0}, v[3];
     const double x[3] = {0.5 * 25e-3, 0.5 * 15e-3, 0.0}; /* of particles from 10 to 15 mm */
@@ -717,7 +721,7 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
     }
 }
 
-/* --- what is told --- */
+/* --- warnings --- */
 
 /* A block that flies and turns, of which a corner converts. */
 static gn_run *turned_run(const block *s) {
@@ -743,9 +747,9 @@ static const char *said_of(const gn_run *run, const char *name, gn_warnings *lis
     return NULL;
 }
 
-/* What turns rigidly has as much more angular momentum as inertia: of a small body of elements no
- * larger than particles 1 % and more, of a larger one with larger elements far less. */
-static void a_run_tells_what_conversion_does_to_angular_momentum(void **state) {
+/* A rigid rotation gains as much angular momentum as inertia: 1 % and more for a small body of
+ * elements no larger than particles, far less for a larger body with larger elements. */
+static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **state) {
     (void)state;
     const block blocks[] = {{.cells = {15, 8, 0}},
                             {.cells = {4, 4, 0}, .finer = 2, .distortion = 0.2, .thin = 2e-3}};
@@ -843,7 +847,7 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     unlink(path);
 }
 
-/* A row that falls on a conversion has what is left and who is awake after it. */
+/* A row at a conversion counts the remaining elements and the active particles after it. */
 static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -869,7 +873,7 @@ static void assert_refused(const block *s, const char *from, const char *to, con
     free(t);
 }
 
-static void what_cannot_convert_is_refused(void **state) {
+static void invalid_conversions_are_refused(void **state) {
     (void)state;
     assert_refused(&plate, "stress: 1e30", "every: 10", "expected a limit, stress or mohr_coulomb");
     assert_refused(&plate, "width: 0.006", "width: 0", "couple.convert.width");
@@ -909,8 +913,8 @@ static void what_cannot_convert_is_refused(void **state) {
                    "couple.convert.width: expected a zone that is narrower than the body of 0.03");
 }
 
-/* What would push particles apart as they wake, which no strain of the elements did. */
-static void what_is_not_free_of_stress_as_it_is_packed_is_refused(void **state) {
+/* Such packings would push particles apart on activation, without any strain of the elements. */
+static void conversion_packings_under_stress_are_refused(void **state) {
     (void)state;
     static const char range[] = "interaction_range: 0.01";
     static const char *const changed[] = {"overlap_range: 0.005   ", "passive_gaps: false    "};
@@ -929,15 +933,15 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_block_that_moves_and_turns_becomes_particles_that_do),
         cmocka_unit_test(a_block_at_rest_becomes_particles_at_rest),
-        cmocka_unit_test(who_sleeps_has_no_contact_and_stays),
+        cmocka_unit_test(dormant_particles_have_no_contacts_and_do_not_move),
         cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
         cmocka_unit_test(small_elements_keep_mass_and_momentum),
-        cmocka_unit_test(conversions_throw_nobody),
-        cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
-        cmocka_unit_test(the_bound_of_what_is_left_is_that_of_all_elements),
-        cmocka_unit_test(the_limit_of_who_is_awake_is_that_of_all),
+        cmocka_unit_test(conversion_creates_no_spurious_velocities),
+        cmocka_unit_test(two_converting_places_that_join_leave_no_element_between_them),
+        cmocka_unit_test(the_bound_of_the_remaining_elements_is_that_of_all_elements),
+        cmocka_unit_test(the_limit_of_active_particles_is_that_of_the_full_operator),
         cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),
@@ -946,16 +950,16 @@ int main(void) {
         cmocka_unit_test(friction_of_a_limit_may_be_an_angle),
         cmocka_unit_test(a_bond_that_breaks_in_a_zone_converts_its_elements),
         cmocka_unit_test(where_no_packing_is_ready_conversion_stops),
-        cmocka_unit_test(what_is_driven_does_not_convert),
-        cmocka_unit_test(what_reactions_jump_by_is_booked),
+        cmocka_unit_test(driven_elements_do_not_convert),
+        cmocka_unit_test(jumps_of_reactions_are_booked),
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
-        cmocka_unit_test(a_run_tells_what_conversion_does_to_angular_momentum),
+        cmocka_unit_test(a_run_reports_the_change_of_angular_momentum_by_conversion),
         cmocka_unit_test(a_full_list_of_warnings_takes_no_more),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
         cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
         cmocka_unit_test(a_row_at_a_conversion_counts_both_sides_after_it),
-        cmocka_unit_test(what_cannot_convert_is_refused),
-        cmocka_unit_test(what_is_not_free_of_stress_as_it_is_packed_is_refused),
+        cmocka_unit_test(invalid_conversions_are_refused),
+        cmocka_unit_test(conversion_packings_under_stress_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* What conversions keep, and the step that they leave. */
+/* Quantities that conversions preserve, and the step after them. */
 #include "conversion_helpers.h"
 
 /* --- the step --- */
@@ -94,10 +94,10 @@ static void assert_kept(const block *s, field *motion, const double low[3], cons
     world_end(w);
 }
 
-/* Of blocks that are stretched, sheared, turn, and vibrate (with waves of three elements, of which
- * particles have a fortieth less energy), in the middle, at an edge and at a corner. Where masses
- * would have to change by more than half to keep the inertia, as at corners and edges of elements
- * of two particles, angular momentum is not that of before. */
+/* Blocks are stretched, sheared, rotate, and vibrate (with waves of three elements, for which
+ * particles have a fortieth less energy), and convert in the middle, at an edge and at a corner.
+ * Where masses would have to change by more than half to keep the inertia, as at corners and edges
+ * of elements of two particles, angular momentum is not preserved. */
 static void conversions_keep_both_momenta(void **state) {
     (void)state;
     static const double boxes[3][2][3] = {{{12e-3, 6e-3, 0.0}, {16e-3, 10e-3, 1.0}},
@@ -185,7 +185,7 @@ static gn_world *convert_and_sum(const block *s, field *motion, const void *of, 
     return w;
 }
 
-static void what_a_conversion_does_to_the_whole_body_is_summed_up(void **state) {
+static void changes_of_the_whole_body_by_conversions_are_summed(void **state) {
     (void)state;
     field *motions[] = {fly, turn_and_stretch, stir};
     const block blocks[] = {{.cells = {15, 8, 0}},
@@ -217,7 +217,7 @@ static void what_a_conversion_does_to_the_whole_body_is_summed_up(void **state) 
 
 /* A body that flies and turns goes on as it does: what its angular momentum about its centre
  * changes by is what its inertia does, however fast it flies. */
-static void who_flies_and_turns_rigidly_keeps_its_spin(void **state) {
+static void a_rigidly_moving_body_keeps_its_spin(void **state) {
     (void)state;
     const block s = {.cells = {15, 8, 0}};
     double change[2];
@@ -256,11 +256,10 @@ static double sum_of(const gn_conversion_parts *p) {
     return p->sampled + p->stiffness + p->uneven + p->balance + p->motion + p->step;
 }
 
-/* Particles of a packing that follow a strain bear what their affine modulus makes of it: of a
- * whole body that converts the mean stress is that of the elements times the quotient of both
- * moduli, and so is the energy, whose difference is booked. Both are
- * sums over the same bonds, the moduli those along the axes. The packing's error is that of its
- * modulus, 24 % here. */
+/* Particles of a packing that follow a strain have the stress of their affine modulus: if a whole
+ * body converts, the mean stress is that of the elements times the ratio of both moduli, and so is
+ * the energy; the difference is booked. Both are sums over the same bonds, with moduli along the
+ * axes. The error of the packing is that of its modulus, 24 % here. */
 static void a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain(void **state) {
     (void)state;
     const double size = 1e-6, m = 24e9 * 0.8 / (1.2 * 0.6), volume = 30e-3 * 16e-3;
@@ -318,7 +317,7 @@ static gn_world *lattice_of(double stiffer, double kratio, const char *more) {
 /* Inside of a body, where no side is near: a lattice has the moduli k_n along its axes and k_t/2
  * across them, elements E and E/2. In an even strain nothing else is booked but a zone's volume,
  * which particles have in steps. */
-static void springs_of_another_stiffness_are_told_by_how_much(void **state) {
+static void springs_of_another_stiffness_are_reported_with_their_ratio(void **state) {
     (void)state;
     const struct {
         double stiffer, kratio, gradient[9], alike;
@@ -357,9 +356,9 @@ static void bend(const double *x, const void *of, double u[3], double v[3]) {
     v[1] = -2.0 * k[1] * x[0];
 }
 
-/* With all that there is beside it: what is booked is all told, of one conversion and of several.
- */
-static void parts_of_what_is_booked_add_up(void **state) {
+/* The parts add up to the booked energy with every other effect present, for one conversion and for
+ * several. */
+static void parts_of_the_booked_energy_add_up(void **state) {
     (void)state;
     const double still[] = {1e-4, 0.0}, moving[] = {1e-4, 5.0};
     const char *more[] = {", spins: slaved", ""};
@@ -391,7 +390,7 @@ static void parts_of_what_is_booked_add_up(void **state) {
 /* A quarter of the spacing: between four particles, of which none is in it nor in a thin zone. */
 static const double between[2][3] = {{2e-3, 2e-3, 0.0}, {2.25e-3, 2.25e-3, 1.0}};
 
-static void those_around_go_along_and_what_the_body_has_is_kept(void **state) {
+static void neighbours_convert_as_well_and_the_invariants_of_the_body_are_kept(void **state) {
     (void)state;
     gneiss_error error = {0};
     const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = 1.2e-3};
@@ -506,7 +505,7 @@ static void no_node_of_elements_that_may_not_go_is_left_bare(void **state) {
 }
 
 /* Nodes at (14, 8) mm that are watched: as few as they are, all of the body cannot convert. */
-static void what_is_only_watched_is_told_by_name(void **state) {
+static void motions_that_only_record_are_named(void **state) {
     (void)state;
     static const char at[] = "box: {min: [13.9 mm, 7.9 mm, 0], max: [14.1 mm, 8.1 mm, %s]}",
                       aside[] = "{min: [16 mm, -1, -1], max: [1, 1, 1]}";
@@ -566,18 +565,18 @@ static void places_that_are_looked_at_stay_as_they_were(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(those_around_go_along_and_what_the_body_has_is_kept),
+        cmocka_unit_test(neighbours_convert_as_well_and_the_invariants_of_the_body_are_kept),
         cmocka_unit_test(too_few_particles_end_the_run_and_leave_it_as_it_was),
         cmocka_unit_test(no_node_of_elements_that_may_not_go_is_left_bare),
-        cmocka_unit_test(what_is_only_watched_is_told_by_name),
+        cmocka_unit_test(motions_that_only_record_are_named),
         cmocka_unit_test(places_that_are_looked_at_stay_as_they_were),
         cmocka_unit_test(slaved_spins_of_new_zones_are_in_the_step),
         cmocka_unit_test(conversions_keep_both_momenta),
-        cmocka_unit_test(what_a_conversion_does_to_the_whole_body_is_summed_up),
-        cmocka_unit_test(who_flies_and_turns_rigidly_keeps_its_spin),
+        cmocka_unit_test(changes_of_the_whole_body_by_conversions_are_summed),
+        cmocka_unit_test(a_rigidly_moving_body_keeps_its_spin),
         cmocka_unit_test(a_packing_takes_the_stress_that_its_modulus_makes_of_the_strain),
-        cmocka_unit_test(springs_of_another_stiffness_are_told_by_how_much),
-        cmocka_unit_test(parts_of_what_is_booked_add_up),
+        cmocka_unit_test(springs_of_another_stiffness_are_reported_with_their_ratio),
+        cmocka_unit_test(parts_of_the_booked_energy_add_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

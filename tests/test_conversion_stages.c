@@ -1,4 +1,4 @@
-/* Stages of a body whose elements turn into particles. */
+/* Stages of a body with elements that convert to particles. */
 #include "conversion/conversion.h"
 #include "couple/front.h"
 #include "run_helpers.h"
@@ -38,7 +38,7 @@ static const char in_stages[] =
     "{vy: [[0, 0], [0.05 ms, -12 mm/s]]}}}}, end: {time: 0.23 ms}}, {name: hold, elements: "
     "{motions: {load: {motion: {vy: -1 mm/s}}}}, end: {time: 0.04 ms}}]";
 
-/* The same in one go, with the same steps: what begins with a stage begins there. */
+/* The reference is one stage with the same steps: changes of a stage begin with it. */
 static void stages_are_what_tables_are(void **state) {
     (void)state;
     gn_run *staged = run_of(beam, "", "0", 1, in_stages);
@@ -69,8 +69,8 @@ static void stages_are_what_tables_are(void **state) {
     run_end(whole);
 }
 
-/* Later stages, whose step is chosen anew, know of what has been converted, and of the floor that
- * it has come down to. */
+/* Later stages choose a new step, for the converted particles and for the floor that they have
+ * reached. */
 static const char free_steps[] =
     "time: {end: 1 ms}\n"
     "walls: [{name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e10, kratio: 2, friction: "
@@ -121,8 +121,8 @@ static void threads_and_resumption_in_a_stage_give_the_same_bits(void **state) {
     finish_alike(", spins: slaved");
 }
 
-/* Damped from a stage on: what sleeps is written as the run is then, before the first conversion
- * and after it. */
+/* Damping begins with a stage: dormant particles are saved in the present state of the run, before
+ * the first conversion and after it. */
 static void effects_that_come_with_a_stage_can_be_resumed(void **state) {
     (void)state;
     char *const undamped = strdup(beam), *const damping = strstr(undamped, "damping:");
@@ -161,7 +161,7 @@ static void effects_that_come_with_a_stage_can_be_resumed(void **state) {
     free(undamped);
 }
 
-static void what_sleepers_would_not_know_is_refused(void **state) {
+static void changes_that_dormant_particles_would_miss_are_refused(void **state) {
     (void)state;
     static const char *const changes[][3] = {
         {"materials: {m: {friction: 0.5}}", "materials", "materials: {m: {f"},
@@ -194,7 +194,7 @@ int main(void) {
         cmocka_unit_test(stages_are_what_tables_are),
         cmocka_unit_test(threads_and_resumption_in_a_stage_give_the_same_bits),
         cmocka_unit_test(effects_that_come_with_a_stage_can_be_resumed),
-        cmocka_unit_test(what_sleepers_would_not_know_is_refused),
+        cmocka_unit_test(changes_that_dormant_particles_would_miss_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Walls beside elements that turn into particles: they press who is awake. */
+/* Walls beside elements that convert to particles: walls load active particles. */
 #include "conversion_helpers.h"
 
 static const char floor_below[] =
@@ -19,9 +19,9 @@ static double lowest_awake(const gn_world *w) {
     return count;
 }
 
-/* Elements did not feel the wall that they are in: who wakes there is free of stress, and what
- * comes on top is k d^2/2 each. */
-static void who_wakes_in_a_wall_feels_what_comes_on_top(void **state) {
+/* Elements had no contact with the wall that they are in: particles activated there are free of
+ * stress, and an additional overlap d stores k d^2/2 each. */
+static void a_particle_activated_inside_a_wall_feels_added_loads_only(void **state) {
     (void)state;
     for (int passive = 0; passive < 2; passive++) {
         double how[2] = {1e-6, 0.0};
@@ -78,7 +78,7 @@ static void a_body_rebounds_on_its_particles(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(who_wakes_in_a_wall_feels_what_comes_on_top),
+        cmocka_unit_test(a_particle_activated_inside_a_wall_feels_added_loads_only),
         cmocka_unit_test(a_body_rebounds_on_its_particles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

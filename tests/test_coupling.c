@@ -101,7 +101,7 @@ static double returned_in_lattice(const gn_world *w, double end) {
     return sum;
 }
 
-/* What runs back, over the energy of the pulse, once it has passed the zone. */
+/* Returns the reflected energy over the energy of the pulse, after it has passed the zone. */
 static double returned_of(double zone, double length, bool mirrored) {
     strip s = {.length = 0.6, .zone = zone, .side = 5e-3, .rows = 5, .mirrored = mirrored};
     pulse p = {1e-6, 0.12, length, sqrt(modulus / density)};
@@ -227,7 +227,7 @@ static void a_coupled_body_gives_the_same_bits_on_every_instruction_set(void **s
                     hash_after(space, "run: {threads: 1}\n", 200));
 }
 
-/* What else can be on beside a zone: dashpots, background damping, gravity, walls, single
+/* A run with every other option beside a zone: dashpots, background damping, gravity, walls, single
  * precision; then on another number of threads, and resumed. */
 static gn_run *busy_run(bool space, int threads, const char *precision, const char *more) {
     char rest[512];
@@ -345,7 +345,8 @@ static void consistent_masses_are_damped(void **state) {
     }
 }
 
-/* Of six triangles, a third of each, and of 24 tetrahedra, a quarter of each; on sides half. */
+/* An inner node has a third of each of six triangles and a quarter of each of 24 tetrahedra; on
+ * sides half of that. */
 static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
     (void)state;
     static const char *const body[] = {"dimension: 2\nelements: {rectangle: {size: [4, 3]",
@@ -429,7 +430,7 @@ static void a_zone_is_weighed(void **state) {
 
 /* --- what is refused --- */
 
-static void what_is_no_zone_is_refused(void **state) {
+static void invalid_zones_are_refused(void **state) {
     (void)state;
     strip s = small_strip(false);
     assert_refused(&s, "from: [0.013", "from: [0.011", "expected elements that end on the plane");
@@ -477,7 +478,7 @@ int main(void) {
         cmocka_unit_test(diagonals_that_there_are_not_are_refused),
         cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(a_zone_is_weighed),
-        cmocka_unit_test(what_is_no_zone_is_refused),
+        cmocka_unit_test(invalid_zones_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -206,7 +206,7 @@ def particles_and_elements_in_space_are_drawn_in_one_section(folder):
 
 
 @fact
-def particles_that_sleep_are_not_damaged(folder):
+def dormant_particles_are_not_damaged(folder):
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=0.2 ms", "--set", "output.snapshots=0")
     with h5py.File(os.path.join(out, "results.h5")) as file:
@@ -252,7 +252,7 @@ output: {history_rows: 20, snapshots: 0}
 
 
 @fact
-def check_says_what_the_packing_that_is_put_by_returns(folder):
+def check_reports_the_wave_that_the_prepared_packing_returns(folder):
     done = gneiss("check", write_scene(folder, PULLED))
     particles, elements = (float(v) for v in re.search(r"modulus +(\S+) Pa of particles that follow elements, (\S+) Pa of these", done.stdout).groups())
     assert abs(particles / 24e9 - (29 / 30 + 7 / 8) / 2) < 0.025 and abs(elements / 24e9 - 1) < 1e-3, done.stdout  # bonds end at the sides; of the hull
@@ -265,7 +265,7 @@ def check_says_what_the_packing_that_is_put_by_returns(folder):
 
 
 @plain_fact
-def who_sleeps_is_drawn_where_the_elements_are(folder):
+def dormant_particles_are_drawn_at_their_elements(folder):
     sys.path.insert(0, os.path.join(ROOT, "tools"))
     from report import bodies_text, count_rows
     from report_coupling import Section, plot_together
@@ -321,7 +321,7 @@ def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_na
     run(scene, out, *thin)
     end = summary(out)
     said = {warning["name"]: warning["text"] for warning in end["warnings"]}["conversion_halted"]
-    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone has to be wider than 0.0003 m", said), said
+    assert re.search(r"would change the mass of the body by .* kg, too much .* the zone must be wider than 0.0003 m", said), said
     assert end["counts"]["elements"] == 2 * 120 * 32 and end["counts"]["asleep"] == 240, end["counts"]
     enough = fine + ["couple.convert.width=1.2 mm"]
     looked = gneiss("check", scene, *enough)
@@ -332,18 +332,18 @@ def elements_smaller_than_particles_take_those_around_along_or_end_the_run_by_na
 
 
 @fact
-def conversion_that_comes_to_what_is_driven_says_so(folder):
+def conversion_that_reaches_driven_elements_is_reported(folder):
     out = os.path.join(folder, "out")
     done = run(write_scene(folder, PULLED), out, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
     assert done.returncode == 0, done.stdout + done.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         summary = json.load(file)
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
-    assert "has nodes of a motion or a load; what is driven or loaded has to be farther" in said and "couple.convert.box" not in said, said
+    assert "has nodes of a motion or a load; driven or loaded elements must be farther" in said and "couple.convert.box" not in said, said
 
 
 @fact
-def nodes_that_are_only_watched_are_told_before_conversion_comes_to_them(folder):
+def nodes_that_only_record_are_warned_of_before_conversion_reaches_them(folder):
     scene = write_scene(folder, PULLED.replace("couple:", "    - {name: mid, box: {min: [13.9 mm, 7.9 mm], max: [14.1 mm, 8.1 mm]}}\ncouple:"))
     everywhere = ("--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=4 mm")
     words = r"warning: 'mid', which only watches \(elements\.motions\), has nodes in couple\.convert\.box: elements there stay.*sets of particles"
@@ -354,7 +354,7 @@ def nodes_that_are_only_watched_are_told_before_conversion_comes_to_them(folder)
     done = run(scene, out, *everywhere, "--set", "elements.motions[0].motion={vx: -0.1}", "--set", "couple.convert.stress=2 MPa")  # waves meet in the middle
     assert re.search("gneiss: " + words, done.stderr), done.stderr
     said = warnings_of(out).get("conversion_halted", "")
-    assert "has nodes of motion 'mid', which is only watched; sets of particles, which may sleep, can watch there instead" in said, said
+    assert "has nodes of motion 'mid', which is only watched; sets of particles, which may be dormant, can record there instead" in said, said
 
 
 @fact
@@ -366,7 +366,7 @@ def a_set_that_moves_particles_of_a_zone_is_named_at_its_place(folder):
 
 
 @fact
-def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
+def keys_that_exclude_conversion_are_reported_with_their_value(folder):
     scene = write_scene(folder, PULLED)
     for setting, words in (("couple.constraint=penalty", "expected no couple.constraint but lumped beside couple.convert, found penalty"),
                            ("couple.constraint=consistent", "beside couple.convert, found consistent"),
@@ -379,7 +379,7 @@ def what_does_not_go_with_conversion_is_told_with_what_was_found(folder):
 def every_warning_of_a_run_is_in_the_documentation_and_in_the_list(folder):
     names, sources = set(), os.path.join(ROOT, "src", "run")
     for name in os.listdir(sources):
-        if name.startswith("verdict"):
+        if name.startswith("warnings"):
             with open(os.path.join(sources, name), encoding="utf-8") as file:
                 text = file.read()
             names |= set(re.findall(r'\b(?:add|gn_warnings_add|warn_of_passing)\(\s*(?:run, )?list,[^"]{0,40}"(\w+)"', text))
@@ -451,7 +451,7 @@ def a_strength_of_a_run_that_conversion_halted_says_how_far_the_load_had_fallen(
         fallen = 100 * (1 - stress[-1] / stress.max())
         assert end["readings"]["flexural_strength"] == stress.max(), end["readings"]
         assert over == ("conversion_halted" not in said) == ("peak_halted" not in said), said
-        words = f"with the stress {fallen:.1f} % below the {stress.max():.4g} Pa that strengths were read off, not the 95.0 % with which"
+        words = f"with the stress {fallen:.1f} % below the {stress.max():.4g} Pa from which strengths were read, not the 95.0 % with which"
         assert over or fallen < 90 and words in said["peak_halted"], said
 
 
@@ -467,8 +467,8 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/step"][-1] == summary["steps"] - 1  # the last row is how far it came
-    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and what comes after is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
-                     r"couple\.convert\.box and the packing in it have to reach farther on that side .* by the width of the zone, 0\.006 m", said), said
+    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and the further behaviour is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
+                     r"couple\.convert\.box and the packing in it must extend beyond the converted elements on that side by the width of the zone, 0\.006 m", said), said
     page = gneiss("report", out)
     assert page.returncode == 0, page.stdout + page.stderr
     with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
@@ -531,7 +531,7 @@ def warnings_of(out):
 
 
 @fact
-def particles_that_do_not_weigh_what_elements_leave_them_are_warned_of(folder):
+def particles_with_another_mass_than_elements_leave_them_are_warned_of(folder):
     """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
     scene = write_scene(folder, ZONE)
     for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
@@ -610,7 +610,7 @@ def a_run_that_converts_nothing_says_how_near_it_came(folder):
     assert "is no less than" not in gneiss("check", scene).stdout
     run(scene, os.path.join(folder, "never"), "--set", "couple.convert.every=100000", "--set", "time.end=44 us")
     text = warnings_of(os.path.join(folder, "never"))["nothing_converted"]
-    assert float(re.search(r"was (\S+) % of a limit", text).group(1)) > 110 and "no look came after that (couple.convert.every)" in text, text
+    assert float(re.search(r"was (\S+) % of a limit", text).group(1)) > 110 and "no check followed (couple.convert.every)" in text, text
 
 
 @fact
@@ -648,7 +648,7 @@ sets:
 
 
 @fact
-def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
+def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(folder):
     scene = write_scene(folder, MEETING)
     run(scene, os.path.join(folder, "same"))
     same = warnings_of(os.path.join(folder, "same"))
@@ -657,11 +657,11 @@ def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
     stiff = warnings_of(os.path.join(folder, "stiff"))
     with h5py.File(os.path.join(folder, "stiff", "results.h5")) as file:
         made = -file["history/energy_conversion"][-1]
-    part, scale = (float(v) for v in re.search(r"made (\S+) of the (\S+) J", stiff["energy_conversion"]).groups())
+    part, scale = (float(v) for v in re.search(r"generated (\S+) of the energy throughput of (\S+) J", stiff["energy_conversion"]).groups())
     assert abs(part * scale / made - 1) < 0.01 and part > 0.03, (part, scale, made)
     found = summary(os.path.join(folder, "stiff"))["conversions"]
     assert abs(sum(found["booked"].values()) / made + 1) < 1e-9 and 9.9 < found["held"] < 10.1, found
-    times = float(re.search(r"by stiffness: the particles held (\S+) times as much", stiff["energy_conversion"]).group(1))
+    times = float(re.search(r"due to stiffness: the particles stored (\S+) times as much", stiff["energy_conversion"]).group(1))
     assert abs(times / found["held"] - 1) < 0.01, (times, found)
     # As stiff along the axes when its sides are held, and 1.8 times as stiff when they are free.
     free = ("--set", "elements.materials[0].poisson=0.4", "--set", "elements.materials[0].young=11.2e9")

@@ -62,9 +62,9 @@ static void stress_is_whole_through_a_zone(void **state) {
 
 /* --- a pulse in a packing --- */
 
-/* Of 20 mm, which has left the first 30 mm after 40 of its way. Bonds whose tangential springs know
- * nothing of it would hold a part of it back: normal springs against tangential ones, a fifth of it
- * where both are alike. What disorder scatters runs about: some percent. */
+/* A pulse of 20 mm has left the first 30 mm after 40 mm of travel. Tangential springs of bonds that
+ * ignored it would retain a part of it: normal springs act against tangential ones, a fifth of it
+ * if both are equal. Disorder scatters some per cent. */
 static void a_pulse_in_a_packing_leaves_nothing_where_it_began(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -139,8 +139,8 @@ static gn_world *corner(const char *rest) {
         density / solid, modulus, modulus, density, rest);
 }
 
-/* Of every place elements and particles have the whole, and in a zone of several the elements have
- * the smaller part of what either says. */
+/* Elements and particles together have the whole of the body everywhere, and in a zone of several
+ * the elements have the smaller of the weights. */
 static void where_zones_overlap_both_have_the_whole_of_the_body(void **state) {
     (void)state;
     gn_world *w = corner("run: {threads: 1}\n");
@@ -214,7 +214,7 @@ static gn_world *two_materials(const char *rest) {
     return w;
 }
 
-static void a_zone_across_two_materials_is_told_apart(void **state) {
+static void a_zone_across_two_materials_uses_both(void **state) {
     (void)state;
     gn_world *w = two_materials("run: {threads: 1}\n");
     gn_zone_figures f;
@@ -353,7 +353,7 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
 }
 
 /* Pulled apart in the zone, where bonds hold least. */
-static void bonds_that_break_in_a_zone_are_told(void **state) {
+static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene;
@@ -370,7 +370,7 @@ static void bonds_that_break_in_a_zone_are_told(void **state) {
     const double strain[3] = {1.1e-5, 0.0, 0.0};
     set_fields(&run->world, stretch, strain);
     run_steps(&run->world, 2);
-    /* The same stretch breaks a bond, whatever its part of it is. */
+    /* An equal stretch breaks a bond, whatever its weight. */
     assert_int_equal(gn_coupled_broken(&run->world.dem), 6 * 6);
     gn_warnings warnings;
     assert_int_equal(gn_run_warnings(run, &warnings, NULL), GNEISS_OK);
@@ -423,11 +423,11 @@ int main(void) {
         cmocka_unit_test(a_zone_without_elements_or_particles_is_refused_with_its_place),
         cmocka_unit_test(where_zones_overlap_both_have_the_whole_of_the_body),
         cmocka_unit_test(overlapping_zones_keep_energy_and_turn_without_force),
-        cmocka_unit_test(a_zone_across_two_materials_is_told_apart),
+        cmocka_unit_test(a_zone_across_two_materials_uses_both),
         cmocka_unit_test(a_zone_across_two_materials_keeps_energy),
         cmocka_unit_test(a_zone_may_lose_all_its_particles),
         cmocka_unit_test(a_zone_that_has_lost_particles_resumes_with_the_same_bits),
-        cmocka_unit_test(bonds_that_break_in_a_zone_are_told),
+        cmocka_unit_test(bonds_that_break_in_a_zone_are_warned_of),
         cmocka_unit_test(a_test_takes_its_sizes_from_all_of_the_body),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -182,7 +182,7 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     }
 }
 
-/* Whether a given step needs to know it or not. */
+/* The result does not depend on whether a given step requires the limit. */
 static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **state) {
     (void)state;
     double stiffness[2];
@@ -232,7 +232,7 @@ static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
     }
 }
 
-/* What swings is the part of the energy that is in the fastest modes, 50 times at most. */
+/* The part of the energy in the fastest modes oscillates, at most 50 times that energy. */
 static void a_million_steps_at_0_99_of_the_limit_keep_the_energy(void **state) {
     (void)state;
     const model small[] = {
@@ -275,7 +275,7 @@ static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
     }
 }
 
-/* Of elements ten times as stiff, of particles as they are. */
+/* The elements are ten times as stiff, the particles unchanged. */
 static void the_side_with_the_fastest_mode_is_named(void **state) {
     (void)state;
     char who[128];
@@ -359,8 +359,8 @@ static double moved_by(gn_world *w, size_t k, int axis) {
     return sum;
 }
 
-/* What resists is the nodes' mass, exactly that of a lump, and never less than what is taken of
- * masses that tie nodes to each other. */
+/* The resistance is the mass of the nodes: exactly that of a lump, and never less than the mass
+ * removed from masses that couple nodes. */
 static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
@@ -388,7 +388,7 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
     }
 }
 
-/* s: what collisions of a lattice whose bonds soften ask for. */
+/* s: the step that collisions of a lattice with softening bonds require. */
 static double asked_by_softening(const char *couple) {
     gn_world *w = world_of(
         "dimension: 2\n"
@@ -452,7 +452,7 @@ static const model turned_models[] = {
 };
 enum { TURNED = sizeof turned_models / sizeof *turned_models };
 
-/* What turns particles and leaves them where they are has only the nodes' own mass. */
+/* Elements that rotate particles without moving them have only the nodes' own mass. */
 static void small_elements_that_turn_particles_are_in_bound_and_step(void **state) {
     (void)state;
     for (int k = 0; k < TURNED; k++) {

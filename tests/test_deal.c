@@ -22,7 +22,7 @@ typedef struct model {
     _Atomic int items[GN_DEAL_LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
     _Atomic int early;  /* particles that were worked on before one of their items */
     _Atomic int still;  /* this thread stands still in its first items, until all others are done */
-    _Atomic bool stuck; /* nobody did the others */
+    _Atomic bool stuck; /* a block was not processed by the other threads */
 } model;
 
 static void make_list(model *m, int l, size_t blocks, uint64_t *seed) {
@@ -140,8 +140,8 @@ static void work_through_all(const int *limits, int limit_count) {
     uint64_t seed = 3;
     model *m = calloc(1, sizeof *m);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
-        /* Downwards: a runtime whose team grows again and again may leave its older arrays behind.
-         */
+        /* The number of threads falls: a runtime with a team that grows repeatedly may leak its
+         * older arrays. */
         for (int threads = 5; threads >= 1; threads--) {
             m->particle_blocks = blocks[k][2];
             m->still = -1;

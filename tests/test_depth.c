@@ -47,7 +47,7 @@ static bool same(const gn_depth *a, const gn_depth *b) {
            a->looked == b->looked;
 }
 
-static void what_lies_too_deep_is_warned_of(void **state) {
+static void deep_overlaps_are_warned_of(void **state) {
     (void)state;
     const char *const saved = "/tmp/gneiss-depth.h5";
     const char *const who[] = {"particle 0 and wall 'u'", "particle 0 and body 'u'",
@@ -95,7 +95,7 @@ static void soft_grains_are_warned_of(void **state) {
 }
 
 /* Held grains that lie in each other and in a wall, as rough floors are made, press nothing. */
-static void what_is_held_may_overlap(void **state) {
+static void held_particles_may_overlap(void **state) {
     (void)state;
     gn_run run;
     start(
@@ -114,9 +114,9 @@ static void what_is_held_may_overlap(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_lies_too_deep_is_warned_of),
+        cmocka_unit_test(deep_overlaps_are_warned_of),
         cmocka_unit_test(soft_grains_are_warned_of),
-        cmocka_unit_test(what_is_held_may_overlap),
+        cmocka_unit_test(held_particles_may_overlap),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

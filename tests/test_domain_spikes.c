@@ -32,7 +32,8 @@ static double triple(const double u[3], const double v[3], const double w[3]) {
            u[2] * (v[0] * w[1] - v[1] * w[0]);
 }
 
-/* Whether x is in the star-shaped body: under the triangle that the ray from the centre meets. */
+/* Returns true if x is in the star-shaped body: below the triangle that the ray from the centre
+ * intersects. */
 static bool inside_star(const gn_mesh *m, const double x[3]) {
     for (size_t t = 0; t < m->triangles.count; t++) {
         const int32_t *n = m->triangles.node + 3 * t;
@@ -127,7 +128,7 @@ static void closest(const gn_mesh *m, size_t t, const double x[3], double at[3])
     }
 }
 
-/* Whether all of the way from x to the foot is inside, as far as samples tell. */
+/* Returns true if the whole line from x to the foot is inside, by samples. */
 static bool seen(const gn_domain *d, const double x[3], const double foot[3]) {
     enum { SAMPLES = 2000 };
     for (int i = 0; i < SAMPLES; i++) {

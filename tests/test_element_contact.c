@@ -139,7 +139,7 @@ static gn_world *bed(const char *step) {
 }
 
 /* Contacts are far stiffer than the elements: without them in the limit the run blows up. */
-static void the_limit_knows_of_contacts_with_nodes(void **state) {
+static void the_limit_includes_contacts_with_nodes(void **state) {
     (void)state;
     gn_world *w = bed("step: auto");
     double alone = fmin(w->dem.stable, w->solids.elements[0]->stable), most = 0.0, work = 0.0;
@@ -505,7 +505,7 @@ static void errors_say_where_and_what(void **state) {
     }
 }
 
-/* What only the mesh or the machine can tell is placed at the key as well. */
+/* Errors that only the mesh or the machine reveals are reported at the key as well. */
 static void what_is_found_out_later_is_placed_at_its_key(void **state) {
     (void)state;
     const char *const scenes[][3] = {
@@ -565,7 +565,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
     };
     const struct CMUnitTest long_tests[] = {
-        cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
+        cmocka_unit_test(the_limit_includes_contacts_with_nodes),
         cmocka_unit_test(the_ledger_of_particles_and_elements_closes),
         cmocka_unit_test(restitution_does_not_depend_on_the_mesh),
         cmocka_unit_test(a_stiff_hertz_grain_rebounds_a_little_faster),

@@ -150,7 +150,7 @@ static void slope(const bench *b, size_t e, const double *v, size_t stride, doub
                     (v[stride * (size_t)gn_elements_node(&b->elements, a)[e]] - v[first]);
 }
 
-/* What the nodes' pressures do in an element: they push on its present faces. */
+/* Adds the forces of the nodes' pressures in an element, which act on its present faces. */
 static void expect_pressure(const bench *b, size_t e, double volume, double det, expected *out) {
     const gn_elements *q = &b->elements;
     const int nodes = b->dimension + 1;

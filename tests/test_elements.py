@@ -724,7 +724,7 @@ def a_traction_on_facets_that_are_listed_twice_acts_once(folder):
 
 
 @fact
-def parts_that_share_no_node_are_told(folder):
+def parts_that_share_no_node_are_warned_of(folder):
     away = [(x + 1.5, y, z) for x, y, z in SQUARE]
     mesh_file(folder, SQUARE + away, [*TRIANGLES, (2, [1], (5, 6, 7))])
     done = expect(gneiss("check", body_of(folder)), 0)

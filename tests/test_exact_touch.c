@@ -90,9 +90,9 @@ static void grains_in_touch_move_alike_on_every_instruction_set(void **state) {
     }
 }
 
-/* The same collisions, each of which is rounded to 2^-24 of its speeds and forces a few times, and
- * told on by the next: 1e-4 of the largest speed after three steps has room for 1000 of these. A
- * step of a dashpot too much or too little is a tenth of it. */
+/* Collisions as in double precision are rounded to 2^-24 of their speeds and forces a few times
+ * each, and each passes its error on to the next: 1e-4 of the largest speed after three steps
+ * allows 1000 of these. One step of a dashpot too many or too few would be a tenth of the speed. */
 static void grains_in_touch_move_in_mixed_precision_as_in_double(void **state) {
     (void)state;
     double worst = 0.0;

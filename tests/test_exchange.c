@@ -107,7 +107,7 @@ static gn_world *solids(int dimension, double step, int threads) {
     return w;
 }
 
-/* The same with a second, softer block of elements below the first one. */
+/* The lattice of solids() with a second, softer block of elements below the first one. */
 typedef struct two_blocks {
     gn_world *w;
     gn_element_def def;
@@ -270,7 +270,7 @@ static void two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads(v
     for (int threads = 2; threads <= 4; threads++) assert_true(stack_after(threads, 300) == one);
 }
 
-/* What is said of the elements is said of all solids. */
+/* Quantities of the elements include all solids. */
 static void a_world_sums_over_its_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(3, 4e-7, 1);
@@ -299,8 +299,8 @@ static size_t rows_of(const gn_h5 *file, const char *name) {
 
 typedef gneiss_status writer(const gn_world *w, gn_h5 *file, gneiss_error *error);
 
-/* What a writer leaves in a file: rows of three data sets, the first solid's, the second one's, and
- * one that no third solid has. */
+/* Checks the rows that a writer leaves in a file for three data sets: that of the first solid, of
+ * the second, and one that a third solid does not have. */
 static void assert_bodies_in_file(const gn_world *w, writer *write, const char *name) {
     char path[] = "/tmp/gneiss-two-bodies-XXXXXX", second[64], third[64];
     gneiss_error error = {0};

@@ -61,11 +61,11 @@ def third_snapshot(folder):
 
 
 @fact
-def a_snapshot_that_meets_a_full_disk_is_followed_by_a_checkpoint(folder):
+def a_snapshot_on_a_full_disk_is_followed_by_a_checkpoint(folder):
     name, step = third_snapshot(folder)
     out = os.path.join(folder, "out")
     done = faulty("run", LATTICE, "--out", out, "--quiet", "--set", "output.snapshots=5", write=f"{name}:28")
-    expect(done, 3, name, "No space left", f"at step {step}; the checkpoint of step {step} stands: gneiss resume")
+    expect(done, 3, name, "No space left", f"at step {step}; the checkpoint of step {step} remains: gneiss resume")
     assert checkpoints(out) == [f"checkpoint_{step:010d}.h5"]
     resume(out)
     assert state_hash(out) == state_hash(os.path.join(folder, "whole"))
@@ -85,7 +85,7 @@ def a_full_disk_at_a_later_snapshot_names_the_earlier_checkpoint(folder):
     (earlier,) = checkpoints(folder)
     done = faulty("resume", folder, "--quiet", "--set", "time.end=0.4 ms",
                   write="particles_:28", open="h5.tmp:28")
-    expect(done, 3, f"the checkpoint of step {int(earlier[11:21])} stands")
+    expect(done, 3, f"the checkpoint of step {int(earlier[11:21])} remains")
     assert checkpoints(folder) == [earlier]
 
 

@@ -178,8 +178,8 @@ static void energy_stays_within_1e_6_for_1e5_steps(void **state) {
     }
 }
 
-/* What leap-frog conserves is near the energy but not equal to it once the law is not linear: the
- * energy swings by a part of the size of strains, and no wider as time goes on. */
+/* Leap-frog conserves a quantity near the energy but not equal to it once the law is not linear:
+ * the energy oscillates by a fraction of the order of strains, with constant amplitude. */
 static void energy_of_larger_strains_swings_no_wider_with_time(void **state) {
     (void)state;
     for (int way = 0; way < WAYS; way++) {
@@ -445,9 +445,8 @@ static void first_frequency_of_a_cantilever_converges_to_that_of_the_beam(void *
     print_message("# over Timoshenko's: 8 cells %.5f, 16 cells %.5f, extrapolated %.5f; "
                   "Euler-Bernoulli %.5f\n",
                   coarse / beam, fine / beam, limit / beam, beam_frequency(10.0, false) / beam);
-    /* Measured 5e-4. Without shear and rotary inertia the beam's is 7.6e-3 higher: to be told
-     * apart.
-     */
+    /* Measured 5e-4. Without shear and rotary inertia the limit of the beam is 7.6e-3 higher, which
+     * the tolerance must resolve. */
     assert_close(limit, beam, 0.002);
     assert_true(fabs(fine / beam - 1.0) < 0.4 * fabs(coarse / beam - 1.0));
 }

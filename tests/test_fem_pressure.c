@@ -10,7 +10,8 @@ static double deflection(gn_fem_form form, cook_cut cut, int cells) {
     return result;
 }
 
-/* What a sequence of halved meshes tends to, from its last three members and their own order. */
+/* Extrapolates the limit of a sequence of halved meshes from its last three members and their own
+ * order. */
 static double limit_of(const double d[3]) {
     double ratio = (d[2] - d[1]) / (d[1] - d[0]);
     return d[2] + (d[2] - d[1]) * ratio / (1.0 - ratio);

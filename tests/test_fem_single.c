@@ -35,12 +35,12 @@ static void displace(gn_fem_solid *solid, double strain, double travel, double a
     }
 }
 
-/* What rounding can do to the force on every node, in first order. With r = 2^-24 the largest
- * relative rounding, an element's H is off by at most r sum_a |grad N_a| |u_a| because travel is
- * rounded and by some r sum_a |grad N_a| |u_a - u_0| for every operation on the way from there to
- * the force, of which the longest chain has 20 (a column, a difference, 3 of H, 6 of 2 E, 3 of the
- * stress, 3 of F S, 3 of the force). F S then is by (d lambda + 2 mu) |F|^2 times that, with |F|
- * <= 1 + |H|. */
+/* Bounds the effect of rounding on the force of every node, in first order. With r = 2^-24 the
+ * largest relative rounding, an element's H is off by at most r sum_a |grad N_a| |u_a| because the
+ * displacement is rounded and by some r sum_a |grad N_a| |u_a - u_0| for every operation on the way
+ * from there to the force, of which the longest chain has 20 (a column, a difference, 3 of H, 6 of
+ * 2 E, 3 of the stress, 3 of F S, 3 of the force). F S then is off by (d lambda + 2 mu) |F|^2 times
+ * that, with |F| <= 1 + |H|. */
 static void bounds(const gn_fem_solid *solid, double *bound) {
     const gn_elements *q = &solid->elements;
     const int d = solid->dimension;
@@ -117,7 +117,7 @@ static void forces_are_off_by_the_rounding_of_the_travel(void **state) {
     }
 }
 
-/* What is left of small strains if single precision starts from F: nothing, below 6e-8. */
+/* If single precision started from F, nothing would remain of strains below 6e-8. */
 static void small_strains_have_the_relative_error_of_large_ones(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
@@ -189,7 +189,7 @@ static void measuring_changes_nothing(void **state) {
                     hash_after(block(d, true, 1, NULL), 200, 1000));
 }
 
-/* What single precision keeps is made anew from the state, as after a checkpoint was read. */
+/* Copies in single precision are computed again from the state, as after a checkpoint was read. */
 static void copies_follow_from_the_state(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {

@@ -77,7 +77,7 @@ static void a_long_chain_needs_fewer_iterations_than_it_has_particles(void **sta
     world_end(w);
 }
 
-/* What the walls put in is what the springs store, and the kinetic energy of the motion. */
+/* The work of the walls is the stored elastic energy and the kinetic energy of the motion. */
 static void the_ledger_goes_on_without_a_residual(void **state) {
     (void)state;
     gn_world *w =
@@ -204,7 +204,7 @@ static void the_fraction_is_taken_as_it_is(void **state) {
                  fraction[k]);
         gn_world *w = chain(11, "", time);
         gn_first_break found = begin(w);
-        /* What it may fall short by, and the accuracy of the time of the break. */
+        /* The tolerances are the permitted shortfall, and the accuracy of the time of the break. */
         assert_near(found.start, fraction[k] * found.time, 1.2e-3 * fraction[k] * found.time);
         assert_near(found.time, 10.0 * strength / (kn * 1e-3), 1e-3 * found.time);
         assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, 0);

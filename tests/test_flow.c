@@ -155,8 +155,9 @@ static void a_run_tells_of_a_source_behind_a_wall(void **state) {
         "{name: b, box: {size: [4 mm, 4 mm, 4 mm]}, origin: [0, 0, %s], rate: 1e6, "
         "mean_radius: 1 mm}]\n";
     static const char *const at[] = {"-10 mm", "10 mm"};
-    static const char *const says[] = {"; wall 'floor' has all of its region behind it",
-                                       "; walls, bodies or particles are all over its region"};
+    static const char *const says[] = {
+        "; wall 'floor' has the whole region of the source behind it",
+        "; walls, bodies or particles fill its region"};
     for (int k = 0; k < 2; k++) {
         char scene_text[2048], tail[512];
         gn_scene scene;
@@ -644,7 +645,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:5:5: sources: expected room for a first particle, radius 0.001 m");
 }
 
-static void a_specimen_wholly_in_a_sink_is_told(void **state) {
+static void a_specimen_wholly_in_a_sink_is_warned_of(void **state) {
     (void)state;
     static const char *const steps[] = {"", ", step: 1 us"};
     for (int k = 0; k < 2; k++) {
@@ -755,7 +756,7 @@ int main(void) {
         cmocka_unit_test(stages_go_on_with_what_came),
         cmocka_unit_test(grains_fall_on_finite_elements),
         cmocka_unit_test(slips_are_refused_where_they_stand),
-        cmocka_unit_test(a_specimen_wholly_in_a_sink_is_told),
+        cmocka_unit_test(a_specimen_wholly_in_a_sink_is_warned_of),
         cmocka_unit_test(the_examples_begin),
         cmocka_unit_test(a_sphere_comes_to_rest_in_a_bed),
     };

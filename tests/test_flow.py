@@ -37,7 +37,7 @@ def rows_are_by_id_and_no_id_comes_twice(folder):
 
 
 @fact
-def what_a_sink_takes_before_the_first_step_was_stored_at_the_start(folder):
+def energy_removed_by_a_sink_before_the_first_step_was_stored_at_the_start(folder):
     """A grain that moves lies in the sink from the start, another moves on."""
     given = {key: SCENE[key] for key in ("dimension", "materials", "law", "bonds", "run")}
     given.update(specimen={"particles": [[0, 0, 0, 1e-3], [10e-3, 0, 0, 1e-3]], "group": 0},
@@ -151,7 +151,7 @@ def the_report_draws_what_flows(folder):
 
 
 @fact
-def a_source_in_a_sink_is_told_by_name(folder):
+def a_source_in_a_sink_is_warned_of_by_name(folder):
     scene = {k: v for k, v in SCENE.items() if k not in ("specimen", "sets", "bonds", "output", "domain")}
     scene["sinks"] = [{"name": "all", "plane": {"point": [0, 0, -0.01], "normal": [0, 0, 1]}}]
     expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink takes as they come, found that sink 'all' takes those of source 'rain'")

@@ -1,4 +1,4 @@
-/* What is foretold of the step of a body whose elements convert, before it has made one. */
+/* Prediction of the step of a body with converting elements, before the first conversion. */
 #include "conversion_helpers.h"
 #include "solids/element_walls.h"
 
@@ -241,8 +241,8 @@ static void run_to_first(gn_world *w) {
     assert_true(gn_conversion_begun(&w->solids));
 }
 
-/* The step of the first conversion and that of the run some time later, beside what was foretold.
- */
+/* Compares the step after the first conversion and that of the run some time later with the
+ * predicted step. */
 static void assert_foreseen(const block *s) {
     gn_world *w = block_of(s), *run = block_of(s);
     gn_foreseen f = foreseen_of(w);
@@ -258,7 +258,7 @@ static void assert_foreseen(const block *s) {
     world_end(run);
 }
 
-static void the_step_of_a_run_is_the_one_foretold(void **state) {
+static void the_step_of_a_run_is_the_predicted_one(void **state) {
     (void)state;
     const block flat = beam(false, 1, ""), fine = beam(false, 2, ""), space = beam(true, 1, "");
     assert_foreseen(&flat);
@@ -266,7 +266,7 @@ static void the_step_of_a_run_is_the_one_foretold(void **state) {
     assert_foreseen(&space);
 }
 
-static void the_step_of_slaved_spins_is_the_one_foretold(void **state) {
+static void the_step_of_slaved_spins_is_the_predicted_one(void **state) {
     (void)state;
     const block flat = beam(false, 1, ", spins: slaved"), fine = beam(false, 2, ", spins: slaved"),
                 space = beam(true, 1, ", spins: slaved");
@@ -286,8 +286,8 @@ int main(void) {
         cmocka_unit_test(foreseeing_leaves_a_world_as_it_was),
         cmocka_unit_test(what_nothing_loads_never_converts),
         cmocka_unit_test(what_stays_below_its_limit_is_said_to),
-        cmocka_unit_test(the_step_of_a_run_is_the_one_foretold),
-        cmocka_unit_test(the_step_of_slaved_spins_is_the_one_foretold),
+        cmocka_unit_test(the_step_of_a_run_is_the_predicted_one),
+        cmocka_unit_test(the_step_of_slaved_spins_is_the_predicted_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

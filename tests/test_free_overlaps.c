@@ -90,7 +90,7 @@ static void burst_of(const char *scene_text, gn_run *run, char found[GNEISS_MESS
             snprintf(found, GNEISS_MESSAGE_SIZE, "%s", list.warning[c].text);
 }
 
-static void what_holds_energy_at_rest_is_warned_of(void **state) {
+static void energy_stored_at_rest_is_warned_of(void **state) {
     (void)state;
     static const char *const cases[] = {"bonds: {}\ntime: {end: 1}\n",
                                         "bonds: {passive_gaps: false}\ntime: {end: 1}\n",
@@ -193,7 +193,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unbonded_neighbours_of_a_bonded_packing_are_free_of_stress),
         cmocka_unit_test(a_free_overlap_presses_from_its_distance_of_the_start_on),
-        cmocka_unit_test(what_holds_energy_at_rest_is_warned_of),
+        cmocka_unit_test(energy_stored_at_rest_is_warned_of),
         cmocka_unit_test(a_wall_or_body_inside_particles_at_the_start_is_warned_of),
         cmocka_unit_test(ends_of_a_test_do_not_count_as_walls_inside_particles),
     };

@@ -69,7 +69,7 @@ static void what_gmsh_says_last_is_the_message(void **state) {
     assert_int_equal(entries(f->dir, false), 2);
 }
 
-static void a_machine_without_gmsh_is_told_so(void **state) {
+static void a_missing_gmsh_is_reported(void **state) {
     fixture *f = *state;
     gneiss_error error = {0};
     gn_mesh mesh;
@@ -86,7 +86,7 @@ int main(void) {
         cmocka_unit_test(geometries_are_known_by_their_ends),
         WITH(the_mesh_that_gmsh_makes_is_read),
         WITH(what_gmsh_says_last_is_the_message),
-        WITH(a_machine_without_gmsh_is_told_so),
+        WITH(a_missing_gmsh_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

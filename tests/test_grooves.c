@@ -58,7 +58,8 @@ static double share_at(double angle) {
     return (1.0 + 4.0 * x) * pow(rest, 4);
 }
 
-/* Of the groove's normals; steps that the collision lasts, m/s, where in a step it begins. */
+/* A bounce: normals of the groove; number of steps of the collision, m/s, phase of its begin within
+ * a step. */
 typedef struct bounce {
     double angle, steps, speed, phase;
 } bounce;
@@ -103,7 +104,7 @@ static double bounce_in_groove(const bounce *b) {
  * energy misses) where the crossing is not corrected for what follows (kernels/contact_template.c,
  * cross); here each side is as if it were alone, which is twice that at most. Contacts that opened
  * took back 1 + f times their own part, up to 1 % of the speed. */
-static void a_groove_gives_back_what_it_took(void **state) {
+static void a_groove_returns_the_energy_of_an_impact(void **state) {
     (void)state;
     const double allowed = pow(pi / 10.0, 4) / 40.0;
     for (double angle = 0.0; angle < 1.0; angle += 0.1)
@@ -243,7 +244,7 @@ static void any_number_of_facets_presses_without_a_jump(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_angle_of_a_groove_makes_a_jump),
-        cmocka_unit_test(a_groove_gives_back_what_it_took),
+        cmocka_unit_test(a_groove_returns_the_energy_of_an_impact),
         cmocka_unit_test(any_number_of_facets_has_a_potential),
         cmocka_unit_test(any_number_of_facets_presses_without_a_jump),
     };

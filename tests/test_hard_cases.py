@@ -356,7 +356,7 @@ def a_resumed_run_that_would_never_end_is_refused(folder):
 
 
 @fact
-def a_time_of_a_century_is_told_in_years(folder):
+def a_time_of_a_century_is_given_in_years(folder):
     # 4e13 steps of 1600 particles: even at 3 microseconds each, which no machine reaches, four years.
     done = expect(gneiss("plan", UCS, "--set", "time.end=1e7"), 0)
     assert re.search(r"\n  time +\d\S* years\n", done.stdout), done.stdout

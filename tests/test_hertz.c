@@ -115,7 +115,7 @@ static double most_missed(const matter *m, int steps) {
 }
 
 /* Both ends of a contact miss 0.064 (2.94/N)^(5/2) at most, and mostly of one sign. */
-static void impacts_in_few_steps_miss_what_the_sum_over_steps_does(void **state) {
+static void impacts_in_few_steps_have_the_error_of_the_sum_over_steps(void **state) {
     (void)state;
     const matter glass = {.01, 4.8e10, .20, 2800, 0, 1};
     for (int steps = 12; steps <= 48; steps *= 2) {
@@ -154,7 +154,7 @@ static double rebound(const matter *m, double v, double steps, bool pull) {
 
 /* By the closed form of the damped oscillator that the collision is in u^(5/4), for which 200 steps
  * leave the second order of pi/200: 2e-4. */
-static void restitution_is_what_is_asked_at_any_speed(void **state) {
+static void restitution_is_as_requested_at_any_speed(void **state) {
     (void)state;
     const double asked[] = {0.2, 0.5, 0.8, 0.95};
     for (int k = 0; k < 4; k++) {
@@ -166,7 +166,7 @@ static void restitution_is_what_is_asked_at_any_speed(void **state) {
     }
 }
 
-/* What the fit of Thornton, Cummins and Cleary 2013 gives, integrated: see law_hertz.c. */
+/* The restitution by the fit of Thornton, Cummins and Cleary 2013, integrated: see law_hertz.c. */
 static void restitution_without_pull_is_that_of_the_fit_at_any_speed(void **state) {
     (void)state;
     const double asked[] = {0.2, 0.5, 0.8, 0.95}, given[] = {0.2002, 0.5, 0.7999, 0.948};
@@ -262,8 +262,8 @@ static gn_world *loop(double friction) {
         friction);
 }
 
-/* What is put into the loop is lost, and none gained: with increments alone, without rescaling,
- * unloading would give back 0.2 of what the shear took. */
+/* The work done on a closed loop is dissipated, and no energy gained: with increments alone,
+ * without rescaling, unloading would return 0.2 of the work of shear. */
 static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     (void)state;
     gn_world *w = loop(100.0); /* it does not slide */
@@ -691,7 +691,7 @@ static void refuses(const char *from, const char *to, const char *message) {
     if (!strstr(error.message, message)) fail_msg("%s\nexpected %s", error.message, message);
 }
 
-static void what_does_not_go_with_hertz_is_refused(void **state) {
+static void keys_that_exclude_hertz_are_refused(void **state) {
     (void)state;
     refuses("walls", "walls", NULL);
     refuses("young: 1 GPa, ", "",
@@ -731,7 +731,7 @@ static void what_does_not_go_with_hertz_is_refused(void **state) {
 
 /* k_r = k_t r^2 of a large sphere is much for a small body: (1 + 6 r^2/l^2) times what its own arm
  * makes of k_t, of a cube of side l. */
-static void the_limit_of_a_free_body_has_what_resists_its_rolling(void **state) {
+static void the_limit_of_a_free_body_includes_rolling_resistance(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 20 mm]], group: 0}\n"
@@ -780,8 +780,8 @@ static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_reach_the_overlap_and_the_force_of_hertz),
-        cmocka_unit_test(impacts_in_few_steps_miss_what_the_sum_over_steps_does),
-        cmocka_unit_test(restitution_is_what_is_asked_at_any_speed),
+        cmocka_unit_test(impacts_in_few_steps_have_the_error_of_the_sum_over_steps),
+        cmocka_unit_test(restitution_is_as_requested_at_any_speed),
         cmocka_unit_test(restitution_without_pull_is_that_of_the_fit_at_any_speed),
         cmocka_unit_test(restitution_hardly_depends_on_the_step),
         cmocka_unit_test(oblique_impacts_slide_by_coulomb),
@@ -801,9 +801,9 @@ int main(void) {
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
         cmocka_unit_test(the_example_runs),
-        cmocka_unit_test(the_limit_of_a_free_body_has_what_resists_its_rolling),
+        cmocka_unit_test(the_limit_of_a_free_body_includes_rolling_resistance),
         cmocka_unit_test(resistance_to_rolling_asks_for_a_tangential_spring),
-        cmocka_unit_test(what_does_not_go_with_hertz_is_refused),
+        cmocka_unit_test(keys_that_exclude_hertz_are_refused),
     };
     return cmocka_run_group_tests_name("hertz", tests, NULL, NULL);
 }

@@ -101,7 +101,7 @@ static void a_force_presses_as_the_same_weight_does(void **state) {
     }
 }
 
-/* What was looked at is known after a resume: the same steps, the same bits. */
+/* The examined limits are known after a resume: the same steps, the same bits. */
 static void what_drives_late_resumes_to_the_same_bits(void **state) {
     (void)state;
     gn_run *a =

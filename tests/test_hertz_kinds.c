@@ -11,7 +11,7 @@ static const char *const kind_name[] = {"pair",           "rigid wall", "wall of
 
 static const double r = 2.5e-3, density = 4000.0, young = 1e10, poisson = 0.23;
 
-/* What the sphere is to the other by Hertz: E*, R and 1/m of both. */
+/* Effective Hertz parameters of the sphere and the other object: E*, R and 1/m of both. */
 static void pair_of(kind k, double *modulus, double *radius, double *inverse) {
     double alone = young / (1.0 - poisson * poisson), mass = sphere_mass(density, r);
     *modulus = k == RIGID ? alone : 0.5 * alone;
@@ -77,7 +77,7 @@ static double rebound(kind k, double v, double mine, double other, const char *c
 }
 
 /* Over three decades of speed, by steps so short that they are not what is looked at. */
-static void restitution_is_what_is_asked_of_whatever_is_met(void **state) {
+static void restitution_is_as_requested_for_any_pair(void **state) {
     (void)state;
     const double asked[] = {0.5, 0.9};
     for (int k = 0; k < KINDS; k++)
@@ -279,7 +279,7 @@ static void momentum_stays_in_collisions_that_resist_rolling(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(restitution_is_what_is_asked_of_whatever_is_met),
+        cmocka_unit_test(restitution_is_as_requested_for_any_pair),
         cmocka_unit_test(restitution_is_kept_by_automatic_steps),
         cmocka_unit_test(restitution_of_a_pair_goes_over_that_of_materials),
         cmocka_unit_test(a_sphere_on_an_incline_is_held_up_to_the_resistance),

@@ -510,7 +510,7 @@ static void the_series_is_made_from_the_files(void **state) {
     assert_int_equal(truncate(path, 2000), 0);
     fails(gn_snapshot_series(f->dir, "p", 500, &later, error), GNEISS_ERROR_INPUT,
           "p_0000000500.hdf: is damaged");
-    /* What is known already is not read again. */
+    /* Entries that are known already are not read again. */
     ok(gn_snapshot_series(f->dir, "p", 500, &times, error));
     ok(gn_snapshot_times_add(&later, 500, 0.4, error));
     ok(gn_snapshot_times_add(&later, 500, 0.3, error));

@@ -1,4 +1,4 @@
-/* Meshes whose elements are there twice, lie over each other or are not joined. */
+/* Meshes with duplicate, overlapping or separate elements. */
 #include "mesh_files.h"
 
 #include "fem/structured.h"

@@ -393,7 +393,8 @@ static void expect_roll(const bench *b, size_t c, const double n_old[3], const d
     e->couple_tolerance = 1e-12 * (held + kr * root * spun);
 }
 
-/* What breaks a bond: the spring's force and the tangential one before any limit. */
+/* Returns the cause of a break, from the spring's force and the tangential force before any
+ * limit. */
 static int cause_of(const gn_contacts *k, size_t c, double normal, double shear) {
     gn_effects fx = k->soa.effects;
     double rn = k->rn[c], rt = k->rt ? k->rt[c] : INFINITY;

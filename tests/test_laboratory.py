@@ -255,7 +255,7 @@ def few_rows_end_a_test_as_many_do(folder):
 
 
 @fact
-def what_ends_bear_before_they_move_is_no_strength(folder):
+def the_initial_load_of_the_ends_is_no_strength(folder):
     """Walls that begin inside particles push them away within a row or two: neither ends that a test, nor is it read as its peak."""
     given = disc(2, 300)
     del given["time"]["stop"]
@@ -319,7 +319,7 @@ def auto_that_is_written_is_auto(folder):
 
 
 @fact
-def ends_that_measure_nothing_are_refused_or_told(folder):
+def ends_that_measure_nothing_are_refused_or_warned_of(folder):
     """Refused where it is sure; what stands, or is under something else, is watched, and a run in which nothing was seen says so."""
     only = r"test.upper: expected ends that close, found ends that only come apart: the test would measure nothing"
     def moving(factor, **more):
@@ -347,7 +347,7 @@ def ends_that_measure_nothing_are_refused_or_told(folder):
 
 
 @fact
-def walls_that_stand_wrong_to_a_specimen_are_told(folder):
+def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
     """Deep inside it, far from it, tilted; flats of a disc, walls that come by themselves and wedges of two are not."""
     def told(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: (test.(?:upper|lower): wall .*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
@@ -372,7 +372,7 @@ def walls_that_stand_wrong_to_a_specimen_are_told(folder):
 
 
 @fact
-def what_breaks_little_or_nothing_goes_on(folder):
+def a_test_with_few_or_no_breaks_goes_on(folder):
     """Platens that press for a moment break the weakest bonds of a disc and let go of it: its stress is gone, and it is whole."""
     weak = {**ROCK, "tensile_strength": "20 MPa", "shear_strength": "80 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
     given = disc(2, 300, materials=[weak], time={"end": 1e-3})
@@ -660,7 +660,7 @@ def a_membrane_that_goes_takes_its_work_back(folder):
 
 
 @fact
-def work_on_grains_that_fly_under_a_membrane_is_told(folder):
+def work_on_grains_that_fly_under_a_membrane_is_warned_of(folder):
     """Grains of no cohesive group on the sides of a block are driven into it."""
     given = under_pressure({"box": {"size": [0.01, 0.012, 0.016]}}, 3, {"pressure": "10 MPa", "ramp": 1e-4})
     for group in (0, 1):
@@ -879,7 +879,7 @@ def pressed(**more):
 
 
 @fact
-def a_force_of_a_stage_reaches_what_the_membrane_presses_as_well(folder):
+def a_force_of_a_stage_acts_beside_the_membrane(folder):
     out = run_scene(folder, pressed(some={"force": [0, 0]}, stages=[{"name": "a", "end": {"time": 5e-5}},
                                                                     {"name": "b", "sets": {"some": {"force": [2000, 0]}}, "end": {"time": 1e-4}}]))
     with results(out) as file:
@@ -950,7 +950,7 @@ def the_middle_of_what_is_cut_from_a_packing_has_the_pressure(folder):
 
 
 @fact
-def a_shape_may_be_pressed_where_its_particles_bear(folder):
+def the_outermost_particles_of_a_shape_may_be_pressed(folder):
     """The middle of discs of 300 is 0.2 % above the pressure, where it is 3 % above it under the whole surface. Of boxes of 300 spheres a middle
     scatters by 2 %, and in the mean of three it is 2 % below the pressure, as the outermost layer gives way more across the surface than inside
     and is shortened more along it for that: 9 % above it under the whole surface. (One of them has a sphere on two bonds that swings on.)"""
@@ -1091,7 +1091,7 @@ def results_have_the_skin_and_the_forces_on_it(folder):
 
 
 @fact
-def sides_alone_leave_the_deviator_to_what_platens_bear_beyond_the_pressure(folder):
+def with_pressed_sides_alone_the_deviator_is_the_platen_stress_above_the_pressure(folder):
     given = triaxial(5e6)
     given["membrane"]["faces"] = "sides"
     out = run_scene(folder, given, "--set", "time.end=0.4 ms")
@@ -1257,7 +1257,7 @@ def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
 
 
 @fact
-def wrong_lists_of_confinements_are_told_with_their_place(folder):
+def wrong_lists_of_confinements_are_reported_with_their_place(folder):
     for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 1"),
                            (several("1 MPa", "2 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least 3 pressures.*found 2"),
                            (several("1 MPa", "2 MPa", 1e6), r"scene.yaml:\d+:\d+: test.confinement: expected pressures that differ, found 1e\+06 Pa twice"),
@@ -1292,7 +1292,7 @@ def spins_are_damped_by_a_coefficient_of_their_own(folder):
 
 
 @fact
-def stages_change_what_resists_rolling_and_what_snapshots_have(folder):
+def stages_change_rolling_resistance_and_snapshot_fields(folder):
     """Changed before the first step it is as if the scene said so; changed on the way the ledger closes, on any number of threads and after a stop."""
     grain = {"name": "m", "density": 2000, "normal_stiffness": 1e4, "kratio": 2, "friction": 0.5}
     rolls = {"rolling_friction": 0.2, "twisting_friction": 0.1}
@@ -1320,7 +1320,7 @@ def stages_change_what_resists_rolling_and_what_snapshots_have(folder):
         with results(whole) as file:
             assert "total_force" in file["particles"] and "total_force" not in results(said)["particles"]
     idle = run_scene(folder, {**base, "stages": [{"name": "one", "end": {"steps": 0}}]}, name="idle")
-    assert [w["text"] for w in summary(idle)["warnings"] if w["name"] == "no_steps"] == ["every stage ended by steps or time of 0: no step was taken, and nothing has happened"], summary(idle)["warnings"]
+    assert [w["text"] for w in summary(idle)["warnings"] if w["name"] == "no_steps"] == ["every stage ended by steps or time of 0: no step was taken, and the results are those of the start"], summary(idle)["warnings"]
 
 
 @fact
@@ -1620,7 +1620,7 @@ def control_needs_ends_that_move(folder):
 
 
 @fact
-def it_is_told_where_shear_has_no_normal_stress(folder):
+def shear_without_normal_stress_is_warned_of(folder):
     """By check and by the run; a constant height is a test of its own."""
     for k, (more, told) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
@@ -1742,7 +1742,7 @@ def what_is_found_before_the_first_step_of_stages_has_its_place_in_the_file(fold
 
 
 @fact
-def a_stage_of_more_steps_than_the_run_has_is_told_at_the_start(folder):
+def a_stage_of_more_steps_than_the_run_has_is_warned_of_at_the_start(folder):
     for steps, told in ((10**9, True), (100, False)):
         given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=-0.01)], test=ends("compression", "low", "up"),
                        stages=[{"name": "one", "end": {"steps": steps}}, {"name": "two"}])
@@ -1815,7 +1815,7 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
 
 
 @fact
-def a_response_that_is_too_short_for_the_specimen_is_told(folder):
+def a_response_that_is_too_short_for_the_specimen_is_warned_of(folder):
     """Waves cross the beam in some 50 us; 0.5 ms holds it, 5 us swings (docs/scene.md)."""
     for response, told in (("0.5 ms", False), ("5 us", True)):
         done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(told)), "--quiet",

@@ -126,7 +126,7 @@ static void what_only_expands_has_no_onset_of_damage(void **state) {
 }
 
 /* Breaks and pieces are counted whatever the ends have. */
-static void what_broke_is_told_though_the_stress_has_the_other_sense(void **state) {
+static void breaks_are_reported_though_the_stress_has_the_other_sense(void **state) {
     (void)state;
     int32_t size[] = {3, 1, 7};
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
@@ -494,7 +494,7 @@ static gn_beginning begun_by(const double *strain, const double *stress, size_t 
     return whole;
 }
 
-static void a_test_begins_where_its_ends_move_and_what_they_bore_has_gone(void **state) {
+static void a_test_begins_when_its_ends_move_and_their_initial_load_has_vanished(void **state) {
     (void)state;
     const double grows[] = {0, 1, 2, 3, 4, 5}, late[] = {0, 0, 0, 1, 2, 3}, never[] = {0, 0, 0};
     const struct {
@@ -520,7 +520,7 @@ static void a_test_begins_where_its_ends_move_and_what_they_bore_has_gone(void *
     assert_true(begun_by(NULL, cases[0].stress, 3).begun);
 }
 
-static void what_ends_bear_before_they_move_is_no_peak(void **state) {
+static void the_initial_load_of_the_ends_is_no_peak(void **state) {
     (void)state;
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
     for (int weak = 0; weak < 2; weak++) {
@@ -591,7 +591,7 @@ int main(void) {
         cmocka_unit_test(damage_begins_where_the_volume_is_least),
         cmocka_unit_test(ratios_in_the_middle_of_a_disc_are_those_before_it_cracks),
         cmocka_unit_test(what_only_expands_has_no_onset_of_damage),
-        cmocka_unit_test(what_broke_is_told_though_the_stress_has_the_other_sense),
+        cmocka_unit_test(breaks_are_reported_though_the_stress_has_the_other_sense),
         cmocka_unit_test(friction_that_slides_is_a_strength_of_shear),
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
@@ -608,8 +608,8 @@ int main(void) {
         cmocka_unit_test(too_few_rows_before_the_first_break_leave_no_constant),
         cmocka_unit_test(a_few_bonds_that_platens_break_do_not_end_the_elastic_rows),
         cmocka_unit_test(the_change_of_a_slope_over_its_rows_is_its_nonlinearity),
-        cmocka_unit_test(a_test_begins_where_its_ends_move_and_what_they_bore_has_gone),
-        cmocka_unit_test(what_ends_bear_before_they_move_is_no_peak),
+        cmocka_unit_test(a_test_begins_when_its_ends_move_and_their_initial_load_has_vanished),
+        cmocka_unit_test(the_initial_load_of_the_ends_is_no_peak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,5 @@
-/* What a contact law says of itself (kernels/law.h) is what its kernels do, for every law: the
- * spring that a contact is at most, what it holds, when a bond reaches its strength, what a contact
- * with a wall is. */
+/* The entries of a contact law (kernels/law.h) agree with its kernels, for every law: the largest
+ * spring of a contact, its stored energy, the strength of a bond, a contact with a wall. */
 #include "kernels/law.h"
 
 #include "world_helpers.h"
@@ -18,7 +17,7 @@ typedef struct couple {
     int64_t step;
 } couple;
 
-/* What materials say, for each law in the order of GN_LAWS. */
+/* Values of materials for each law in the order of GN_LAWS. */
 static const gn_material materials[] = {
     {.normal_stiffness = 1e7,
      .kratio = 2.5,

@@ -1,4 +1,4 @@
-/* What acts on a particle, as output tells it, is what the step makes its motion from. */
+/* The loads of a particle in the output are those from which the step computes its motion. */
 #include "particles/loads.h"
 #include "world_helpers.h"
 
@@ -83,7 +83,7 @@ static void without_tangents_the_total_force_is_what_moves(void **state) {
 
 /* With tangential forces the coming step adds k_t times what the ends slide in it, of twelve
  * contacts at most, and single precision 1e-7 of normal forces of 10 N. */
-static void with_tangents_what_a_step_adds_to_them_is_missing(void **state) {
+static void with_tangents_the_increment_of_a_step_is_missing(void **state) {
     (void)state;
     for (int mixed = 0; mixed < 2; mixed++)
         for (size_t d = 0; d < sizeof damping / sizeof *damping; d++) {
@@ -104,7 +104,7 @@ static void with_tangents_what_a_step_adds_to_them_is_missing(void **state) {
 }
 
 /* A sphere that lies on a floor and is dragged along it: weight, floor and drag. */
-static void what_lies_on_a_wall_is_borne_by_it(void **state) {
+static void a_wall_carries_the_weight_on_it(void **state) {
     (void)state;
     gn_world *w = world_of(
         "specimen: {particles: [[0, 0, 0.999 mm, 1 mm], [10 mm, 0, 0.999 mm, 1 mm]]}\n"
@@ -132,8 +132,8 @@ static void what_lies_on_a_wall_is_borne_by_it(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_tangents_the_total_force_is_what_moves),
-        cmocka_unit_test(with_tangents_what_a_step_adds_to_them_is_missing),
-        cmocka_unit_test(what_lies_on_a_wall_is_borne_by_it),
+        cmocka_unit_test(with_tangents_the_increment_of_a_step_is_missing),
+        cmocka_unit_test(a_wall_carries_the_weight_on_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

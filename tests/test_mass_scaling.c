@@ -74,7 +74,7 @@ static void masses_are_raised_where_it_is_needed_and_never_lowered(void **state)
     assert_int_equal(n - same, w->dem.scaling.raised);
     assert_true(same > n / 4 && w->dem.scaling.raised > 0);
     assert_close(w->ctx.dt, 1.4 * plain->ctx.dt, 1e-9);
-    /* What Lanczos is trusted to. */
+    /* the trusted accuracy of Lanczos */
     assert_true(w->ctx.dt <= 0.9 * w->dem.limit.sharp * (1.0 + 1e-3));
     world_end(plain);
     world_end(w);

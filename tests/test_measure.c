@@ -36,9 +36,9 @@ static void a_uniform_gradient_on_a_lattice_is_read_back(void **state) {
     }
 }
 
-/* Of what is left of a lattice that lost a corner, an edge and one of a face: as a triangulation of
- * it does, by other triangles of the same faces. */
-static void a_gauge_that_is_made_soon_reads_what_a_triangulation_does(void **state) {
+/* The gauge of a lattice without a corner, an edge and a face particle reads the same as its
+ * triangulation, by other triangles of the same faces. */
+static void a_fast_gauge_reads_the_same_strain_as_a_triangulation(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {
         const int dimension = lattices[k].dimension;
@@ -231,7 +231,7 @@ static void faces_of_the_hull_are_the_outside_of_the_triangulation(void **state)
 }
 
 /* Else the particles on the faces of a block would not count. */
-static void hulls_with_points_on_their_faces_are_told(void **state) {
+static void hulls_with_points_on_their_faces_are_detected(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {
         double volume;
@@ -728,14 +728,14 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_uniform_gradient_on_random_points_is_read_back),
         cmocka_unit_test(a_uniform_gradient_on_a_lattice_is_read_back),
-        cmocka_unit_test(a_gauge_that_is_made_soon_reads_what_a_triangulation_does),
+        cmocka_unit_test(a_fast_gauge_reads_the_same_strain_as_a_triangulation),
         cmocka_unit_test(simplices_of_a_closed_lattice_fill_its_box),
         cmocka_unit_test(points_all_on_one_sphere_are_triangulated),
         cmocka_unit_test(only_outer_particles_have_a_weight),
         cmocka_unit_test(a_reading_is_the_volume_weighted_mean_of_the_simplices),
         cmocka_unit_test(a_rotation_is_no_strain),
         cmocka_unit_test(faces_of_the_hull_are_the_outside_of_the_triangulation),
-        cmocka_unit_test(hulls_with_points_on_their_faces_are_told),
+        cmocka_unit_test(hulls_with_points_on_their_faces_are_detected),
         cmocka_unit_test(the_gauge_does_not_depend_on_the_order_of_the_particles),
         cmocka_unit_test(loosely_bonded_particles_do_not_count_as_strain),
         cmocka_unit_test(points_on_a_plane_or_line_give_an_empty_gauge),

@@ -57,7 +57,7 @@ static void expect_forces(const gn_world *w, const double f[9], double *start, d
     free(start);
 }
 
-/* What the membrane does to a particle. */
+/* The force of the membrane on a particle. */
 static void force_on(const gn_world *w, size_t p, double force[3]) {
     const gn_particles *q = &w->dem.particles;
     for (int a = 0; a < 3; a++) force[a] = q->applied[4 * p + a] - q->load[4 * p + a];
@@ -94,8 +94,8 @@ static void flatten(gn_world *w) {
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.particles.pos[4 * p + 2] = 0;
 }
 
-/* Of any packing, whose areas are changed by the least that takes the moment off where particles
- * are now: exactly when it turns as a whole. At the start, between looks, at one. */
+/* For any packing, areas are changed by the smallest amount that removes the moment at the present
+ * positions: exactly under a rigid rotation. Checked at the start, between updates, and at one. */
 static void areas_follow_an_affine_motion_as_nanson_says(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++)
@@ -206,10 +206,10 @@ static void mean_stress(const gn_world *w, double stress[9]) {
     gn_membrane_stress(w, stress);
 }
 
-/* Of n^3 spheres each chain along an axis bears the pressure on a face of a cell, so that the
- * stress is the pressure in every cell: the surface is that of n^3 cells. (Areas by the directions
- * in which a ball touches a particle, scaled to the hull, were 0.87 of a face for 12^3 and 0.76 for
- * 5^3, and what edges had too much of came to the middle in part only.) */
+/* In a lattice of n^3 spheres each chain along an axis carries the pressure on a face of a cell, so
+ * that the stress is the pressure in every cell: the surface is that of n^3 cells. (Areas by the
+ * directions in which a ball touches a particle, scaled to the hull, were 0.87 of a face for 12^3
+ * and 0.76 for 5^3, and the excess at edges reached the middle in part only.) */
 static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
     (void)state;
     for (int side = 5; side <= 9; side += 4)
@@ -231,7 +231,7 @@ static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
         }
 }
 
-/* Of any stretch the mean stress over what it encloses then is the pressure. */
+/* For any stretch the mean stress over the enclosed volume is the pressure. */
 static void a_stretched_block_has_the_pressure(void **state) {
     (void)state;
     gn_world *w = block();
@@ -246,8 +246,8 @@ static void a_stretched_block_has_the_pressure(void **state) {
     world_end(w);
 }
 
-/* What presses the two halves of a body together is the pressure times the section between them:
- * of a block that is a third shorter and bulges to one and a half of its width. */
+/* The force that presses the two halves of a body together is the pressure times the section
+ * between them, for a block that is a third shorter and bulges to one and a half of its width. */
 static void the_pressure_is_held_where_a_block_bulges(void **state) {
     (void)state;
     gn_world *w = block();
@@ -299,8 +299,8 @@ static double chips_share(const gn_world *w) {
     return sum;
 }
 
-/* What a chip that has come off had is borne by what lay beneath it, and goes on pressing the body
- * with the mean stress that is asked for; the chip has nothing left, also when it comes back. */
+/* The pressure on a detached chip acts on the particles that were below it, and the body keeps the
+ * required mean stress; the chip has no pressure any more, also when it returns. */
 static void what_lay_beneath_a_chip_is_pressed(void **state) {
     (void)state;
     gn_world *w = block();
@@ -418,7 +418,8 @@ static void middle_of(const gn_world *w, double centre[3]) {
         for (int a = 0; a < 3; a++) centre[a] += q->start[4 * p + a] / (double)q->soa.count;
 }
 
-/* What the membrane does where all were at the start, over a volume, m3. */
+/* Computes the stress of the membrane with all particles at their initial positions, over a volume,
+ * m3. */
 static void stress_at_start(gn_world *w, double volume, double stress[9]) {
     gn_particles *q = &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++)
@@ -427,8 +428,8 @@ static void stress_at_start(gn_world *w, double volume, double stress[9]) {
     for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(&w->ctx, &w->dem) / volume;
 }
 
-/* Of a block without a shape, whose cells are cubes: the rest is one of ten a side, with twelve
- * edges whose areas are those of two sides and eight corners with those of three. */
+/* A block without a shape has cubic cells: the remaining one has ten per side, twelve edges with
+ * the areas of two sides and eight corners with those of three. */
 static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void **state) {
     (void)state;
     gn_world *w = block();

@@ -61,10 +61,10 @@ static gn_world *with_grains_on_top(const char *bonds) {
     return world_of("dimension: 3\nspecimen: {particles: [%s]}\n%s" MATERIAL, t.s, bonds);
 }
 
-/* What they would bear goes to those that are held, in balance, and the mean stress is the
- * pressure, but for the change of areas that takes off the moment of what was moved: less than that
- * of one face by one pitch, of 64 cells. */
-static void what_pivots_bears_nothing(void **state) {
+/* Their pressure is transferred to supported particles, in balance, and the mean stress is the
+ * pressure, apart from the change of areas that removes the moment of the transfer: less than that
+ * of one face displaced by one pitch, of 64 cells. */
+static void pivoting_particles_carry_no_pressure(void **state) {
     (void)state;
     gn_world *w = with_grains_on_top(BONDS);
     const gn_particles *q = &w->dem.particles;
@@ -156,7 +156,7 @@ static void a_patch_is_not_stretched_out_of_all_measure(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(corners_of_lattices_are_held),
-        cmocka_unit_test(what_pivots_bears_nothing),
+        cmocka_unit_test(pivoting_particles_carry_no_pressure),
         cmocka_unit_test(what_cannot_pivot_is_held),
         cmocka_unit_test(grains_that_roll_stretch_no_patch),
         cmocka_unit_test(a_patch_is_not_stretched_out_of_all_measure),

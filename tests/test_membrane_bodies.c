@@ -183,8 +183,8 @@ static void angular_momentum(const gn_world *w, double sum[3]) {
         }
 }
 
-/* Of an undamped block that turns under 100 MPa, 1 % of its modulus: between looks as well the
- * membrane has no moment, whatever waves there are. (Was 1 % off after 3 000 steps.) */
+/* An undamped block rotates under 100 MPa, 1 % of its modulus: between updates as well the membrane
+ * has no moment, whatever waves there are. (It was 1 % off after 3 000 steps.) */
 static void a_block_that_turns_keeps_its_angular_momentum(void **state) {
     (void)state;
     gn_world *w = world_of(

@@ -421,7 +421,8 @@ static void corners_farther_apart_stay_apart_and_degenerate_triangles_go(void **
     static const float corner[4][9] = {
         {0, 0, 0, 1, 0, 0, 0, 1, 0},
         {0, 0, 3e-6f, 1, 0, 3e-6f, 0, 1, 3e-6f}, /* a sheet above the first */
-        {0, 0, 0, 0, 5e-7f, 0, 0.5, 0.25, 0},    /* a needle: its far corner is nobody else's */
+        {0, 0, 0, 0, 5e-7f, 0, 0.5, 0.25,
+         0}, /* a needle with a far corner that no other element has */
         {0, 0, 0, 1, 0, 0, 1, 5e-7f, 0}};
     bytes b;
     gn_mesh m;
@@ -501,7 +502,8 @@ static void expect_valid(const gn_mesh_elements *e, size_t node_count) {
     for (size_t k = 0; k < e->also_count; k++) assert_true(e->also[k].element < e->count);
 }
 
-/* Whether it was read; what was read makes sense, and what follows reading survives it. */
+/* Returns true if the damaged file was read; its content is consistent then, and the later
+ * processing succeeds. */
 static bool read_damaged(const fixture *f, reader *read) {
     gn_mesh m;
     gneiss_error error = {0};

@@ -82,7 +82,7 @@ static void quadratic_coupling_adds_the_squares_of_both_shares(void **state) {
         broke b = break_it(0.3, 0.9, "quadratic", pulled[k], "double");
         double share = b.normal / 20.0, strength = 12.0 * sqrt(1.0 - share * share);
         assert_true(b.shear < strength && b.shear > strength - 2.0 * step_force);
-        /* Of what breaks together the larger share is the cause. */
+        /* If both modes reach the limit together the larger share is the cause. */
         assert_int_equal(b.cause, share > sqrt(0.5) ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR);
     }
     broke b = break_it(0.3, 0.9, "quadratic", -40.0, "double");
@@ -358,7 +358,7 @@ static void beside_all_else_threads_and_resumption_give_the_same_bits(void **sta
     }
 }
 
-/* Of materials, of pairs and of walls. */
+/* The angle may be given for materials, for pairs and for walls. */
 static void an_angle_of_friction_stands_for_its_tangent(void **state) {
     (void)state;
     gn_scene scene;

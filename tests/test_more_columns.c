@@ -45,8 +45,8 @@ static void run_end(gn_run *run) {
     free(run);
 }
 
-/* What a contact of two particles has, whatever their places: whole numbers, which both precisions
- * hold. The sign is that of the particle that comes first. */
+/* Returns a value of a contact of two particles, independent of their order: whole numbers, which
+ * both precisions represent. The sign is that of the particle that comes first. */
 static double even_of(int32_t a, int32_t b) {
     return a * b + a + b + 1;
 }

@@ -68,7 +68,7 @@ static void assert_same_worlds(const char *name, const gn_world *a, const gn_wor
     assert_same(name, "closeness", d->pairs.closeness, e->pairs.closeness, c);
 }
 
-static void leaving_out_what_does_not_touch_changes_no_bit(void **state) {
+static void omitting_distant_pairs_changes_no_bit(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         gn_world *packed = made(&cases[k], 2), *whole = made(&cases[k], 1);
@@ -110,7 +110,7 @@ static void reading_the_world_changes_no_bit(void **state) {
 
 /* Pairs of grains at random places and speeds: bits of every set are those of the scalar one, and
  * whoever is left out touches at no time that was asked for, nor nearly. */
-static void who_acts_is_found(void **state) {
+static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };
     static double pos[2 * PAIRS][4], vel[2 * PAIRS][4];
@@ -239,8 +239,8 @@ static void what_is_packed_comes_back(void **state) {
     }
 }
 
-/* What losses add up to depends on which pairs are packed beside each other: that a checkpoint
- * was written may not show in any bit, that a run goes on from it in none of its state. */
+/* Sums of losses depend on which pairs are packed next to each other. Writing a checkpoint may not
+ * change any bit, and a resumed run may not differ in its state. */
 static void checkpoints_do_not_show_in_the_ledger(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -263,7 +263,7 @@ static void checkpoints_do_not_show_in_the_ledger(void **state) {
         if (gn_run_load(path, NULL, 0, &run[2], &error) != GNEISS_OK) fail_msg("%s", error.message);
         for (int r = 0; r < 3; r++) assert_int_equal(gn_run_steps(&run[r], 700, &error), GNEISS_OK);
         for (int r = 1; r < 3; r++) {
-            /* Of a run that goes on the last digit of what was lost may be another one. */
+            /* In a resumed run the last digit of the losses may differ. */
             const double *a = (const double *)&run[0].world.ledger.energy;
             const double *b = (const double *)&run[r].world.ledger.energy;
             for (size_t e = 0; e < sizeof(gn_energy) / sizeof *a; e++)
@@ -284,9 +284,9 @@ static void checkpoints_do_not_show_in_the_ledger(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaving_out_what_does_not_touch_changes_no_bit),
+        cmocka_unit_test(omitting_distant_pairs_changes_no_bit),
         cmocka_unit_test(reading_the_world_changes_no_bit),
-        cmocka_unit_test(who_acts_is_found),
+        cmocka_unit_test(acting_pairs_are_found),
         cmocka_unit_test(losses_are_the_same_to_rounding),
         cmocka_unit_test(a_lattice_that_touches_is_worked_on_whole),
         cmocka_unit_test(what_is_packed_comes_back),

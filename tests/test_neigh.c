@@ -36,8 +36,8 @@ static bool wanted(const gn_pair_query *q, size_t i, size_t j) {
     return sqrt(d2) - a[3] - b[3] <= q->margin + q->range * (a[3] + b[3]);
 }
 
-/* The same list as by looking at all pairs, in order, for 1 to 4 threads. Returns the number of
- * pairs. */
+/* Compares the list with that of a search over all pairs, in order, for 1 to 4 threads. Returns the
+ * number of pairs. */
 static size_t check(const gn_pair_query *query) {
     size_t n = query->particles->soa.count, most = n * n / 2 + 1, count = 0;
     int32_t(*all)[2] = calloc(most, sizeof *all);
@@ -248,8 +248,8 @@ static void rebound(const char *skin, const char *damping, double phase, double 
     world_end(w);
 }
 
-/* What comes apart by more than the skin in the step in which it opens is listed all the same: its
- * contact acted for a part of that step. Of a contact alone no bit hangs on the skin. */
+/* A contact that opens by more than the skin in one step is listed nevertheless: it acted for a
+ * part of that step. For a single contact no bit depends on the skin. */
 static void a_skin_below_the_path_of_a_step_does_not_change_a_rebound(void **state) {
     (void)state;
     static const char *const skins[] = {"1e-12", "1e-9", "1e-7", "1e-6", "3e-6", "1e-5", "1e-4"};
@@ -318,7 +318,7 @@ static void turn_by_180_degrees(gn_world *w) {
     for (size_t a = 0; a < 2; a++) w->dem.pairs.shear[a * w->dem.pairs.soa.capacity] *= -1.0;
 }
 
-static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
+static void a_contact_is_unchanged_if_its_ends_change_places(void **state) {
     (void)state;
     gn_world *a = rubbing(), *b = rubbing();
     gneiss_error error = {0};
@@ -345,8 +345,9 @@ static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
     world_end(b);
 }
 
-/* Fast particles have short-lived lists, whose skin grows; a box of 4.4 mm bears 0.2 mm of it. */
-static void the_skin_grows_no_wider_than_a_periodic_box_bears(void **state) {
+/* The lists of fast particles are short-lived, and their skin grows; a box of 4.4 mm allows 0.2 mm
+ * of it. */
+static void the_skin_grows_no_wider_than_a_periodic_box_allows(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [4, 4, 2]}, group: "
@@ -374,8 +375,8 @@ int main(void) {
         cmocka_unit_test(the_skin_does_not_change_the_motion),
         cmocka_unit_test(a_skin_below_the_path_of_a_step_does_not_change_a_rebound),
         cmocka_unit_test(shear_forces_survive_reorderings),
-        cmocka_unit_test(a_contact_whose_ends_change_places_goes_on_as_before),
-        cmocka_unit_test(the_skin_grows_no_wider_than_a_periodic_box_bears),
+        cmocka_unit_test(a_contact_is_unchanged_if_its_ends_change_places),
+        cmocka_unit_test(the_skin_grows_no_wider_than_a_periodic_box_allows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

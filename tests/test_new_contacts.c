@@ -172,7 +172,8 @@ static void one_tiny_particle_counts_as_it_is(void **state) {
     world_end(w);
 }
 
-/* Of all pairs one by one, in every law and dimension, with held particles among them. */
+/* The reference searches all pairs one by one, in every law and dimension, with held particles
+ * among them. */
 static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state) {
     (void)state;
     static const char *const laws[] = {"uniform", "arithmetic", "harmonic"};
@@ -251,7 +252,7 @@ static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
     world_end(w);
 }
 
-/* --- who is resolved --- */
+/* --- resolved particles --- */
 
 static gn_world *loaded(const char *name) {
     char path[4096];
@@ -395,7 +396,7 @@ static void wedged_debris_is_resolved_once_the_ledger_misses_it(void **state) {
     world_end(w);
 }
 
-/* What hardly moves, and what a collision damps: the first has 1e-4 of the energy. */
+/* Slow motion, and the damping of a collision: the former has 1e-4 of the energy. */
 static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
     (void)state;
     for (int damped = 0; damped < 2; damped++) {
@@ -521,8 +522,8 @@ static void a_given_step_that_does_not_resolve_collisions_warns(void **state) {
     }
 }
 
-/* What is prescribed in all components is held by no spring: any step goes, with friction as
- * without. */
+/* A particle that is prescribed in all components is held by no spring: any step is stable, with
+ * friction as without. */
 static void particles_that_are_prescribed_bound_no_step(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {

@@ -355,7 +355,7 @@ def fragments_are_what_bonds_hold_together_with_their_mass_and_momentum(folder):
 
 
 @fact
-def who_was_removed_belongs_to_no_fragment(folder):
+def removed_particles_belong_to_no_fragment(folder):
     place = os.path.join(folder, "out")
     run(write_scene(folder, {
         "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [10e-3, 0, 1e-3], [20e-3, 0, 1e-3]]},

@@ -167,7 +167,7 @@ def a_folder_in_which_a_run_works_takes_no_packing(folder):
     assert wait_until(process, lambda: os.path.exists(os.path.join(out, "particles.hdf.series"))), process.stderr.read()
     done = gneiss("pack", request(folder), "--out", out, **cached(folder))
     assert process.wait(timeout=120) == 0, process.stderr.read()
-    expect(done, 2, "found another run or packing at work")
+    expect(done, 2, "found another run or packing that writes into it")
     assert "packing.h5" not in os.listdir(out) and len(series(out)) > 2
 
 
@@ -177,7 +177,7 @@ def a_folder_takes_one_packing_at_a_time(folder):
     os.mkdir(out)
     held = os.open(out, os.O_RDONLY)
     fcntl.flock(held, fcntl.LOCK_EX)
-    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "another run or packing at work")
+    expect(gneiss("pack", request(folder), "--out", out, **cached(folder)), 2, "another run or packing that writes into it")
     assert not os.listdir(out), os.listdir(out)
     os.close(held)
     pack(folder, request(folder))
@@ -762,7 +762,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 
 
 @fact
-def sizes_that_too_few_particles_cannot_have_are_told(folder):
+def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
     """Of 40 discs one in 400 of which is above half the largest size. The run has no more than a step."""
     def told(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}

@@ -21,7 +21,8 @@ static gn_pack_quality measured_cloud(int dimension) {
     return measured(points.row[0], points.count, dimension, NULL, 1000);
 }
 
-/* What two balls share: a cap (segment) of each, cut off by the plane of their common circle. */
+/* Volume shared by two balls: a cap (segment) of each, cut off by the plane of their common
+ * circle. */
 static double cap(int dimension, double r, double to_plane) {
     if (dimension == 3) return M_PI * pow(r - to_plane, 2) * (2 * r + to_plane) / 3;
     double half = sqrt(fmax(r * r - to_plane * to_plane, 0));

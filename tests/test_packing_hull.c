@@ -103,7 +103,7 @@ static void two_spheres_of_unlike_size_have_a_cone_about_them(void **state) {
         }
 }
 
-/* Of the points that are farthest in many directions: a lower bound. */
+/* The hull of the farthest points in many directions is a lower bound. */
 static double inner_hull(int dimension) {
     enum { MANY = 6000 };
     double *all = malloc(MANY * 3 * sizeof *all), volume;

@@ -57,7 +57,7 @@ static void spin_counts_with_the_farthest_vertex(void **state) {
     stops(PLATE("reference: [0, 0, 0.02], motion: {wz: 1e8}"), "body 'tool'");
 }
 
-static void a_spin_that_has_no_number_is_told(void **state) {
+static void a_spin_that_is_not_a_number_is_reported(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_world *w = world_of("%s%s", head, PLATE("free: true, density: 1000"));
@@ -131,7 +131,7 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
 
 /* Grains that rest on a wall which goes away, slow or fast, lose it within a step: what it bore is
  * not carried along, and they fall. A wall that moves away needs no bound. */
-static void a_wall_that_leaves_lets_go_of_what_it_bore(void **state) {
+static void a_wall_that_retreats_unloads_its_contacts(void **state) {
     (void)state;
     static const char *const motions[] = {"[[0, 0], [5 ms, 0], [5.1 ms, -2]]",
                                           "[[0, 0], [5 ms, 0], [5.1 ms, -20]]",
@@ -166,12 +166,12 @@ int main(void) {
         cmocka_unit_test(a_particle_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(a_body_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(spin_counts_with_the_farthest_vertex),
-        cmocka_unit_test(a_spin_that_has_no_number_is_told),
+        cmocka_unit_test(a_spin_that_is_not_a_number_is_reported),
         cmocka_unit_test(a_wall_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(a_wall_may_slide_along_itself),
         cmocka_unit_test(a_particle_may_turn_half_a_radian_in_a_step),
         cmocka_unit_test(a_node_may_move_half_a_radius_in_a_step),
-        cmocka_unit_test(a_wall_that_leaves_lets_go_of_what_it_bore),
+        cmocka_unit_test(a_wall_that_retreats_unloads_its_contacts),
         cmocka_unit_test(a_flight_ends_with_the_step_of_the_contact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-/* Errors by cause, and what is foretold of a test: src/accuracy, src/plan. */
+/* Errors by cause, and predictions for a test: src/accuracy, src/plan. */
 #include "world_helpers.h"
 
 #include "accuracy/covers.h"
@@ -117,7 +117,7 @@ static void a_bias_has_the_sense_of_its_law(void **state) {
     assert_true(packing->bias == 0);
 }
 
-/* What the study found of them stands in base.csv. */
+/* The results of the study for them are in base.csv. */
 static void packings_scatter_as_their_bonds_do(void **state) {
     (void)state;
     gn_test_groups q = usual(), areas = usual(), unknown = usual();
@@ -166,7 +166,7 @@ static void a_reading_that_does_not_converge_has_no_error_of_size_and_says_so(vo
     assert_true(noted(&c, "does not converge"));
 }
 
-static void what_is_beyond_the_study_is_told(void **state) {
+static void scenes_beyond_the_study_are_reported(void **state) {
     (void)state;
     gn_test_groups q = usual();
     gn_error_causes c;
@@ -176,7 +176,7 @@ static void what_is_beyond_the_study_is_told(void **state) {
     assert_false(gn_causes_predict(&q, "taste", &c));
 }
 
-/* --- what is foretold --- */
+/* --- predictions --- */
 
 /* A square lattice of discs that touch, bonded along x and y: along y each column of discs is a
  * chain of springs k_n of its own, E = k_n over 1 m of thickness and the spacing 2 r, times 2 r. */
@@ -357,7 +357,7 @@ int main(void) {
         cmocka_unit_test(four_packings_halve_the_scatter_and_leave_the_bias),
         cmocka_unit_test(slower_loading_and_more_particles_are_better),
         cmocka_unit_test(a_reading_that_does_not_converge_has_no_error_of_size_and_says_so),
-        cmocka_unit_test(what_is_beyond_the_study_is_told),
+        cmocka_unit_test(scenes_beyond_the_study_are_reported),
         cmocka_unit_test(uniform_strain_of_a_lattice_is_the_stiffness_of_its_chains),
         cmocka_unit_test(bonds_along_the_axis_break_at_their_strength_over_their_stiffness),
         cmocka_unit_test(a_scene_without_a_test_is_not_covered_and_says_why),

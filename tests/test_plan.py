@@ -235,7 +235,7 @@ def budget(folder, *arguments):
 
 
 @fact
-def a_finished_run_has_an_error_budget_whose_causes_add_up(folder):
+def the_causes_in_the_error_budget_of_a_finished_run_add_up(folder):
     out, b = budget(folder)
     for name in ("peak_stress", "young_modulus_average", "poisson_ratio", "peak_strain"):
         causes = b[name]["causes"]

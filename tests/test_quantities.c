@@ -32,7 +32,7 @@ static void field_rows(FILE *file, const gn_output_table *table) {
     }
 }
 
-/* What results.h5 has of a group of owners besides a table of fields. */
+/* Writes the data that results.h5 has of a group of owners in addition to a table of fields. */
 static void owner_rows(FILE *file, const char *ends) {
     for (int g = 0; g < GN_QUANTITY_GROUPS; g++) {
         const gn_quantity_group *group = &gn_quantity_groups[g];
@@ -196,7 +196,7 @@ static const char owners[] =
 
 /* A quantity that the history has of bodies is in results.h5 without further work, a row for each
  * in the order of the scene. */
-static void results_have_what_the_history_has_of_bodies(void **state) {
+static void results_have_the_final_quantities_of_bodies(void **state) {
     (void)state;
     char path[] = "/tmp/gneiss-quantities-XXXXXX";
     gneiss_error error = {0};
@@ -232,7 +232,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(docs_quantities_md_is_up_to_date),
         cmocka_unit_test(columns_follow_the_table),
-        cmocka_unit_test(results_have_what_the_history_has_of_bodies),
+        cmocka_unit_test(results_have_the_final_quantities_of_bodies),
     };
     if (argc < 2) return cmocka_run_group_tests(tests, NULL, NULL);
     FILE *file = fopen(argv[1], "w");

@@ -399,7 +399,7 @@ static void a_fall_without_a_broken_bond_is_no_strength(void **state) {
     }
 }
 
-static void what_cannot_fail_has_no_strength(void **state) {
+static void a_specimen_that_cannot_fail_has_no_strength(void **state) {
     (void)state;
     gn_history h;
     gn_readings r;
@@ -560,7 +560,7 @@ int main(void) {
         cmocka_unit_test(sides_that_move_more_than_the_ends_are_no_poissons_ratio),
         cmocka_unit_test(only_a_stress_that_falls_again_is_a_peak),
         cmocka_unit_test(a_fall_without_a_broken_bond_is_no_strength),
-        cmocka_unit_test(what_cannot_fail_has_no_strength),
+        cmocka_unit_test(a_specimen_that_cannot_fail_has_no_strength),
         cmocka_unit_test(a_missing_share_of_the_load_shows_and_waves_do_not),
         cmocka_unit_test(a_history_grows_and_keeps_its_rows),
         cmocka_unit_test(a_column_is_refused_when_it_cannot_be_added),

@@ -367,7 +367,7 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
 
 
 @fact
-def the_modulus_of_a_stepped_body_has_its_section_among_what_it_may_be_off_by(folder):
+def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
     """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. Against a strip without steps."""
     length, waist = 60e-3, 6e-3
     found = {}

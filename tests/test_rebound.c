@@ -138,8 +138,8 @@ static double held_along_x(double angle, double restitution) {
     return parts / speed;
 }
 
-/* Of what it can give way by only the part along the normal counts: 1/m sin^2. */
-static void restitution_is_kept_against_what_is_held_along_one_axis(void **state) {
+/* Only the part of the compliance along the normal counts: 1/m sin^2. */
+static void restitution_is_kept_against_a_particle_held_along_one_axis(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++)
         for (double angle = 0.0; angle < 1.6; angle += 0.25) {
@@ -274,7 +274,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(restitution_is_kept_at_the_steps_that_the_rule_gives),
         cmocka_unit_test(restitution_is_kept_beside_sideways_motion),
-        cmocka_unit_test(restitution_is_kept_against_what_is_held_along_one_axis),
+        cmocka_unit_test(restitution_is_kept_against_a_particle_held_along_one_axis),
         cmocka_unit_test(a_cradle_keeps_its_energy_without_dashpots),
         cmocka_unit_test(spinning_clusters_keep_their_energy),
         cmocka_unit_test(a_damped_cluster_that_turns_dissipates_nothing),

@@ -99,8 +99,8 @@ static bool is_free(const gn_world *w, size_t p) {
 
 /* --- what is left, counted anew --- */
 
-/* Mean size of what is left of the forces of springs on who is free, moments over the radius, over
- * the mean force of their contacts. */
+/* Returns the mean magnitude of the resultants of springs on free particles, with moments over the
+ * radius, over the mean force of their contacts. */
 static double unbalanced(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     const gn_contacts *lists[2] = {&w->dem.bonds, &w->dem.pairs};
@@ -163,7 +163,7 @@ static void assert_same_motion(const gn_world *a, const gn_world *b) {
     }
 }
 
-/* Largest distance between both, of who is free; others are where they are. */
+/* Returns the largest distance between both states of free particles; all others have not moved. */
 static double moved(const gn_world *a, const gn_world *b) {
     const gn_particles *p = &a->dem.particles, *q = &b->dem.particles;
     double most = 0.0;
@@ -199,7 +199,7 @@ static void a_disordered_packing_is_in_balance_afterwards(void **state) {
     }
 }
 
-/* What springs hold less is what the ledger books more; nothing else is another. */
+/* The loss of energy in springs equals the booked energy; nothing else changes. */
 static void it_takes_energy_and_leaves_velocities(void **state) {
     (void)state;
     for (int space = 0; space < 2; space++) {
@@ -228,7 +228,7 @@ static void it_takes_energy_and_leaves_velocities(void **state) {
 /* A block that is held and was in equilibrium: what relaxation takes would swing between springs
  * and motion, one half on the mean each. (What the zone is out of balance is sent out all the
  * same.) */
-static void half_of_what_it_takes_would_have_moved(void **state) {
+static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
     (void)state;
     enum { LOOKS = 40 };
     double kinetic[2], held[2];
@@ -328,7 +328,7 @@ static void a_wave_stays_a_wave(void **state) {
 
 /* --- bonds --- */
 
-/* The largest part of its strength that a bond between awake particles bears. */
+/* The largest ratio of load to strength of a bond between active particles. */
 static double most_borne(const gn_world *w) {
     const gn_contacts *k = &w->dem.bonds;
     double most = 0.0;
@@ -501,7 +501,7 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
 
 /* Their bonds, which know of it, sleep: a stiffness next to none and all of an overlap would be
  * energy that nothing made, however small the strain. */
-static void overlaps_of_who_has_no_part_of_the_body_are_no_contacts(void **state) {
+static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};
     for (int space = 0; space < 2; space++) {
@@ -563,7 +563,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_disordered_packing_is_in_balance_afterwards),
         cmocka_unit_test(it_takes_energy_and_leaves_velocities),
-        cmocka_unit_test(half_of_what_it_takes_would_have_moved),
+        cmocka_unit_test(half_of_the_removed_energy_would_have_become_kinetic),
         cmocka_unit_test(a_lattice_in_uniform_strain_stays),
         cmocka_unit_test(a_block_that_moves_and_turns_does_not_relax),
         cmocka_unit_test(a_wave_stays_a_wave),
@@ -571,7 +571,7 @@ int main(void) {
         cmocka_unit_test(conversion_makes_no_energy_where_contacts_close),
         cmocka_unit_test(iterations_end_where_they_are_to),
         cmocka_unit_test(neighbours_that_do_not_touch_count_for_nothing),
-        cmocka_unit_test(overlaps_of_who_has_no_part_of_the_body_are_no_contacts),
+        cmocka_unit_test(overlaps_of_dormant_particles_are_no_contacts),
         cmocka_unit_test(threads_precision_and_resumption_give_the_same_bits),
         cmocka_unit_test(instruction_sets_give_the_same_bits),
     };

@@ -16,7 +16,7 @@ static gn_energy run_until_lost(gn_world *w, int64_t count) {
 static const double g0 = 9.81;
 
 /* Lies on the wall as deep as its weight presses it, and drifts across x = 10 mm. */
-static void a_grain_takes_along_what_it_pressed_into_a_wall(void **state) {
+static void the_elastic_energy_at_a_wall_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         bool space = dimension == 3;
@@ -42,7 +42,7 @@ static void a_grain_takes_along_what_it_pressed_into_a_wall(void **state) {
 }
 
 /* Both are driven, so that the bond stays as long as it is made; the second leaves. */
-static void a_grain_takes_along_what_stretches_its_bond(void **state) {
+static void the_elastic_energy_of_a_bond_leaves_with_the_grain(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         bool space = dimension == 3;
@@ -100,9 +100,9 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     world_end(w);
 }
 
-/* What moves on the way out is in the middle of a step. The ledger is off by no more than rounding
- * (some 1e-16 of the scale, as often as there were steps) after it, whatever part of the contacts
- * holds the energy; the steps before may have had errors of their order. */
+/* A particle that moves while it is removed is in the middle of a step. The ledger is off by no
+ * more than rounding (some 1e-16 of the scale per step) after it, whatever part of the contacts
+ * stores the energy; the steps before may have errors of their order. */
 static void closes(const char *what, const char *scene, int64_t lost) {
     gn_world *w = world_of("%stime: {end: 1, safety: 0.1}\nrun: {threads: 1}\n", scene);
     double before = 0.0, leaving = 0.0;
@@ -141,7 +141,7 @@ static void a_swinging_bonded_pair_closes_the_ledger(void **state) {
 }
 
 /* Side by side, stretched across the way out. */
-static void a_bond_whose_grains_leave_at_once_leaves_once(void **state) {
+static void a_bond_is_removed_once_if_both_grains_are_removed_together(void **state) {
     (void)state;
     char scene[2048];
     snprintf(scene, sizeof scene,
@@ -217,11 +217,11 @@ static void a_grain_that_slides_closes_the_ledger(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_grain_takes_along_what_it_pressed_into_a_wall),
-        cmocka_unit_test(a_grain_takes_along_what_stretches_its_bond),
+        cmocka_unit_test(the_elastic_energy_at_a_wall_leaves_with_the_grain),
+        cmocka_unit_test(the_elastic_energy_of_a_bond_leaves_with_the_grain),
         cmocka_unit_test(a_bond_that_left_is_neither_broken_nor_damage),
         cmocka_unit_test(a_swinging_bonded_pair_closes_the_ledger),
-        cmocka_unit_test(a_bond_whose_grains_leave_at_once_leaves_once),
+        cmocka_unit_test(a_bond_is_removed_once_if_both_grains_are_removed_together),
         cmocka_unit_test(a_damped_contact_closes_the_ledger),
         cmocka_unit_test(a_collision_that_is_left_closes_the_ledger),
         cmocka_unit_test(a_grain_that_slides_closes_the_ledger),

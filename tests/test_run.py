@@ -46,7 +46,7 @@ def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
            "time": {"end": "0.1 ms", "mass_scaling": {"factor": 2}}}
     out = os.path.join(folder, "out")
     done = expect(gneiss("run", write_scene(folder, far), "--out", out, "--quiet"), 0)
-    assert [w["name"] for w in summary(out)["warnings"]] == ["mass_scaling"] and "asks for a step of" in done.stderr
+    assert [w["name"] for w in summary(out)["warnings"]] == ["mass_scaling"] and "requests a step of" in done.stderr
     with results(out) as file:
         assert np.allclose(file["particles/mass"], 2000 * 4 / 3 * np.pi * 1e-9, rtol=1e-14)
 
@@ -216,7 +216,7 @@ def a_truncated_checkpoint_gives_way_to_the_older_one(folder):
     truncate(newer)
     size = os.path.getsize(newer)
     done = gneiss("resume", out, "--set", "time.end=0.4 ms", "--quiet")
-    expect(done, 0, "warning: .*" + os.path.basename(newer), "going on from the checkpoint of step")
+    expect(done, 0, "warning: .*" + os.path.basename(newer), "continuing from the checkpoint of step")
     assert not os.path.exists(newer), "a damaged checkpoint is still listed"
     assert os.path.getsize(newer + ".damaged") == size, "the damaged checkpoint was not kept"
     run(LATTICE, straight)
@@ -400,7 +400,7 @@ def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
 
 
 @fact
-def grains_that_begin_fast_take_steps_that_they_can_bear(folder):
+def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
     """By Hertz's law nothing but their speed says what contacts will be like: two clumps that meet head-on, from 1 to 50 m/s."""
     r = 1e-3
     places = [[side + 2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for side in (0, 0.03) for i in range(3) for j in range(3) for k in range(3)]
@@ -421,7 +421,7 @@ def grains_that_begin_fast_take_steps_that_they_can_bear(folder):
 
 
 @fact
-def a_body_that_comes_fast_takes_steps_that_grains_can_bear(folder):
+def a_fast_body_takes_steps_that_grains_resolve(folder):
     """A plate at 30 m/s into grains at rest, whose speed says nothing yet."""
     r = 1e-3
     places = [[2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for i in range(3) for j in range(3) for k in range(3)]
@@ -446,7 +446,7 @@ def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
 
 
 @fact
-def a_step_too_long_for_what_touches_nothing_yet_is_told_without_a_bound(folder):
+def a_step_too_long_for_later_contacts_is_reported_without_a_bound(folder):
     scene = {"dimension": 3, "specimen": {"particles": [[0, 0, 0, 1e-3]], "group": 0}, "law": {"stiffness": "uniform"},
              "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e4, "kratio": 2}], "time": {"step": 0.1, "end": 1}}
     done = gneiss("check", write_scene(folder, scene))

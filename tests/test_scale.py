@@ -33,7 +33,7 @@ def check(folder, scene, word="check", *options):
 
 
 @fact
-def a_core_in_millimetres_without_a_scale_is_told(folder):
+def a_core_in_millimetres_without_a_scale_is_warned_of(folder):
     words = r"warning: .*scene\.yaml:1:\d+: specimen\.surface: 100 m long, particles from [\d.]+ m in diameter on, without a scale.*" \
             r"comes 0\.0005 m, 5e-06 of that, in the 0\.01 s.*scale: 0\.001"
     done = check(folder, core(folder))
@@ -43,7 +43,7 @@ def a_core_in_millimetres_without_a_scale_is_told(folder):
 
 
 @fact
-def what_goes_together_is_not_told(folder):
+def consistent_sizes_are_not_warned_of(folder):
     millimetres = core(folder, depth=0.01, specimen={"scale": 0.001})
     fast = core(folder, speed=0.5, end=10)  # 5 m in 10 s
     other_units = core(folder, density=2.5e-9)  # t/mm3: lengths in mm, speeds in mm/s
@@ -54,7 +54,7 @@ def what_goes_together_is_not_told(folder):
 
 
 @fact
-def a_wave_that_cannot_cross_and_a_fall_that_moves_nothing_are_told(folder):
+def a_run_too_short_for_a_wave_or_a_fall_is_warned_of(folder):
     assert re.search(r"0\.01 s of the run are [\d.]+ steps, and a wave needs", check(folder, core(folder, speed=50)).stdout)
     loose = core(folder, end=0.1, sets=[], gravity=[0, 0, -9.81])
     del loose["bonds"]
@@ -62,13 +62,13 @@ def a_wave_that_cannot_cross_and_a_fall_that_moves_nothing_are_told(folder):
 
 
 @fact
-def a_test_of_a_large_file_is_told(folder):
+def a_test_of_a_large_file_is_warned_of(folder):
     test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
     assert "it is tested as in a laboratory" in check(folder, core(folder, speed=50, end=1, test=test)).stdout
 
 
 @fact
-def a_test_of_a_file_of_four_metres_is_told_unless_it_is_bending(folder):
+def a_test_of_a_file_of_four_metres_is_warned_of_unless_it_is_bending(folder):
     test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
     tested = core(folder, size=4, speed=50, end=1, depth=0.5, test=test)
     assert re.search(r"specimen\.surface: 4\.?\d* m long.*it is tested as in a laboratory", check(folder, tested).stdout)
@@ -94,7 +94,7 @@ def a_scale_of_one_that_is_given_says_that_lengths_are_metres(folder):
 
 
 @fact
-def packings_and_particles_of_files_are_told(folder):
+def sizes_of_packings_and_of_particles_of_files_are_warned_of(folder):
     done = check(folder, core(folder), "pack", "--out", os.path.join(folder, "p"))
     assert re.search(r"note: specimen\.surface: [\d.]+ m long with lengths of the file taken as metres", done.stdout), done.stdout
     scene = core(folder)
@@ -105,7 +105,7 @@ def packings_and_particles_of_files_are_told(folder):
 
 
 @fact
-def a_mesh_of_elements_and_a_tool_are_told(folder):
+def the_sizes_of_a_mesh_of_elements_and_a_tool_are_warned_of(folder):
     with open(os.path.join(folder, "m.msh"), "w") as file:
         file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 50 0 0\n3 50 100 0\n4 0 100 0\n$EndNodes\n"
                    "$Elements\n2\n1 2 2 0 1 1 2 3\n2 2 2 0 1 1 3 4\n$EndElements\n")

@@ -1,4 +1,4 @@
-/* What is drawn bond by bond, and contacts between two materials with values of their own. */
+/* Random values of single bonds, and contacts between two materials with values of their own. */
 #include "kernels/combine.h"
 
 #include "world_helpers.h"
@@ -115,7 +115,7 @@ static const char *const linear = "contact_modulus: 8e9, kratio: 2.5, tensile_st
                          *const ends = "time: {end: 1}\nrun: {threads: 1, seed: 9}\n";
 
 /* A bond's factors are those of its ends' numbers, for any law, and the same for both strengths. */
-static void bonds_draw_by_who_they_join(void **state) {
+static void bonds_draw_by_the_ids_of_their_ends(void **state) {
     (void)state;
     const char *scatters = ", strength_scatter: {distribution: weibull, modulus: 5}, "
                            "stiffness_scatter: {distribution: normal, deviation: 0.2}";
@@ -282,7 +282,7 @@ static size_t bond_of(const gn_world *w, int id) {
     return 0;
 }
 
-static void a_pair_has_what_is_its_own_and_combines_the_rest(void **state) {
+static void a_pair_has_its_own_values_and_combines_the_others(void **state) {
     (void)state;
     gn_world w, plain;
     three("harmonic", "", &plain);
@@ -356,7 +356,7 @@ static void friction_of_a_pair_alone_is_friction(void **state) {
 }
 
 /* Loose particles far apart: the first step is that of the stiffest pair that can meet. */
-static void the_first_step_knows_the_stiffness_of_pairs(void **state) {
+static void the_first_step_includes_the_stiffness_of_pairs(void **state) {
     (void)state;
     double stable[2];
     for (int k = 0; k < 2; k++) {
@@ -437,16 +437,16 @@ int main(void) {
         cmocka_unit_test(weibull_numbers_have_their_distribution),
         cmocka_unit_test(strength_and_stiffness_are_drawn_apart),
         cmocka_unit_test(nothing_is_drawn_for_what_is_no_bond),
-        cmocka_unit_test(bonds_draw_by_who_they_join),
+        cmocka_unit_test(bonds_draw_by_the_ids_of_their_ends),
         cmocka_unit_test(dashpots_are_those_of_the_drawn_stiffness),
         cmocka_unit_test(the_limit_is_that_of_the_drawn_stiffness),
         cmocka_unit_test(a_chain_is_weaker_by_the_modulus_root_of_its_length),
         cmocka_unit_test(a_chain_breaks_where_it_is_weakest),
-        cmocka_unit_test(a_pair_has_what_is_its_own_and_combines_the_rest),
+        cmocka_unit_test(a_pair_has_its_own_values_and_combines_the_others),
         cmocka_unit_test(every_law_reads_values_of_a_pair),
         cmocka_unit_test(bonds_of_a_pair_have_a_friction_of_their_own),
         cmocka_unit_test(friction_of_a_pair_alone_is_friction),
-        cmocka_unit_test(the_first_step_knows_the_stiffness_of_pairs),
+        cmocka_unit_test(the_first_step_includes_the_stiffness_of_pairs),
         cmocka_unit_test(what_a_pair_cannot_say_is_refused_where_it_stands),
         cmocka_unit_test(what_a_distribution_needs_is_asked_for),
     };

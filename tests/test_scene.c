@@ -93,7 +93,7 @@ static void units_turn_into_si(void **state) {
     gn_units_free(units);
 }
 
-static void what_is_no_quantity_is_refused(void **state) {
+static void a_value_that_is_no_quantity_is_refused(void **state) {
     (void)state;
     static const char *const cases[][2] = {{"23 kg", "m"},
                                            {"", "m"},
@@ -437,7 +437,7 @@ static void a_table_is_linear_between_and_constant_outside(void **state) {
 
 /* ---- refusals ---- */
 
-static void every_slip_is_told_with_its_place(void **state) {
+static void every_slip_is_reported_with_its_place(void **state) {
     (void)state;
     static const char *const cases[][3] = {
         {"2650 kg/m3", "23 mm",
@@ -723,7 +723,7 @@ static void overrides_reach_keys_lists_and_names(void **state) {
     gn_scene_free(&s);
 }
 
-static void overrides_that_miss_are_told_by_their_key(void **state) {
+static void overrides_without_a_target_are_reported_by_their_key(void **state) {
     (void)state;
     refuses_set("time.end", "2 kg",
                 "--set time.end: expected a time such as '5 ms', found '2 kg' (another dimension)");
@@ -785,7 +785,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_rock_scene_reads_as_written),
         cmocka_unit_test(units_turn_into_si),
-        cmocka_unit_test(what_is_no_quantity_is_refused),
+        cmocka_unit_test(a_value_that_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
         cmocka_unit_test(a_strain_is_a_number_or_a_ratio_of_lengths),
         cmocka_unit_test(a_rate_of_damping_is_said_to_need_the_viscous_model),
@@ -799,7 +799,7 @@ int main(void) {
         cmocka_unit_test(a_normal_becomes_a_unit_vector),
         cmocka_unit_test(a_2d_scene_has_short_vectors),
         cmocka_unit_test(a_table_is_linear_between_and_constant_outside),
-        cmocka_unit_test(every_slip_is_told_with_its_place),
+        cmocka_unit_test(every_slip_is_reported_with_its_place),
         cmocka_unit_test(names_that_no_path_can_hold_are_refused),
         cmocka_unit_test(keys_that_contradict_each_other_are_refused),
         cmocka_unit_test(a_2d_scene_stays_in_its_plane),
@@ -807,7 +807,7 @@ int main(void) {
         cmocka_unit_test(a_file_above_the_limit_is_refused),
         cmocka_unit_test(a_refused_scene_holds_nothing),
         cmocka_unit_test(overrides_reach_keys_lists_and_names),
-        cmocka_unit_test(overrides_that_miss_are_told_by_their_key),
+        cmocka_unit_test(overrides_without_a_target_are_reported_by_their_key),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
-/* What walks the table of keys: the echo of a scene, its effects, ranges, and the key reference. */
+/* Functions that traverse the table of keys: the echo of a scene, its effects, ranges, and the key
+ * reference. */
 #include "scene_text.h"
 
 #include "scene/manifest.h"

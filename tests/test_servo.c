@@ -88,13 +88,13 @@ static void the_default_is_not_touched(void **state) {
  * the force that was to be taken up in it, 0.1 of 5 N: the wall's path is k (and of dashpots c/dt)
  * of all of them into that, and the dashpot of a contact that closes acts for 1.5 steps at most.
  * A path for one of them alone gave up to 36 times as much, at any step. */
-static void a_crowd_that_is_met_at_once_is_not_hit(void **state) {
+static void a_servo_approaches_a_crowd_of_grains_softly(void **state) {
     (void)state;
     const char layer[] = "lattice: {kind: cubic, radius: 1 mm, cells: [6, 6, 1], spacing: 1.01}";
     for (int damped = 0; damped < 2; damped++)
         for (int phase = 1; phase < 10; phase++) {
             const char *damping = damped ? "contact: {restitution: 0.5}" : "";
-            /* Of the path of one contact, 0.1 x 5 N/k = 5 um, the gap is one tenth and so on. */
+            /* the gap is one tenth and so on of the path of one contact, 0.1 x 5 N/k = 5 um */
             gn_world *w = pressed(layer, 2.01e-3 + 0.5e-6 * phase, damping, 0.1, 0.5);
             for (int k = 0; k < 100 && w->boundary.walls[1].force[2] == 0.0; k++) run_steps(w, 1);
             double first = w->boundary.walls[1].force[2];
@@ -147,9 +147,9 @@ static void a_stress_is_held_over_the_section_of_the_box(void **state) {
     world_end(w);
 }
 
-/* What goes on moving: a floor at V under one sphere or a lattice of them, at any share and step.
- * By the share alone the lid misses V dt K/rho for ever, here at least a tenth of what it is to
- * hold; with the part that lasts the lid goes at V, and nothing is missing. */
+/* Loads in steady motion: a floor at V under one sphere or a lattice of them, at any share and
+ * step. With the share alone the lid would miss V dt K/rho permanently, here at least a tenth of
+ * its target; with the integral part the lid moves at V, and the error vanishes. */
 static void follows(const char *particles, double top, const char *damping) {
     const double shares[] = {0.05, 0.1, 1.0}, safeties[] = {0.3, 0.9, 0.99}, v = 0.2;
     for (int r = 0; r < 3; r++)
@@ -175,7 +175,7 @@ static void follows(const char *particles, double top, const char *damping) {
         }
 }
 
-static void a_lid_holds_its_force_on_what_goes_on_moving(void **state) {
+static void a_lid_holds_its_force_on_grains_in_motion(void **state) {
     (void)state;
     const char damped[] = "contact: {restitution: 0.3}";
     follows(one, 1.99998e-3, damped);
@@ -213,9 +213,9 @@ int main(void) {
         cmocka_unit_test(one_sphere_settles_at_any_relaxation),
         cmocka_unit_test(a_lattice_settles_at_any_relaxation),
         cmocka_unit_test(the_default_is_not_touched),
-        cmocka_unit_test(a_crowd_that_is_met_at_once_is_not_hit),
+        cmocka_unit_test(a_servo_approaches_a_crowd_of_grains_softly),
         cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
-        cmocka_unit_test(a_lid_holds_its_force_on_what_goes_on_moving),
+        cmocka_unit_test(a_lid_holds_its_force_on_grains_in_motion),
         cmocka_unit_test(servos_that_cannot_be_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

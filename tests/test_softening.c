@@ -300,7 +300,7 @@ static void work_is_stored_or_lost(void **state) {
     }
 }
 
-/* --- parameters and what is told --- */
+/* --- parameters and readings of a bond --- */
 
 /* Pulled (sheared) to just below the end and just beyond it. */
 static void check_end(const gn_material *m, gn_softening softening, bool sheared, double at_end) {
@@ -364,7 +364,7 @@ static void linear_coupling_takes_from_the_surface_in_tension(void **state) {
     end(t);
 }
 
-static void what_a_bond_has_gone_through_is_told(void **state) {
+static void the_damage_of_a_bond_is_reported(void **state) {
     (void)state;
     bond *t = make(&crushed, GN_FX_YIELD);
     move(t, -18e-6, 0.0, 0.0);
@@ -478,10 +478,10 @@ static void damaged_bodies_that_swing_on_keep_their_energy(void **state) {
     }
 }
 
-/* Two spheres whose bond broke at the start meet undamped and yield, mostly in the very step in
- * which they come into touch: at 20 places within a step. What they lose is what they yielded by.
- */
-static void what_yields_where_it_closes_is_in_the_ledger(void **state) {
+/* Two spheres with a bond broken at the start collide undamped and yield, mostly in the very step
+ * in which they come into contact: at 20 phases within a step. Their loss of energy is that of
+ * yielding. */
+static void yielding_on_closure_is_in_the_ledger(void **state) {
     (void)state;
     const double mass = sphere_mass(2650, 1e-3), w2 = 2.0 * 1e7 / mass;
     double worst = 0.0;
@@ -556,7 +556,7 @@ static void beside_all_else_threads_and_resumption_give_the_same_bits(void **sta
     }
 }
 
-static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) {
+static void bonds_that_store_more_than_they_may_dissipate_are_warned_of(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 3e-3, 0, "
@@ -798,8 +798,8 @@ static const way_to_break ways_to_break[] = {
     {0, 0, 0, 0.8, 0.5, 1.0, 0.0, GN_BROKEN_SHEAR},
     {0, 0, 13.5, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_TENSION},
     {0, 0, 13.5, 0.8, 0.3, 1.0, 0.0, GN_BROKEN_SHEAR},
-    /* What softens along loses its cohesion, C (1 - x)/(2 x) at the part x of the way: 0.3 x C of a
-     * brittle one reaches that at 0.70. */
+    /* Softening in shear removes the cohesion, C (1 - x)/(2 x) at the part x of the way: 0.3 x C of
+     * a brittle bond is reached at 0.70. */
     {0, 15, 0, 0.8, 1.0, 0.3, 0.0, GN_BROKEN_SHEAR},
     /* Linear: C - mu_1 f_n with mu_1 R_n = C/2. Brittle at x (across + along/2) = 1 or x along = 1;
      * softening, the slip that is left over ends at u_s whatever the surface was. */
@@ -853,7 +853,7 @@ static void check_cause(const way_to_break *way, gn_effects softening, uint64_t 
     }
 }
 
-static void breaks_are_named_by_what_takes_the_last_of_a_bond(void **state) {
+static void breaks_are_named_by_their_last_mode(void **state) {
     (void)state;
     uint64_t at = 37;
     for (size_t k = 0; k < sizeof ways_to_break / sizeof *ways_to_break; k++) {
@@ -925,13 +925,13 @@ int main(void) {
         cmocka_unit_test(softening_ends_by_energy_strain_or_ratio),
         cmocka_unit_test(without_softening_bonds_that_yield_are_brittle),
         cmocka_unit_test(linear_coupling_takes_from_the_surface_in_tension),
-        cmocka_unit_test(what_a_bond_has_gone_through_is_told),
+        cmocka_unit_test(the_damage_of_a_bond_is_reported),
         cmocka_unit_test(a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_particles),
         cmocka_unit_test(a_damaged_bond_keeps_its_energy_while_it_swings),
         cmocka_unit_test(damaged_bodies_that_swing_on_keep_their_energy),
-        cmocka_unit_test(what_yields_where_it_closes_is_in_the_ledger),
+        cmocka_unit_test(yielding_on_closure_is_in_the_ledger),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
-        cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
+        cmocka_unit_test(bonds_that_store_more_than_they_may_dissipate_are_warned_of),
         cmocka_unit_test(sections_are_those_of_the_law),
         cmocka_unit_test(a_pair_of_materials_has_a_fracture_energy_of_its_own),
         cmocka_unit_test(a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut),
@@ -939,7 +939,7 @@ int main(void) {
         cmocka_unit_test(a_fixed_mix_of_both_dissipates_its_share_of_both_energies),
         cmocka_unit_test(random_paths_coupled_by_squares_follow_the_ellipse),
         cmocka_unit_test(coupled_by_squares_forces_stay_within_what_is_left),
-        cmocka_unit_test(breaks_are_named_by_what_takes_the_last_of_a_bond),
+        cmocka_unit_test(breaks_are_named_by_their_last_mode),
         cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("softening", tests, NULL, NULL);

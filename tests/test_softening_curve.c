@@ -15,7 +15,7 @@ static bond *make_bent(gn_effects more) {
     return t;
 }
 
-/* What is left of the strength at an opening w > 0. */
+/* Returns the remaining strength at an opening w > 0. */
 static double left_at(double w, const double at[2]) {
     if (w < at[0]) return 1.0 - 2.0 / 3.0 * w / at[0];
     return w < at[1] ? (at[1] - w) / (at[1] - at[0]) / 3.0 : 0.0;
@@ -139,7 +139,7 @@ static void steps_across_the_kink_stay_on_the_ellipse(void **state) {
 }
 
 /* Where the first line would have to lead back the bond breaks at once, as by a single one. */
-static void what_holds_too_much_breaks_at_once(void **state) {
+static void a_bond_with_too_much_stored_energy_breaks_at_once(void **state) {
     (void)state;
     for (int quadratic = 0; quadratic < 2; quadratic++) {
         gn_material m = concrete;
@@ -164,7 +164,7 @@ int main(void) {
         cmocka_unit_test(both_lines_dissipate_the_fracture_energies),
         cmocka_unit_test(a_fixed_mix_dissipates_its_share_of_both_energies),
         cmocka_unit_test(steps_across_the_kink_stay_on_the_ellipse),
-        cmocka_unit_test(what_holds_too_much_breaks_at_once),
+        cmocka_unit_test(a_bond_with_too_much_stored_energy_breaks_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

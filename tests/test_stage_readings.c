@@ -1,4 +1,4 @@
-/* What is read off one stage of a run does not depend on what went before it. */
+/* Readings of one stage of a run do not depend on earlier stages. */
 #include "world_helpers.h"
 
 #include "run/run.h"

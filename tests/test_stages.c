@@ -126,7 +126,7 @@ static void one_stage_has_the_bits_of_none(void **state) {
                                        "stages: [{name: all, gravity: [0, 0, -9.81]}]\n")));
 }
 
-/* Of a time that is less than half a step: one, so that what the stage says is felt. */
+/* A stage shorter than half a step takes one step, so that its changes have an effect. */
 static void a_short_stage_takes_a_step(void **state) {
     (void)state;
     gn_run *run = run_of(joined(lone, "stages:\n",
@@ -277,7 +277,8 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     steps(run, 38);
     assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
     assert_near(force_in(run, 3, &e), 0.0, 1e-9); /* nothing pulls any more, and it is no contact */
-    /* What pulled over the last 0.1 um, from 3.9 to 4.0, is booked for half of it only. */
+    /* The work of the tension over the last 0.1 um, from 3.9 to 4.0, is booked for half of it
+     * only. */
     assert_near(e.stage_change, -held - 0.5 * spring * 3.9e-6 * 4e-6, 1e-6 * held);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
     assert_int_equal(run->world.dem.broken_tension, 0);
@@ -572,7 +573,7 @@ static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
     resumes_with_the_same_bits(worn("quadratic", mixed), 97, seen);
 }
 
-/* Of the bond of two particles, by their numbers in the specimen; SIZE_MAX: none. */
+/* Returns the bond of two particles, by their numbers in the specimen; SIZE_MAX: none. */
 static size_t bond_between(const gn_world *w, int32_t a, int32_t b) {
     const gn_contacts *k = &w->dem.bonds;
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -687,7 +688,7 @@ static void a_settled_heap_goes_on(void **state) {
     run_end(run);
 }
 
-/* What was found stays as it is until the run has gone on: the column is not looked at again. */
+/* Readings are kept until the run has advanced: the column is not read again. */
 static void readings_are_found_once_for_a_state(void **state) {
     (void)state;
     gn_run *run = run_of(joined(heap, "time: {end: 10 ms}\nrun: {threads: 1}\nstages:\n",
@@ -894,8 +895,8 @@ static const char overlapping[] =
     "specimen: {particles: [[0, 0, 0, 1 mm], [1.9 mm, 0, 0, 1 mm], [0, 1.9 mm, 0, 1 mm]]}\n"
     "bonds: {}\nsets:\n- {name: other, select: {ids: [2]}, group: 2}\n";
 
-/* What is free of stress at an overlap stays so in a run that goes on with the bonds of another,
- * bonded, broken, dissolved or never bonded. */
+/* Overlaps free of stress remain so in a run that continues with the bonds of another, bonded,
+ * broken, dissolved or never bonded. */
 static void free_overlaps_go_over_into_another_run(void **state) {
     (void)state;
     static const char *const stages[] = {
@@ -1104,7 +1105,8 @@ static void accepted(const char *stages) {
     gn_scene_free(&scene);
 }
 
-/* What moves, presses or was left moving may bring any end; what stands still or parts does not. */
+/* Motion, a load or remaining velocities may cause any end; bodies at rest or separating ones do
+ * not. */
 static void a_stage_that_never_ends_is_refused(void **state) {
     (void)state;
     const char *nothing = "expected a motion or load in this stage, found none";

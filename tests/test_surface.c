@@ -61,7 +61,7 @@ static double six_volumes(const gn_mesh *m, const int32_t *node, const double fr
            a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
 }
 
-/* Of triangles [first, past) by their sense alone. */
+/* Returns the volume of triangles [first, past) by their sense alone. */
 static double signed_volume(const gn_mesh *m, size_t first, size_t past) {
     double sum = 0.0;
     for (size_t t = first; t < past; t++)

@@ -41,8 +41,8 @@ static void compare_step(gn_world *flat, gn_world *facets, deviation *d) {
     d->speed_size = fmax(d->speed_size, sqrt(speed));
 }
 
-/* Whether a contact begins or ends with a step, to rounding: a step later on one of the two. What
- * its dashpot does in such a bounce differs by some hundredths. */
+/* Returns true if a contact begins or ends with a step, to rounding: a step later on one of the
+ * two. The effect of its dashpot in such a bounce differs by some hundredths. */
 static bool are_split(const gn_world *flat, const gn_world *facets) {
     const double *f = flat->boundary.walls[0].force, *g = facets->boundary.bodies[0].force;
     return (gn_dot3(f, f) > 0.0) != (gn_dot3(g, g) > 0.0);
@@ -207,7 +207,7 @@ static void faces_edges_and_corners_rebound_as_walls_do(void **state) {
         double wall = rebound(
             "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6}]", face, e);
         assert_near(wall, e, 0.01);
-        /* The same force law, so that only rounding differs. */
+        /* the force law is the same, so that only rounding differs */
         assert_near(rebound("bodies: [{name: w, box: {size: [0.1, 0.1, 0.1]}, origin: [-0.05, "
                             "-0.05, -0.1], stiffness: 1e6}]",
                             face, e),

@@ -30,8 +30,8 @@ static double correlation(const double *a, const double *b, size_t count) {
     return 12.0 * sum / (double)count; /* the variance of a uniform number is 1/12 */
 }
 
-/* Of independent coordinates the correlation has the deviation 1/sqrt(n): 0.01 here, and none of
- * 190 goes beyond five of them but once in ten thousand seeds. */
+/* For independent coordinates the correlation has the deviation 1/sqrt(n): 0.01 here, and none of
+ * 190 exceeds five of them except once in ten thousand seeds. */
 static void coordinates_of_a_latin_hypercube_are_independent(void **state) {
     (void)state;
     enum { N = 10000, D = 20 };
@@ -94,8 +94,8 @@ static void far_points_of_every_coordinate_are_those_of_scipy(void **state) {
     }
 }
 
-/* What makes the sequence even: of 2^m points every one of 2^m equal parts of each axis holds one,
- * and a shift of digits keeps that. */
+/* The sequence is even because every one of 2^m equal parts of each axis contains one of 2^m
+ * points, and a shift of digits preserves that. */
 static void two_to_the_m_points_of_sobol_fill_as_many_strata(void **state) {
     (void)state;
     enum { N = 256 };

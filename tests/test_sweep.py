@@ -182,7 +182,7 @@ def seeds_may_be_a_list_and_the_command_line_goes_first(folder):
 
 
 @fact
-def seeds_of_a_scene_without_random_numbers_are_told_to_change_nothing(folder):
+def seeds_of_a_scene_without_random_numbers_are_warned_of(folder):
     out = os.path.join(folder, "out")
     done = gneiss("run", LATTICE, "--seeds", 2, "--out", out, "--quiet", *QUICK, "--set", "specimen.lattice.jitter=0")
     expect(done, 0, "warning: seeds: this scene draws no random numbers")
@@ -297,7 +297,7 @@ def equal_runs_of_one_sweep_are_computed_once(folder):
 
 
 @fact
-def a_folder_is_of_what_is_computed_not_of_names_and_threads(folder):
+def a_folder_is_named_by_the_computation_not_by_names_and_threads(folder):
     base = sweep(folder, FRICTIONS)
     for more in (("--set", "title=another"), ("--threads", 1), ("--set", "output.checkpoint=1 min"), ("--set", "materials.block.density=2 g/cm3")):
         assert [row["folder"] for row in sweep(folder, FRICTIONS, *more)] == [row["folder"] for row in base], more
@@ -400,7 +400,7 @@ def a_sweep_of_which_no_run_comes_to_its_end_says_so(folder):
 
 
 @fact
-def a_run_whose_results_are_gone_or_cut_off_is_computed_again(folder):
+def a_run_with_missing_or_truncated_results_is_computed_again(folder):
     before = sweep(folder, FRICTIONS)
     out = os.path.join(folder, "out")
     for row, checkpoint in zip(before, (True, False, True)):
@@ -811,7 +811,7 @@ def bad_files_are_refused_with_the_place(folder):
 
 
 @fact
-def several_slips_are_told_at_once(folder):
+def several_slips_are_reported_at_once(folder):
     path = write_scene(folder, f"scene: {LATTICE}\nparameters:\n  time.ned: [1]\n  time.safety: {{from: 3, to: 0.2, count: 3}}\nreadings: x\n", "s.yaml")
     expect(gneiss("sweep", path), 2, r"s.yaml:3:3: parameters.time.ned", r"s.yaml:4:23: parameters.time.safety.from", r"s.yaml:5:11: readings")
 
@@ -837,7 +837,7 @@ def units_of_another_kind_are_refused_as_in_a_scene(folder):
 
 
 @fact
-def files_that_are_not_there_or_no_sweeps_are_told(folder):
+def missing_files_and_files_of_no_sweep_are_reported(folder):
     expect(gneiss("sweep", os.path.join(folder, "none.yaml")), 2, "none.yaml: cannot open the sweep")
     expect(gneiss("sweep", folder), 2)
     expect(gneiss("sweep", write_scene(folder, "", "empty.yaml")), 2, "empty.yaml:1:1: expected a sweep, found an empty file")

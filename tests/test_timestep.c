@@ -104,7 +104,7 @@ static void shear_of_two_spheres_turns_them_along(void **state) {
     destroy(s);
 }
 
-/* The same for discs: I = m r^2/2, w^2 = k_t/m (2 + 4 a^2/r^2). */
+/* The frequency for discs: I = m r^2/2, w^2 = k_t/m (2 + 4 a^2/r^2). */
 static void shear_of_two_discs_turns_them_along(void **state) {
     (void)state;
     double x[8] = {0.0, 0.0, 0.0, 1e-3, 1.2e-3, 1.6e-3, 0.0, 1e-3};
@@ -438,7 +438,8 @@ static void where_all_are_alike_few_say_nothing(void **state) {
     destroy(s);
 }
 
-/* As equal grains that have just begun to touch: blocks are exact, nobody is left to look at. */
+/* The case of equal grains that have just begun to touch: blocks are exact, no particle is left to
+ * examine. */
 static void pairs_that_touch_have_a_limit_by_few(void **state) {
     (void)state;
     specimen *s = lattice_specimen(&lattices[2], 1e-3);
@@ -465,10 +466,9 @@ static specimen *rock_with_near_contacts(double alpha, gn_effects effects) {
     return s;
 }
 
-/* What is said to hold is below the limit with all near contacts in touch, which Lanczos finds;
- * what is refused is above what blocks alone allow, and with Lanczos within a few per cent of the
- * limit.
- */
+/* A step that is said to hold is below the limit with all near contacts active, which Lanczos
+ * computes; a refused step is above the limit of blocks alone, and with Lanczos within a few per
+ * cent of the limit. */
 static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **state) {
     (void)state;
     for (int k = 0; k < 6; k++) {
@@ -505,7 +505,7 @@ static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **sta
     }
 }
 
-/* Of a particle and its neighbours alone: marks tell which. */
+/* The limit of a particle and its neighbours alone: marks select them. */
 static void a_new_contact_is_found_where_it_is(void **state) {
     (void)state;
     specimen *s = chain(20, 0.0, 0.0, all_effects);

@@ -2,7 +2,8 @@
 #include "limit/springs.h"
 #include "timestep_specimen.h"
 
-/* Who is outside of two slabs sleeps: no mass, no springs. Returns how many are awake. */
+/* Makes particles outside of two slabs dormant: without mass and springs. Returns the number of
+ * active ones. */
 static size_t lull(specimen *s, double low, double high) {
     size_t awake = 0;
     for (size_t i = 0; i < s->p.soa.count; i++) {
@@ -35,7 +36,7 @@ static int by_height(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorted in space, as those of a run are: who is awake is together. */
+/* A specimen sorted in space, as in a run, so that active particles are together. */
 static specimen *sleeping_rock(int k) {
     const double alphas[] = {0.0, 0.4}, kratios[] = {3.7, 0.0};
     specimen *any = rock(0.012, all_effects);
@@ -51,7 +52,7 @@ static specimen *sleeping_rock(int k) {
     return s;
 }
 
-static void who_is_awake_has_the_limit_of_the_full_operator(void **state) {
+static void active_particles_have_the_limit_of_the_full_operator(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {
         specimen *s = sleeping_rock(k);
@@ -71,7 +72,7 @@ static void who_is_awake_has_the_limit_of_the_full_operator(void **state) {
 }
 
 /* Their springs, and no others. */
-static void who_is_picked_keeps_all_springs(void **state) {
+static void selected_particles_keep_all_springs(void **state) {
     (void)state;
     specimen *s = sleeping_rock(0);
     gn_springs all, awake;
@@ -110,8 +111,8 @@ static void a_step_without_end_holds_where_nothing_resists(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(who_is_awake_has_the_limit_of_the_full_operator),
-        cmocka_unit_test(who_is_picked_keeps_all_springs),
+        cmocka_unit_test(active_particles_have_the_limit_of_the_full_operator),
+        cmocka_unit_test(selected_particles_keep_all_springs),
         cmocka_unit_test(a_step_without_end_holds_where_nothing_resists),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,7 +51,7 @@ static int64_t lists_of(gn_world *w, int steps) {
 }
 
 /* 5 m/s are 20 skins in 400 steps by twice the way of one; 0.3 m/s past each other one or two. */
-static void what_streams_together_leaves_the_lists_alone(void **state) {
+static void a_uniform_stream_keeps_its_lists(void **state) {
     (void)state;
     gn_world *still = stream(0.0, 0.3, false, box), *flows = stream(5.0, 0.3, false, box);
     int64_t few = lists_of(still, 800), more = lists_of(flows, 800);
@@ -80,7 +80,7 @@ static void streams_that_pass_each_other_have_their_lists_made(void **state) {
 
 /* Two that are not listed meet head on, wherever the sides of the cells are and along any axis;
  * each by itself has come no way past those around it. */
-static void two_that_come_from_afar_are_listed_before_they_meet(void **state) {
+static void two_distant_particles_are_listed_before_they_touch(void **state) {
     (void)state;
     for (int k = 0; k < 36; k++) {
         const int axis = k % 3;
@@ -129,9 +129,9 @@ static void walls_and_domains_are_looked_at_after_a_skin_of_way(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_streams_together_leaves_the_lists_alone),
+        cmocka_unit_test(a_uniform_stream_keeps_its_lists),
         cmocka_unit_test(streams_that_pass_each_other_have_their_lists_made),
-        cmocka_unit_test(two_that_come_from_afar_are_listed_before_they_meet),
+        cmocka_unit_test(two_distant_particles_are_listed_before_they_touch),
         cmocka_unit_test(walls_and_domains_are_looked_at_after_a_skin_of_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -480,7 +480,7 @@ def a_report_names_what_it_cannot_read_instead_of_leaving_it_out(folder):
 
 
 @plain_fact
-def a_report_names_the_data_set_whose_numbers_lead_nowhere(folder):
+def a_report_names_the_data_set_with_invalid_indices(folder):
     for scene, end, sets in ((LATTICE, "0.05 ms", ("bonds/i", "bonds/j")), (ELEMENTS, "0.05 ms", ("elements/node",))):
         run(scene, folder, "--set", f"time.end={end}", "--set", "output.snapshots=0", "--force")
         path = os.path.join(folder, "results.h5")

@@ -59,7 +59,7 @@ __attribute__((format(printf, 1, 2))) static inline gn_world *world_of(const cha
     return w;
 }
 
-/* Whether a scene with its first `from` turned into `to` is refused with these words. */
+/* Asserts that a scene with its first `from` replaced by `to` is refused with these words. */
 static inline void assert_change_refused(const char *scene_text, const char *from, const char *to,
                                          const char *words) {
     gn_world *w = calloc(1, sizeof *w);
@@ -98,7 +98,7 @@ static inline void run_until(gn_world *w, double time) {
     while (w->ctx.time < time) run_steps(w, 1);
 }
 
-/* Whether this machine runs an instruction set; says so when not. */
+/* Returns true if this machine has an instruction set, and prints a message if not. */
 static inline bool runs_here(const gn_kernel_set *set) {
     bool runs = gn_kernel_set_supported(set);
     if (!runs) print_message("# %s: not on this machine, skipped\n", set->name);

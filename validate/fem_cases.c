@@ -12,7 +12,7 @@ typedef struct definition {
     const char *name, *material;
     int dimension;
     gn_fem_material rock;
-    double load, scale; /* Pa; part of it that is applied */
+    double load, scale; /* Pa; part of the load that is applied */
 } definition;
 
 static const definition definitions[] = {
@@ -68,8 +68,8 @@ static double press(double x, double y) {
     return c * c;
 }
 
-/* Forces of the smooth pressure on one facet of the top: its mean against each shape function, by
- * the rule of six points that is exact to degree 4 (Dunavant 1985). */
+/* Adds the forces of the smooth pressure on one facet of the top: its mean against each shape
+ * function, by the six-point rule that is exact to degree 4 (Dunavant 1985). */
 static void press_facet(gn_fem_solid *body, const int32_t *node, double p) {
     static const double rule[2][2] = {{0.445948490915965, 0.223381589678011},
                                       {0.091576213509771, 0.109951743655322}};
@@ -155,7 +155,8 @@ void fem_case_free(fem_case *c) {
 
 /* --- relaxation --- */
 
-/* u f, u M u and v M v of the body, f being the applied forces; the sums run in node order. */
+/* Computes u f, u M u and v M v of the body, f being the applied forces; the sums run in node
+ * order. */
 static void products(const gn_fem_solid *body, double *uf, double *umu, double *vmv) {
     *uf = *umu = *vmv = 0.0;
     for (size_t n = 0; n < body->nodes.soa.count; n++) {
@@ -172,7 +173,7 @@ static void products(const gn_fem_solid *body, double *uf, double *umu, double *
 static gneiss_status read_all(fem_case *c, gneiss_error *error);
 
 gneiss_status fem_case_relax(fem_case *c, double tolerance, int64_t most, gneiss_error *error) {
-    enum { EVERY = 50, CALM = 20 }; /* steps between looks; looks in a row that must be calm */
+    enum { EVERY = 50, CALM = 20 }; /* steps between checks; consecutive checks that must be calm */
     gn_fem_limit limit;
     GN_TRY(gn_fem_bound(&c->body, &limit, error));
     const double dt = 0.9 * limit.bound;
@@ -233,7 +234,7 @@ static double component_at(const fem_case *c, double x, double y, double z, size
     return u[component];
 }
 
-/* Displacement along a component, weighted by the applied forces. */
+/* Returns the displacement along a component, weighted by the applied forces. */
 static double mean_of_loaded(const fem_case *c, size_t component) {
     double sum = 0.0, all = 0.0, u[3];
     for (size_t n = 0; n < c->body.nodes.soa.count; n++) {
@@ -250,7 +251,7 @@ static void add(fem_case *c, const char *name, double value) {
     c->value[c->count++] = value;
 }
 
-/* Mean pressure of the three cubes below the middle of the block, from the top. */
+/* Computes the mean pressure of the three cubes below the middle of the block, from the top. */
 static gneiss_status read_column(fem_case *c, gneiss_error *error) {
     static const char *const name[3] = {"pressure 1", "pressure 2", "pressure 3"};
     const gn_elements *q = &c->body.elements;

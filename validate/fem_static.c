@@ -1,6 +1,7 @@
-/* fem_static CASE MATERIAL FORM CELLS[s] [THREADS [FIELDS]]: one case of references/fem.json by the
- * explicit code at rest; JSON on stdout. CELLS with an s: diagonals all one way. FIELDS: a file for
- * rows of nodes (x y z ux uy uz) and elements (nodes, pressure). */
+/* fem_static CASE MATERIAL FORM CELLS[s] [THREADS [FIELDS]]: computes one case of
+ * references/fem.json by relaxation with the explicit code; JSON on stdout. CELLS with an s: all
+ * diagonals in one direction. FIELDS: a file for rows of nodes (x y z ux uy uz) and elements
+ * (nodes, pressure). */
 #include "fem_cases.h"
 
 #include "base/memory.h"

@@ -239,7 +239,7 @@ gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
         if (status == GNEISS_ERROR_UNSTABLE) return settle(world, status, &found, error);
         if (status != GNEISS_OK) return gn_fail(error, status, "%s", found.message);
     }
-    return gn_run_verdict(&world->run, error);
+    return gn_run_check_final_ledger(&world->run, error);
 }
 
 gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {

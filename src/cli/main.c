@@ -56,7 +56,7 @@ static gneiss_status finish(const gn_options *options, gn_run *run, gneiss_error
         print_one_line(text);
         free(text);
     }
-    return gn_run_verdict(run, error);
+    return gn_run_check_final_ledger(run, error);
 }
 
 /* Stores the bad state for inspection; the message of the first error is kept. */

@@ -5,7 +5,7 @@
  * Three attributes contain them, as 64-bit integers. `digest` of a data set covers its name, type,
  * shape and values; `digest_of_attributes` of every object its other attributes; `digest_of_names`
  * of the root the names and attributes of all objects, so that none can be missing or new. They
- * guard against accidents and edits, not against an author who recomputes them: for that, values
+ * guard against accidents and edits, but not against recomputed digests. For that purpose values
  * that index or count are checked against their ranges where they are used. Files of earlier
  * versions have none. tools/report_digest.py has the same algorithm. */
 #include "io/h5_private.h"

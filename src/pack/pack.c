@@ -187,7 +187,7 @@ static gneiss_status is_crowded(const job *run, double *factor, bool *crowded,
     return GNEISS_OK;
 }
 
-/* Of requested sizes only the ratios are prescribed: if some particle has no room, all shrink a
+/* Only the ratios of requested sizes are prescribed: if some particle has no room, all shrink a
  * little and are separated again. */
 static gneiss_status make_room(job *run, const gn_fit_law *law, gneiss_error *error) {
     enum { TIMES = 40 };

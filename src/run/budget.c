@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the study calls a reading; NULL: it has no laws of it. Nothing breaks in elements, and the
- * stress at the way that they are moved is off as their stiffness is. */
+/* Returns the accuracy study's name of a reading; NULL: the study has no laws of it. Nothing breaks
+ * in elements, and the stress at a given displacement has the error of their stiffness. */
 static const char *name_of(gn_reading which, const gn_test_groups *g) {
     switch (which) {
     case GN_READING_young_modulus:
@@ -31,7 +31,7 @@ static double value_of(const gn_readings *r, gn_reading which) {
     return (&r->young_modulus)[which];
 }
 
-/* --- what the run tells --- */
+/* --- errors measured in the run --- */
 
 static size_t row_of_largest(const gn_history *h, const double *stress) {
     size_t largest = 0;
@@ -45,8 +45,8 @@ static int by_size(const void *a, const void *b) {
     return (*x > *y) - (*x < *y);
 }
 
-/* Median over the second half of the way up to the largest stress: at its start waves are all that
- * there is. */
+/* Computes the median over the second half of the rise to the largest stress, because waves
+ * dominate its start. */
 static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
     const double *stress = gn_history_column(h, "stress"),
                  *kinetic = gn_history_column(h, "energy_kinetic");
@@ -68,7 +68,7 @@ static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_er
     return GNEISS_OK;
 }
 
-/* Closing speed over wave speed and strain, all as this run had them. */
+/* Returns the closing speed over wave speed and strain, as measured in this run. */
 static double speed_of(const gn_world *w, const gn_history *h, const gn_readings *r) {
     const double *stress = gn_history_column(h, "stress"), *time = gn_history_column(h, "time");
     double modulus = isnan(r->young_modulus_average) ? r->young_modulus : r->young_modulus_average;
@@ -78,7 +78,7 @@ static double speed_of(const gn_world *w, const gn_history *h, const gn_readings
            (sqrt(modulus / gn_test_bulk_density(&w->ctx, &w->dem, &w->solids)) * r->largest_strain);
 }
 
-/* A cause is as large as the run shows, where that is more than the law says. */
+/* Sets a cause to the measured error if that exceeds the estimate of the law. */
 static void raise(gn_error_causes *c, const char *name, double found) {
     gn_error_cause *cause = gn_causes_find(c, name);
     if (!isfinite(found)) return;
@@ -88,8 +88,8 @@ static void raise(gn_error_causes *c, const char *name, double found) {
         *cause = (gn_error_cause){name, found, true, 0.0};
 }
 
-/* The stress is the mean of both ends, which is off by half of their difference at most; energy
- * that moves is energy that a static test would have stored or never taken in. */
+/* The stress is the mean of both ends, so its error is at most half of their difference; kinetic
+ * energy is energy that a static test would have stored or never supplied. */
 static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
     raise(c, "velocity",
           fmax(isnan(b->imbalance) ? 0.0 : 0.5 * b->imbalance,
@@ -98,8 +98,8 @@ static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
         raise(c, "step", fabs(gn_energy_residual(&w->ledger.reading)));
 }
 
-/* What the largest stress may have been between its row and the next: as much more as it rose from
- * the row before. */
+/* Bounds the largest stress between its row and the next: it may have risen by as much as from the
+ * row before. */
 static void measure_rows(const gn_history *h, gn_reading which, gn_error_causes *c) {
     const double *stress = gn_history_column(h, "stress"),
                  *value = which == GN_READING_peak_stress   ? stress
@@ -109,7 +109,8 @@ static void measure_rows(const gn_history *h, gn_reading which, gn_error_causes 
     if (value && row > 0) raise(c, "rows", (value[row] - value[row - 1]) / value[row]);
 }
 
-/* The ends of a body whose section changes fast come closer than those of a slender bar. */
+/* The ends of a body of fast varying section approach each other more than those of a slender
+ * bar. */
 static void add_section(const gn_world *w, gn_reading which, gn_error_causes *c) {
     const gn_bar_section *x = &w->section;
     if (which != GN_READING_young_modulus || x->guessed != 0.0 || !(x->spread > 0.0)) return;
@@ -118,14 +119,16 @@ static void add_section(const gn_world *w, gn_reading which, gn_error_causes *c)
     if (cause) cause->bias = -x->spread;
 }
 
-/* A peak lies between two rows: with as many up to it as this it is off by less than a percent. */
+/* A peak lies between two rows: with at least this many rows up to it its error is below one per
+ * cent. */
 enum { ROWS_LEAST = 20 };
 
 static const char *untold(const gn_budget *b, const gn_history *h) {
     const double *stress = gn_history_column(h, "stress");
     if (!stress || row_of_largest(h, stress) < ROWS_LEAST)
         return "the history has fewer than 20 rows up to the largest stress";
-    if (!isfinite(b->speed)) return "no modulus was read, by which the speed of loading is judged";
+    if (!isfinite(b->speed))
+        return "there is no reading of the modulus, which the speed of loading is relative to";
     return NULL;
 }
 
@@ -169,14 +172,14 @@ gneiss_status gn_budget_create(const gn_world *w, const gn_history *h, const gn_
     return status;
 }
 
-/* --- as it is shown --- */
+/* --- text and attributes --- */
 
 static int by_error(const void *a, const void *b) {
     const gn_error_cause *x = a, *y = b;
     return (x->error < y->error) - (x->error > y->error);
 }
 
-/* Without an exponent, which "%.2g" writes from 100 on. */
+/* Writes a number without an exponent, which "%.2g" has from 100 on. */
 static double two_digits(double value) {
     if (!isfinite(value) || value == 0.0) return value;
     const double unit = pow(10.0, floor(log10(fabs(value))) - 1.0);

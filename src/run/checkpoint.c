@@ -1,6 +1,6 @@
-/* Checkpoints: everything that decides the future, so that a resumed run gives the same bits. The
- * parts of the world have theirs (checkpoint_dem.c, checkpoint_boundary.c, checkpoint_elements.c).
- */
+/* Checkpoints hold the whole state that determines the further run, so that a resumed run gives the
+ * same bits. The parts of the world have files of their own (checkpoint_dem.c,
+ * checkpoint_boundary.c, checkpoint_elements.c). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/printable.h"
@@ -184,7 +184,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     if (w->outcome.halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->outcome.halt, error));
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
-    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge hands out places to fill */
+    gn_strain_gauge gauge = w->gauge.weights; /* list_gauge returns writable places */
     int32_t *belongs = w->gauge.belongs;
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     list_gauge(&gauge, &belongs, w->gauge.count, arrays);
@@ -296,7 +296,7 @@ static gneiss_status get_kept(gn_run *run, const gn_h5 *file, const char *path,
                                        path);
 }
 
-/* Rows and snapshots between those that are wanted up to the end. */
+/* The spacings of rows and snapshots must be those between the numbers that are requested. */
 static bool spacing_is_good(const gn_run *run) {
     const gn_kept *k = &run->kept;
     return run->history_halvings >= 0 &&
@@ -317,8 +317,8 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
                           "%s: expected positive steps and intervals, found others", path);
 }
 
-/* A state that was saved has steps like those before it, and rates that its step goes with: values
- * far from these would make a run without end. */
+/* The saved steps must resemble the earlier ones, and rates must be possible with the saved step:
+ * values far from these would make a run without end. */
 static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_error *error) {
     const double far = 1e5, steps = (double)(w->ctx.step - w->ctx.first_step);
     const double least = steps > 0.0 ? w->ctx.time / steps / far : 0.0, most = far / w->ctx.dt;
@@ -343,7 +343,8 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
     return GNEISS_OK;
 }
 
-/* Rows of the history that stages begin with rise, and what ended one is known. */
+/* The rows at which stages begin must rise, and the cause that ended a stage must be a known
+ * one. */
 static gneiss_status check_stages(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
     double least = 0.0;
@@ -376,7 +377,7 @@ static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path
     return gn_checkpoint_get_arrays(file, &array, 1, error);
 }
 
-/* Messages about the text name the checkpoint: its lines are not those of the scene file. */
+/* Messages about the text name the checkpoint because its lines are not those of the scene file. */
 static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
                                const gn_override *overrides, size_t count, gneiss_error *error) {
     char *text = NULL, *source = NULL;
@@ -403,7 +404,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, error));
     gneiss_error unsaid;
-    char *halt = NULL; /* only where the model itself ended the run */
+    char *halt = NULL; /* only if the model ended the run itself */
     if (gn_h5_get_attribute_text(file, "/", "halt", &halt, &unsaid) == GNEISS_OK)
         snprintf(w->outcome.halt, sizeof w->outcome.halt, "%s", gn_make_printable(halt));
     free(halt);

@@ -1,4 +1,4 @@
-/* The part of a checkpoint that walls, bodies and the contacts with them have. */
+/* The part of a checkpoint for walls, bodies and the contacts with them. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/bodies.h"
@@ -49,7 +49,7 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
 }
 
 gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->boundary, error));
@@ -64,7 +64,7 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
 
 /* --- reading --- */
 
-/* Facets of each body lie within its vertices, and all of them in what is there. */
+/* Facets of each body must lie within its vertices, and all of them within the arrays. */
 static bool good_bodies(const gn_world *w) {
     size_t corners = (size_t)w->ctx.scene.dimension, vertices = 0, facets = 0;
     for (size_t k = 0; k < w->ctx.scene.body_count; k++) {
@@ -88,7 +88,7 @@ static bool good_contacts(const gn_world *w) {
     bool good = true;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->dem.particles.soa.count &&
-               q->wall[c] >= 0; /* and below: check_facets */
+               q->wall[c] >= 0; /* and below the count: check_facets */
     q = &w->boundary.body_contacts;
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->boundary.body_vertex_count &&

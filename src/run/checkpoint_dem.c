@@ -1,4 +1,4 @@
-/* The part of a checkpoint that particles have. */
+/* The part of a checkpoint for particles. */
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -95,7 +95,7 @@ static gneiss_status put_sleepers(const gn_world *w, gn_h5 *file, gneiss_error *
 }
 
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     size_t groups;
@@ -118,8 +118,8 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
 
 /* --- reading --- */
 
-/* Indices that kernels follow without looking must lie in range even if the file was tampered with.
- */
+/* Indices that kernels follow without a check must be in range even if the file was tampered
+ * with. */
 static bool good_contacts(const gn_contacts *list, size_t n) {
     bool good = true;
     for (size_t c = 0; c < list->soa.count; c++) {
@@ -191,7 +191,8 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
                    "%s: expected particle numbers below %zu, found others", path, n);
 }
 
-/* Elements are not known as yet: one that is not there is none that a particle is in. */
+/* Reads the dormant particles. Elements are loaded later, so the number of an element is not
+ * compared with their count here. */
 static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *path,
                                   gneiss_error *error) {
     gn_dem *d = &w->dem;
@@ -209,7 +210,7 @@ static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *pa
     return GNEISS_OK;
 }
 
-/* Which pairs were packed; what they mean is seen once there are lists. */
+/* Reads which pairs were packed; they are interpreted once there are neighbour lists. */
 static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
                               gneiss_error *error) {
     gn_near *n = &w->dem.near;

@@ -1,5 +1,5 @@
-/* The part of a checkpoint that finite elements have: the mesh, from which the solid is made again,
- * and the state that is put into it. */
+/* The part of a checkpoint for finite elements: the mesh, from which the solid is created again,
+ * and the state that is copied into it. */
 #include "base/memory.h"
 #include "mesh/h5_mesh.h"
 #include "run/checkpoint_internal.h"
@@ -50,8 +50,8 @@ gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *err
 
 /* --- reading --- */
 
-/* Indices that kernels follow without looking must lie in range even if the file was tampered with.
- */
+/* Indices that kernels follow without a check must be in range even if the file was tampered
+ * with. */
 static bool indices_are_good(const gn_fem_solid *b, int32_t materials) {
     const gn_elements *e = &b->elements;
     bool good = true;
@@ -82,7 +82,8 @@ static gneiss_status check_records(size_t solid, const gn_fem_solid *b, const ch
     return gn_checkpoint_check_numbers(at, b->elements.id, b->elements.soa.count, all, path, error);
 }
 
-/* Puts the saved records in the place of those made from the mesh; same counts, same order. */
+/* Replaces the records that were created from the mesh by the saved ones, which have the same
+ * counts and order. */
 static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *file,
                                   const char *path, gneiss_error *error) {
     gn_particles nodes = {0};
@@ -144,7 +145,7 @@ static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *f
                      q->solid.prescribed.count, 6, 0, q->solid.prescribed.load, error);
 }
 
-/* The solids are those of the scene: one at most. */
+/* The number of solids is that of the scene. */
 gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh = {0};

@@ -1,4 +1,4 @@
-/* The part of a checkpoint that sources, sinks and lost particles have. */
+/* The part of a checkpoint for sources, sinks and lost particles. */
 #include "run/checkpoint_internal.h"
 
 #include <stdint.h>
@@ -9,7 +9,7 @@ _Static_assert(sizeof(gn_source_state) % 8 == 0 && sizeof(gn_sink_state) % 8 == 
                    sizeof(gn_lost) % 8 == 0,
                "made of doubles only");
 
-/* Those that left the domain are there whether the scene has sinks or not. */
+/* Particles that left the domain are recorded with or without sinks. */
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[ARRAYS_MOST]) {
     gn_flow *f = &w->dem.flow;
     size_t n = 0;
@@ -20,13 +20,13 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[ARRAYS_MOST]) {
                                      sizeof(gn_source_state) / 8, (void **)&f->sources};
     out[n++] = (gn_checkpoint_array){"sinks", GN_F64, w->ctx.scene.sink_count,
                                      sizeof(gn_sink_state) / 8, (void **)&f->sinks};
-    /* Found of particles of which some are gone. */
+    /* Computed from particles of which some have been removed. */
     out[n++] = (gn_checkpoint_array){"loose", GN_U8, (size_t)w->dem.ids, 1, (void **)&w->dem.loose};
     return n;
 }
 
 gneiss_status gn_checkpoint_put_flow(const gn_world *world, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays returns writable places */
     gn_checkpoint_array arrays[ARRAYS_MOST];
     return gn_checkpoint_put_arrays(file, arrays, list_arrays(w, arrays), error);
 }

@@ -1,4 +1,5 @@
-/* What the parts of a checkpoint share: arrays of a size that the scene or the file says. */
+/* Helpers that the parts of a checkpoint share: arrays of a size that the scene or the file
+ * gives. */
 #ifndef GN_RUN_CHECKPOINT_INTERNAL_H
 #define GN_RUN_CHECKPOINT_INTERNAL_H
 
@@ -8,7 +9,7 @@
 #include "soa/field.h"
 #include "world/world.h"
 
-/* A data set in the group `arrays`, and the place of the array. */
+/* One data set of the group `arrays`, and the array that it fills. */
 typedef struct gn_checkpoint_array {
     const char *name;
     gn_type type;
@@ -18,7 +19,7 @@ typedef struct gn_checkpoint_array {
 
 gneiss_status gn_checkpoint_put_arrays(gn_h5 *file, const gn_checkpoint_array *arrays, size_t count,
                                        gneiss_error *error);
-/* Allocates them. */
+/* Allocates and reads the arrays. */
 gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_array *arrays,
                                        size_t count, gneiss_error *error);
 
@@ -31,8 +32,9 @@ gneiss_status gn_checkpoint_get_flow(gn_world *w, const gn_h5 *file, const char 
 gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error);
 
-/* checkpoint_ranges.c: that values of a record that index, count or bound are within their ranges;
- * that numbers below `most` (ids) are there once. GNEISS_ERROR_INPUT names the data set. */
+/* checkpoint_ranges.c: checks that the values of a record that index, count or bound something are
+ * within their ranges, and that ids below `most` occur once. GNEISS_ERROR_INPUT names the data
+ * set. */
 gneiss_status gn_checkpoint_check_record(const char *group, const gn_record *record,
                                          const void *soa, const char *path, gneiss_error *error);
 gneiss_status gn_checkpoint_check_numbers(const char *group, const int32_t *number, size_t count,

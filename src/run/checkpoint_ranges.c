@@ -1,6 +1,6 @@
-/* Ranges of the columns of a record that index, count or bound something. A kernel follows them
- * without looking, so a file whose digest somebody made anew must not get them past here. Real
- * numbers are finite by then (gn_h5_demand_finite). */
+/* Ranges of the columns of a record that index, count or bound something. Kernels follow them
+ * without a check, so a tampered file with a recomputed digest must be refused here. Real numbers
+ * have been checked to be finite before (gn_h5_demand_finite). */
 #include "base/memory.h"
 #include "run/checkpoint_internal.h"
 
@@ -13,9 +13,9 @@ typedef struct range {
     double least, most;
 } range;
 
-static const double light = 299792458.0; /* m/s: nothing in a scene comes near it */
-#define FAR    1e30                      /* m: squares and cubes of distances are finite */
-#define GROUPS 1e6 /* as specimen.group allows: arrays have a place for each group */
+static const double light = 299792458.0; /* m/s: no speed of a scene comes near it */
+#define FAR    1e30                      /* m: squares and cubes of such distances are finite */
+#define GROUPS 1e6 /* the bound of specimen.group: arrays have an entry for each group */
 #define ANY    INFINITY
 
 static const range of_particles[] = {

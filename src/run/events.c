@@ -1,6 +1,6 @@
-/* The list of events (particles/events.h) and their bursts (particles/bursts.h) in results.h5,
+/* The list of events (particles/events.h) and their bursts (particles/bursts.h) in results.h5, and
  * events in checkpoints. */
-#define GN_EVERY_EFFECT /* fields say what they need, whatever is built */
+#define GN_EVERY_EFFECT /* the tables state what fields require, independent of the build */
 #include "particles/bursts.h"
 #include "run/checkpoint_internal.h"
 #include "run/output_table.h"
@@ -43,23 +43,24 @@ static void read_burst(const void *view, size_t k, double *value) {
 }
 
 static const gn_output_field of_events[] = {
-    {"step", "1", "steps done before the one whose forces did it", GN_IN_RESULTS, GN_F64, false, 1,
+    {"step", "1", "steps done before the step of the event", GN_IN_RESULTS, GN_F64, false, 1,
      read_step, 0},
-    {"time", "s", "instant of those forces", GN_IN_RESULTS, GN_F64, false, 1, read_time, 0},
+    {"time", "s", "instant of the forces of that step", GN_IN_RESULTS, GN_F64, false, 1, read_time,
+     0},
     {"i", "1", "first particle of the bond, base 0, order of the specimen file", GN_IN_RESULTS,
      GN_I32, false, 1, read_first, 0},
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
-    {"x", "m", "place of the contact", GN_IN_RESULTS, GN_F64, false, 1, read_x, 0},
+    {"x", "m", "position of the contact", GN_IN_RESULTS, GN_F64, false, 1, read_x, 0},
     {"y", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_y, 0},
     {"z", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_z, 0},
     {"cause", "1",
-     "1 broke in tension, 2 broke in shear; for the first time: 4 softened, 5 yielded",
+     "1 broken in tension, 2 broken in shear; for the first time: 4 softened, 5 yielded",
      GN_IN_RESULTS, GN_U8, false, 1, read_cause, 0},
     {"energy", "J",
-     "released by the break, with the ledger; those of all breaks add up to `bond_breaking`",
+     "energy released by the break, with the ledger; the sum over all breaks is `bond_breaking`",
      GN_IN_RESULTS, GN_F64, false, 1, read_energy, GN_FX_ENERGY},
-    {"burst", "1", "row of bursts that a break belongs to; -1: no break", GN_IN_RESULTS, GN_I32,
-     false, 1, read_burst, 0},
+    {"burst", "1", "row of the burst of a break; -1: no break", GN_IN_RESULTS, GN_I32, false, 1,
+     read_burst, 0},
 };
 const gn_output_table gn_event_outputs = {"events", of_events, COUNT(of_events)};
 
@@ -82,18 +83,18 @@ READ(magnitude, gn_burst_magnitude(b))
 static const gn_output_field of_bursts[] = {
     {"time", "s", "instant of its first break", GN_IN_RESULTS, GN_F64, false, 1, read_burst_time,
      0},
-    {"duration", "s", "from that to its last", GN_IN_RESULTS, GN_F64, false, 1, read_burst_duration,
-     0},
-    {"size", "1", "bonds that broke in it", GN_IN_RESULTS, GN_I32, false, 1, read_burst_size, 0},
-    {"tension", "1", "those of them that broke in tension", GN_IN_RESULTS, GN_I32, false, 1,
+    {"duration", "s", "time from its first to its last break", GN_IN_RESULTS, GN_F64, false, 1,
+     read_burst_duration, 0},
+    {"size", "1", "bonds broken in the burst", GN_IN_RESULTS, GN_I32, false, 1, read_burst_size, 0},
+    {"tension", "1", "bonds broken in the burst in tension", GN_IN_RESULTS, GN_I32, false, 1,
      read_burst_tension, 0},
-    {"x", "m", "place, the mean of its breaks", GN_IN_RESULTS, GN_F64, false, 1, read_burst_x, 0},
+    {"x", "m", "mean position of its breaks", GN_IN_RESULTS, GN_F64, false, 1, read_burst_x, 0},
     {"y", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_burst_y, 0},
     {"z", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_burst_z, 0},
-    {"energy", "J", "released by its breaks, with the ledger", GN_IN_RESULTS, GN_F64, false, 1,
-     read_burst_energy, GN_FX_ENERGY},
+    {"energy", "J", "energy released by its breaks, with the ledger", GN_IN_RESULTS, GN_F64, false,
+     1, read_burst_energy, GN_FX_ENERGY},
     {"magnitude", "1",
-     "2/3 log10 of that energy over 1 J, less 3.2 (Scholz 2003); NaN: it released none",
+     "2/3 log10 of that energy over 1 J, less 3.2 (Scholz 2003); NaN: no energy released",
      GN_IN_RESULTS, GN_F64, true, 1, read_burst_magnitude, GN_FX_ENERGY},
 };
 const gn_output_table gn_burst_outputs = {"bursts", of_bursts, COUNT(of_bursts)};

@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The names of files, and what stands in front of them in messages, must fit behind it. */
+/* Names of files and prefixes of messages must fit behind the path. */
 static gneiss_status check_length(int length, const char *path, gneiss_error *error) {
     const int most = GN_PATH_SIZE - 64;
     if (length >= 0 && length < most) return GNEISS_OK;
@@ -24,16 +24,16 @@ static gneiss_status check_length(int length, const char *path, gneiss_error *er
                    path, most, length);
 }
 
-/* A link to nothing can neither be made a folder nor be written to. */
+/* A dangling link can neither be created as a folder nor be written to. */
 static gneiss_status check_link(const char *path, gneiss_error *error) {
     char target[256];
     struct stat there;
     ssize_t length = readlink(path, target, sizeof target);
     if (length < 0 || stat(path, &there) == 0 || errno != ENOENT) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected an output folder, found a symbolic link to '%.*s', which is not "
-                   "there",
-                   path, (int)length, target);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected an output folder, found a symbolic link to '%.*s', which does not exist",
+        path, (int)length, target);
 }
 
 gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char out[GN_PATH_SIZE],
@@ -52,7 +52,7 @@ gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char o
 static gneiss_status lock_as(const char *directory, int kind, int *lock, gneiss_error *error) {
     *lock = 0;
     int descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    /* A folder that is not there is a slip of the one who named it, as a scene is. */
+    /* A missing folder is an error of the input, as a missing scene is. */
     bool absent = descriptor < 0 && (errno == ENOENT || errno == ENOTDIR);
     if (descriptor < 0)
         return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
@@ -64,9 +64,10 @@ static gneiss_status lock_as(const char *directory, int kind, int *lock, gneiss_
     int code = errno;
     close(descriptor);
     if (code != EWOULDBLOCK) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a folder of its own, found another run or packing at work in it",
-                   directory);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected a folder of its own, found another run or packing that writes into it",
+        directory);
 }
 
 gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
@@ -77,7 +78,7 @@ gneiss_status gn_folder_share(const char *directory, int *lock, gneiss_error *er
     return lock_as(directory, LOCK_SH, lock, error);
 }
 
-/* The same file under whatever path; a file that is gone is known by its name only. */
+/* Compares files by identity; a file that no longer exists is compared by its name. */
 static bool same_file(const char *a, const char *b) {
     char real_a[PATH_MAX], real_b[PATH_MAX];
     if (strcmp(a, b) == 0) return true;
@@ -93,9 +94,8 @@ static gneiss_status check_owner(const char *path, const char *directory, const 
         status = gn_fail(error, status, "%s", reading.message);
     else if (status != GNEISS_OK)
         status = gn_fail(error, GNEISS_ERROR_INPUT,
-                         "%.300s: expected no results or those of %.300s, found a file that tells "
-                         "nothing (%.500s); "
-                         "remove it or choose another folder with --out",
+                         "%.300s: expected no results or those of %.300s, found an unreadable file "
+                         "(%.500s); remove it or choose another folder with --out",
                          path, scene->source, reading.message);
     else if (!same_file(owner, scene->source))
         status = gn_fail(
@@ -122,7 +122,7 @@ gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_
         status = gn_h5_get_attribute_f64(file, "/", "seconds", seconds, 1, &reading);
     gn_h5_close(file);
     if (!finished || status != GNEISS_OK) *seconds = 0.0;
-    /* What tells nothing is refused when the folder is cleared. */
+    /* A file without this information is refused when the folder is cleared. */
     return status == GNEISS_OK || status == GNEISS_ERROR_INPUT
                ? GNEISS_OK
                : gn_fail(error, status, "%s", reading.message);
@@ -149,30 +149,30 @@ static gneiss_status remove_snapshots(const char *directory, const char *name,
     return status;
 }
 
-/* Of each there are NAME_<step>.hdf files, of the first ones NAME.hdf.series as well. */
+/* Each of these series has files NAME_<step>.hdf, and the first ones also NAME.hdf.series. */
 static const char *const series[] = {"particles",        "bonds",           "elements",
                                      "bodies",           "contacts",        "failed_bonds",
                                      "failed_particles", "failed_elements", "failed_bodies",
                                      "failed_contacts"};
 enum { SERIES = sizeof series / sizeof *series, LISTED = 5 };
 
-/* What only a run's end writes. */
+/* Files that only the end of a run writes. */
 static const char *const single[] = {"results.h5", "summary.json",      "report.html",
                                      "report.csv", "report_bursts.csv", "report_fragments.csv"};
 enum { SINGLE = sizeof single / sizeof *single };
 
-/* --- files of somebody else --- */
+/* --- foreign files --- */
 
 static gneiss_status not_ours(const char *directory, const char *name, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.300s: expected an empty folder or one of an earlier run, found %.300s in it, "
-                   "which the run would replace, and no results.h5 or checkpoint that says whose "
-                   "it is: choose another folder with --out, or --force replaces it",
+                   "which the run would replace, and no results.h5 or checkpoint that gneiss "
+                   "wrote: choose another folder with --out, or --force replaces it",
                    directory, name);
 }
 
-/* A run that was killed early leaves snapshots only, and a packing has one; they tell by themselves
- * that gneiss wrote them. The list of a series tells by its snapshots. */
+/* A run that was killed early leaves snapshots only, and a packing has one snapshot. A snapshot
+ * identifies gneiss as its writer; the list of a series is identified by its snapshots. */
 static gneiss_status check_series(const char *directory, const char *name, bool listed,
                                   gneiss_error *error) {
     int64_t *steps;
@@ -196,7 +196,7 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
     return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
 }
 
-/* The first line of a list of gneiss ends with its version. */
+/* The first line of a list that gneiss wrote ends with the version. */
 static bool own_list(const char *path) {
     char line[256] = "";
     FILE *file = fopen(path, "r");
@@ -231,8 +231,8 @@ gneiss_status gn_folder_check_packing(const char *directory, gneiss_error *error
     return check_series(directory, series[0], true, error);
 }
 
-/* The folder of a run of a sweep is named by 16 hex digits and has its outcome or its scene in it.
- */
+/* The folder of a run of a sweep is named by 16 hex digits and contains its outcome or its
+ * scene. */
 bool gn_folder_holds_sweep(const char *directory) {
     static const char *const marks[] = {"outcome.json", "scene.yaml"};
     char path[GN_PATH_SIZE + 64], *kind = NULL;
@@ -262,7 +262,7 @@ gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     if (gn_folder_holds_sweep(directory))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected a folder for a run, found a sweep in it, which could not "
-                       "go on beside it: choose another with --out",
+                       "be continued beside the run: choose another with --out",
                        directory);
     GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
     if (checkpoints > 0) return GNEISS_OK;
@@ -276,7 +276,7 @@ gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- making way --- */
+/* --- removal of earlier files --- */
 
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
@@ -306,9 +306,9 @@ gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gnei
     return GNEISS_OK;
 }
 
-/* --- going on --- */
+/* --- resume --- */
 
-/* Which run wrote a file: its scene file, and the scene as it was read. */
+/* The run that wrote a file: its scene file, and the scene as it was read. */
 typedef struct origin {
     char *source, *scene;
 } origin;
@@ -329,8 +329,8 @@ static void free_origin(origin *from) {
     free(from->scene);
 }
 
-/* A resumed run may change these sections (check_overrides in run.c). The seed decides the model.
- */
+/* A resumed run may change these sections (check_overrides in run.c), except the seed, which
+ * determines the model. */
 static bool may_change(const char *section, const char *line) {
     static const char *const names[] = {"time:", "output:", "run:", "stages:"};
     if (strncmp(line, "  seed:", 7) == 0) return false;
@@ -339,7 +339,7 @@ static bool may_change(const char *section, const char *line) {
     return false;
 }
 
-/* The first line at or after `line` that decides which run it is; *section is where it stands. */
+/* Returns the first line at or after `line` that identifies the run; *section is its section. */
 static const char *deciding_line(const char *line, const char **section) {
     for (; *line; line += strcspn(line, "\n"), line += *line == '\n') {
         if (*line != ' ') *section = line;

@@ -12,7 +12,7 @@
 
 /* --- columns --- */
 
-/* In the order in which put_row fills them. */
+/* Columns are added in the order in which put_row fills them. */
 static gneiss_status add_columns(const gn_world *w, const gn_quantity_place *at, gn_history *h,
                                  gneiss_error *error) {
     const gn_quantity *q = at->quantity;
@@ -39,7 +39,7 @@ gneiss_status gn_history_begin(const gn_world *w, gn_history *h, gneiss_error *e
 
 /* --- rows --- */
 
-/* What is read at one instant goes to its places in a row. */
+/* Writes the quantities of one instant to their columns of a row. */
 static void put_row(const gn_world *w, gn_instant instant, double *row) {
     gn_quantity_place at = {0};
     while (gn_quantity_next(w, &at)) {
@@ -59,8 +59,8 @@ static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* m: the largest coordinate at the start, which is what places are rounded by: not by the extent,
- * when the model lies beside the origin. */
+/* m: the largest coordinate at the start. Positions are rounded relative to it, and not to the
+ * extent, if the model lies away from the origin. */
 static double largest_coordinate(const gn_world *w) {
     double most = fmax(largest(w->ctx.lower), largest(w->ctx.upper));
     double lower[3] = {0, 0, 0}, upper[3] = {0, 0, 0};
@@ -68,22 +68,21 @@ static double largest_coordinate(const gn_world *w) {
     return fmax(most, fmax(largest(lower), largest(upper)));
 }
 
-/* Energy that the rounding of coordinates makes by itself, generously. In a scene at rest there is
- * nothing else (touching particles of a hexagonal lattice press by an ulp), and a residual relative
- * to that would mean nothing.
- *
- * Three parts, d = eps X the ulp of the largest coordinate X: what is there at the start,
- * generously all mass moving by 100 d in a step. And what comes with the steps: each rounds every
- * coordinate by d^2/12 in the mean square, which has nothing to do with the force, so that a spring
- * k stores k d^2/24 more every time. In a stable step k of a coordinate is below 4 m/dt^2, and
- * three of them take up m (d/dt)^2/2 at most in every step (measured: a third of that). That is to
- * be a hundredth of the scale: 50 m (d/dt)^2 in a step, 1/200 of the first part. For 5 cm at 20 ns
- * all is as if the mass moved at 5e-8 m/s, after a million steps at 4e-6 m/s: far below what any
- * load does.
- *
- * And what rests under its weight creeps by less than half an ulp in a step, at a velocity for
- * which gravity has its work and of which no place sees anything: m g d/2 in every step at worst
- * (measured: a quarter of that), and to be a hundredth of the scale as well. */
+/* A generous bound of the energy that the rounding of coordinates produces. A scene at rest has no
+ * other energy (touching particles of a hexagonal lattice overlap by an ulp), and a residual
+ * relative to that would mean nothing.
+ * The bound has three parts, with d = eps X the ulp of the largest coordinate X. The first is a
+ * constant: generously, all mass moves by 100 d in a step.
+ * The second grows with the steps: each step rounds every coordinate by d^2/12 in the mean square,
+ * independent of the force, so that a spring k stores k d^2/24 more every time. In a stable step k
+ * of a coordinate is below 4 m/dt^2, so three coordinates take up at most m (d/dt)^2/2 in every
+ * step (measured: a third of that). This is to be a hundredth of the scale: 50 m (d/dt)^2 in a
+ * step, 1/200 of the first part. For 5 cm at 20 ns the bound is that of the mass moving at 5e-8
+ * m/s, and after a million steps at 4e-6 m/s: far below the effect of any load.
+ * The third is creep under gravity: a particle at rest under its weight creeps by less than half an
+ * ulp in a step, at a velocity with which gravity does work but which changes no coordinate: at
+ * most m g d/2 in every step (measured: a quarter of that), which is to be a hundredth of the scale
+ * as well. */
 static double rounding_of(const gn_world *w, double mass, double coordinate) {
     const double d = DBL_EPSILON * coordinate, speed = 100.0 * d / w->ctx.dt,
                  *g = w->ctx.scene.gravity;
@@ -91,7 +90,7 @@ static double rounding_of(const gn_world *w, double mass, double coordinate) {
     return mass * speed * speed * (1.0 + steps / 200.0) + 50.0 * weight * d * steps;
 }
 
-/* Bodies may lie anywhere, and come far. */
+/* Bodies may lie anywhere and travel far. */
 static double rounding_energy(const gn_world *w) {
     double sum = rounding_of(w, gn_world_mass(&w->dem, &w->solids) + w->dem.scaling.added,
                              largest_coordinate(w));
@@ -102,7 +101,7 @@ static double rounding_energy(const gn_world *w) {
     return sum;
 }
 
-/* The scale of the residual never falls. Elements are in the reading only. */
+/* The scale of the residual never decreases. Elements are included in the reading only. */
 static void read_passed(gn_world *w) {
     double passed = fmax(gn_energy_throughput(&w->ledger.reading), rounding_energy(w));
     w->ledger.reading.passed = fmax(w->ledger.energy.passed, passed);
@@ -113,7 +112,7 @@ static void note_passed(gn_world *w) {
     w->ledger.energy.passed = w->ledger.reading.passed;
 }
 
-/* Columns that have no number in this row. */
+/* Marks the columns that have no value in this row. */
 static void note_absent(const gn_world *w, gn_history *h) {
     gn_quantity_place at = {0};
     gn_column *column = h->columns;
@@ -126,7 +125,7 @@ static void note_absent(const gn_world *w, gn_history *h) {
     }
 }
 
-/* What a row must not hold is found in the row in which it first stands. */
+/* Checks a row for values that are not finite, in the first row that has one. */
 static gneiss_status check_row(const gn_world *w, gn_history *h, const double *row,
                                gneiss_error *error) {
     note_absent(w, h);
@@ -139,7 +138,7 @@ static gneiss_status check_row(const gn_world *w, gn_history *h, const double *r
     return GNEISS_OK;
 }
 
-/* `last`: what a run that is prolonged goes on with has nothing of the row. */
+/* `last`: a run that is continued later must not depend on the row. */
 static gneiss_status step_with_row(gn_world *w, gn_history *h, bool last, gneiss_error *error) {
     double start = gn_now();
     double *row = calloc(h->column_count + 1, sizeof *row);

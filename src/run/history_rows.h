@@ -1,4 +1,4 @@
-/* What is read off the world while it runs: rows of the history. */
+/* Rows of the history: the quantities that are read while the world advances. */
 #ifndef GN_RUN_HISTORY_ROWS_H
 #define GN_RUN_HISTORY_ROWS_H
 
@@ -6,7 +6,7 @@
 #include "test_kinds/history.h"
 #include "world/world.h"
 
-/* Creates the columns that the scene has (docs/results.md). */
+/* Creates the columns that the scene requires (docs/results.md). */
 gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Takes one step and appends the row of the instant at which it starts: positions are read before
@@ -14,10 +14,10 @@ gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneis
 gneiss_status gn_history_step(gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Takes the last step of a run and reads the ledger at its instant, with a row if there is a
- * history: nothing of it is in what a run that is prolonged goes on with. */
+ * history. A run that is continued later does not depend on this row. */
 gneiss_status gn_history_last(gn_world *world, gn_history *history, gneiss_error *error);
 
-/* Appends the row of a state that the world was put in, with the reading as it stands. */
+/* Appends the row of a given state of the world, with the energies as last read. */
 gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error);
 
 #endif

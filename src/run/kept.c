@@ -10,25 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An interval has PARTS parts at most. Up to LEAST_COUNT regular ones are there while the run goes
- * on even where fewer are wanted: half of the peak is to be near one of them. A file costs tens of
- * milliseconds, so that intervals are those of no more than MOST_WRITTEN up to time.end. */
+/* An interval has at most PARTS parts. Up to LEAST_COUNT regular snapshots are kept while the run
+ * advances even if fewer are requested, because one of them is to be near half of the peak. A file
+ * costs tens of milliseconds, so intervals are those of at most MOST_WRITTEN snapshots up to
+ * time.end. */
 enum {
     PARTS = 1 << GN_SNAPSHOT_HALVINGS,
     LEAST_STEPS = 40,
     LEAST_COUNT = 12,
     MOST_WRITTEN = 128,
     ROWS_BEFORE = 100,
-    STEPS_BEFORE = 300 /* where rows are far apart */
+    STEPS_BEFORE = 300 /* for rows that are far apart */
 };
 
-/* Growth of stress and of time from one candidate of the peak to the next: before a bond has broken
- * and after that. A fall by FALL is one from a peak. */
+/* Growth of stress and of time from one candidate of the peak to the next, before and after a bond
+ * has broken. A fall by FALL marks a peak. */
 static const double GROWTH_WHOLE = 1.5, GROWTH_BROKEN = 1.25, GROWTH_FALLEN = 1.01, FALL = 0.01;
 
-/* --- what a run has --- */
+/* --- state --- */
 
-/* Tests that have a peak; of stages those that look at the test, and the last one. */
+/* Tells whether the run has a peak: tests that have one, and of their stages those that read the
+ * test, and the last one. */
 static bool has_peak(const gn_run *run) {
     const gn_scene *s = &run->world.ctx.scene;
     if (!(gn_scene_test(s)->peak_drop > 0.0)) return false;
@@ -71,7 +73,7 @@ void gn_kept_free(gn_kept *kept) {
 
 /* --- the peak --- */
 
-/* The last candidate of the peak; NULL: none. */
+/* Returns the last candidate of the peak; NULL: there is none. */
 static const gn_kept_snapshot *candidate(const gn_kept *k, gn_kept_kind kind) {
     for (size_t n = k->count; n > 0; n--)
         if (k->list[n - 1].kind == (double)kind) return &k->list[n - 1];
@@ -83,7 +85,8 @@ static bool bonds_hold(const gn_run *run) {
     return run->world.ctx.effects & GN_FX_BONDS && d->broken_tension + d->broken_shear == 0;
 }
 
-/* Of the peak, or of what is larger than the last candidate by enough. */
+/* Tells whether the stress begins to fall from the peak, or has grown enough since the last
+ * candidate. */
 static bool is_candidate(gn_run *run, double stress) {
     gn_kept *k = &run->kept;
     const gn_kept_snapshot *before = candidate(k, GN_KEPT_PEAK);
@@ -97,8 +100,8 @@ static bool is_candidate(gn_run *run, double stress) {
     return stress > growth * least && now > growth * from;
 }
 
-/* Ends that bear nothing at first begin the test as soon as they move, which rows show before looks
- * do. */
+/* Tells whether the ends carry nothing at first. The test then begins as soon as they move, which
+ * rows show before looks do. */
 static bool begins_unloaded(const gn_run *run) {
     const double *stress = gn_history_column(&run->history, "stress");
     return stress && run->history.row_count && !(stress[0] > 0.0);
@@ -109,7 +112,7 @@ static bool has_moved(const gn_run *run) {
     return strain && strain[run->history.row_count - 1] > strain[0];
 }
 
-/* Tells whether the test goes on; its first rows are none of it. */
+/* Tells whether the test has begun; the rows before do not belong to it. */
 static bool has_begun(gn_run *run, bool look) {
     gn_kept *k = &run->kept;
     const int64_t rows = (int64_t)run->history.row_count - run->history_begin;
@@ -143,7 +146,7 @@ void gn_kept_row(gn_run *run, bool look) {
 
 /* --- removal --- */
 
-/* Files of a step; unless another entry has them as well. */
+/* Removes the files of a step unless another entry refers to them as well. */
 static gneiss_status remove_files(const gn_run *run, double step, gneiss_error *error) {
     static const char *const names[] = {"particles", "bonds", "contacts", "bodies"};
     const gn_kept *k = &run->kept;
@@ -167,7 +170,7 @@ static gneiss_status drop(gn_run *run, size_t at, gneiss_error *error) {
     return remove_files(run, step, error);
 }
 
-/* --- regular ones --- */
+/* --- regular snapshots --- */
 
 static int64_t part_size(const gn_kept *k) {
     return PARTS >> k->halvings;
@@ -183,7 +186,8 @@ static size_t count_regular(const gn_kept *k) {
     return count;
 }
 
-/* Of those before the peak the one whose stress is nearest to `share` of it; k->count: none. */
+/* Returns the snapshot before the peak with a stress nearest to `share` of the peak; k->count:
+ * there is none. */
 static size_t nearest_before(const gn_kept *k, double share) {
     const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
     size_t nearest = k->count;
@@ -198,8 +202,8 @@ static size_t nearest_before(const gn_kept *k, double share) {
     return nearest;
 }
 
-/* The one nearest to the peak is a candidate or, where that comes too late or too early, a regular
- * one. */
+/* Tells whether a snapshot is the one nearest to half of the peak, or the one nearest to the peak
+ * if the candidate of the peak has a lower stress. */
 static bool is_needed(const gn_kept *k, size_t at) {
     const gn_kept_snapshot *peak = candidate(k, GN_KEPT_PEAK);
     if (!(k->peak > 0.0)) return false;
@@ -230,7 +234,7 @@ static size_t most_regular(const gn_run *run) {
     return (size_t)(wanted > LEAST_COUNT ? wanted : LEAST_COUNT);
 }
 
-/* The thinning that follows would remove it at once. */
+/* Tells whether the thinning that follows would remove the snapshot at once. */
 static bool is_superfluous(const gn_run *run) {
     const gn_kept *k = &run->kept;
     return k->halvings > 0 && k->part % (2 * part_size(k)) != 0 &&
@@ -249,7 +253,7 @@ bool gn_kept_is_due(gn_run *run, bool first) {
     return k->due != 0;
 }
 
-/* --- those that were written --- */
+/* --- written snapshots --- */
 
 static gneiss_status grow(gn_kept *k, gneiss_error *error) {
     const size_t capacity = k->capacity ? 2 * k->capacity : 64;
@@ -279,8 +283,8 @@ static gneiss_status note_regular(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Former ones of the peak stay that are nearest to half of it; `over`: no higher peak may come, for
- * which those above are needed. */
+/* Keeps former candidates that are nearest to half of the peak; `over`: no higher peak may follow,
+ * for which those above half would be needed. */
 static gneiss_status drop_former(gn_run *run, bool over, gneiss_error *error) {
     gn_kept *k = &run->kept;
     const size_t nearest = nearest_before(k, 0.5);
@@ -294,7 +298,8 @@ static gneiss_status drop_former(gn_run *run, bool over, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* The one before of its kind; with a peak also what came after an earlier one. */
+/* Replaces the previous snapshot of the same kind; a new peak also replaces those after an earlier
+ * peak. */
 static gneiss_status replace(gn_run *run, gn_kept_kind kind, gneiss_error *error) {
     gn_kept *k = &run->kept;
     const double now = (double)run->world.ctx.step;

@@ -156,7 +156,7 @@ static void effect_names(gn_effects effects, char *text, size_t size) {
                                      gn_effect_name((gn_effect_index)k));
 }
 
-/* One a line, "name: text"; "" when there are none. */
+/* Writes warnings as lines "name: text"; "" if there are none. */
 static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_warnings list;
     GN_TRY(gn_run_warnings(run, &list, error));
@@ -167,7 +167,7 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
     return gn_h5_attribute_text(file, "/", "warnings", text, error);
 }
 
-/* Names, a line each; which of them a row is of stands in the history. */
+/* Writes the names of the stages, one line each; the history holds the stage of each row. */
 static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_scene *s = &run->world.ctx.scene;
     size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1) + 1;
@@ -182,7 +182,8 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
     return status;
 }
 
-/* Who made up for the momentum that masses of particles would have changed. */
+/* Reports the corrections of the momentum that changes of the particles' masses would have
+ * caused. */
 static void summary_corrections(const gn_world *w, gn_json *j) {
     const gn_corrections *c = &w->zones.state.corrected;
     const gn_conversion_parts *p = &w->zones.state.parts;
@@ -209,7 +210,7 @@ static void summary_corrections(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
-/* What brought converted particles into balance. */
+/* Reports the relaxations of converted particles. */
 static void summary_relaxation(const gn_world *w, gn_json *j) {
     const gn_relaxations *r = &w->zones.state.relaxed;
     if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
@@ -225,8 +226,8 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
-/* Writes what a report calls the strain and the stress of the test, and the readings that it shows
- * first: a line each, "name: text". */
+/* Writes the columns that a report uses as strain and stress of the test, and the readings that it
+ * shows first, as lines "name: text". */
 static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_test_descriptor *d = gn_scene_test(&w->ctx.scene);
     char figures[512] = "";
@@ -242,7 +243,7 @@ static gneiss_status put_test(const gn_world *w, gn_h5 *file, gneiss_error *erro
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
-/* What was added for a longer step. */
+/* Writes the mass that was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
@@ -252,7 +253,7 @@ static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_err
     return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
-/* What makes the mean stress of that of the contacts. */
+/* Writes the volume and the membrane stress that enter the mean stress of the specimen. */
 static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const double volume = gn_space_volume(w);
     const bool membrane = w->ctx.effects & GN_FX_MEMBRANE;
@@ -311,7 +312,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     return gn_scene_results(w, file, error);
 }
 
-/* One that is absent is NaN and says why. */
+/* Writes one reading; an absent one is NaN and has a reason. */
 static gneiss_status put_reading(gn_h5 *file, const char *group, const char *name, double value,
                                  const char *unit, const char *text, const char *reason,
                                  gneiss_error *error) {
@@ -321,7 +322,7 @@ static gneiss_status put_reading(gn_h5 *file, const char *group, const char *nam
     return *reason ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
 }
 
-/* Those that belong to the test. */
+/* Writes the readings that belong to the test. */
 static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group,
                                const gn_readings *r, gneiss_error *error) {
     bool demanded = gn_h5_demand_finite(file, false);
@@ -335,7 +336,7 @@ static gneiss_status put_group(const gn_run *run, gn_h5 *file, const char *group
     return GNEISS_OK;
 }
 
-/* Of all stages that have begun. */
+/* Writes the readings of all stages that have begun. */
 static gneiss_status put_stage_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     for (size_t k = 0; gn_run_staged(run) && k <= w->stages.now; k++) {
@@ -449,7 +450,8 @@ static gneiss_status summary_warnings(const gn_run *run, gn_json *j, gneiss_erro
     return GNEISS_OK;
 }
 
-/* Numbers of those that belong to the test, null where one is absent, and why it is. */
+/* Writes the readings that belong to the test as numbers, null for an absent one, and the reason
+ * for it. */
 static void summary_of(const gn_run *run, const gn_readings *r, gn_json *j) {
     gn_json_object(j, "readings");
 #define X(name, unit, text)                                                                        \
@@ -511,7 +513,7 @@ static void summary_step(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 
-/* What was added for a longer step. */
+/* Reports the mass that was added for a longer step. */
 static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     const gn_mass_scaling *s = &w->dem.scaling;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING)) return;
@@ -526,7 +528,7 @@ static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
-/* The stages that have begun: when, how they ended, and their readings. */
+/* Reports the stages that have begun: their begin, their end, and their readings. */
 static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error *error) {
     const gn_world *w = &run->world;
     if (!gn_run_staged(run)) return GNEISS_OK;
@@ -551,13 +553,13 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
     return GNEISS_OK;
 }
 
-/* Bytes that the process has held at most, since it was started. */
+/* Returns the largest memory of the process since its start, bytes. */
 static int64_t peak_memory(void) {
     gn_resident r;
     return gn_resident_read(&r) ? (int64_t)r.peak : 0;
 }
 
-/* What statics found before the first step. */
+/* Reports the static solution from which the run began. */
 static void summary_start(const gn_run *run, gn_json *j) {
     const gn_first_break *b = &run->first_break;
     if (!b->steps) return;
@@ -574,7 +576,7 @@ static void summary_start(const gn_run *run, gn_json *j) {
     gn_json_end(j);
 }
 
-/* What it took, and of what. */
+/* Reports the cost of the run and its parts. */
 static void summary_cost(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);

@@ -17,13 +17,14 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-/* What fields are read from: of every body, of their vertices and facets counted through. */
+/* The data from which fields of bodies, and of their vertices and facets numbered through, are
+ * read. */
 typedef struct view {
     const gn_world *world;
-    double *place;        /* [vertices][3], as the user sees them */
+    double *place;        /* [vertices][3], in the user's coordinates */
     int32_t *vertex_body; /* [vertices] */
     int32_t *facet_body;  /* [facets] */
-    int32_t *corner;      /* [facets][corners], vertices of all bodies counted through */
+    int32_t *corner;      /* [facets][corners], vertices of all bodies numbered through */
     size_t vertices, facets, corners;
 } view;
 
@@ -70,7 +71,7 @@ static gneiss_status make_view(const gn_world *w, view *v, gneiss_error *error) 
     return GNEISS_OK;
 }
 
-/* Reads `components` numbers at an expression of the body b. */
+/* Reads `components` numbers from an expression of the body b. */
 #define READ(name, components, from)                                                               \
     static void read_##name(const void *of, size_t k, double *value) {                             \
         const gn_rigid *b = &((const view *)of)->world->boundary.bodies[k];                        \
@@ -97,13 +98,13 @@ static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);
 }
 
-/* Besides what the history has of them (quantities.c). */
+/* Fields in addition to those that the history has of bodies (quantities.c). */
 static const gn_output_field of_bodies[] = {
     {"position", "m", "reference point; free: centre of mass", RESULTS, GN_F64, false, 3,
      read_position, 0},
-    {"start", "m", "the same at the start", RESULTS, GN_F64, false, 3, read_start, 0},
+    {"start", "m", "reference point at the start", RESULTS, GN_F64, false, 3, read_start, 0},
     {"orientation", "1",
-     "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round", RESULTS,
+     "unit quaternion w x y z of the rotation from the start, w >= 0: the smaller angle", RESULTS,
      GN_F64, false, 4, read_orientation, 0},
     {"spin", "rad/s", "angular velocity", RESULTS, GN_F64, false, 3, read_spin, 0},
     {"mass", "kg", "0: not free", RESULTS, GN_F64, false, 1, read_mass, 0},
@@ -140,9 +141,10 @@ static const gn_output_field of_vertices[] = {
      0},
 };
 static const gn_output_field of_facets[] = {
-    {"facet_body", "1", "place of the body of a facet", RESULTS, GN_F64, false, 1, read_facet_body,
-     0},
-    {"body", "1", "place of the body of a facet", SNAPSHOT, GN_F64, false, 1, read_facet_body, 0},
+    {"facet_body", "1", "index of the body of a facet, base 0", RESULTS, GN_F64, false, 1,
+     read_facet_body, 0},
+    {"body", "1", "index of the body of a facet, base 0", SNAPSHOT, GN_F64, false, 1,
+     read_facet_body, 0},
 };
 
 _Static_assert(COUNT(of_bodies) <= GN_OUTPUT_FIELDS_MOST, "room for the arrays of a snapshot");
@@ -195,7 +197,7 @@ gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const
     return status;
 }
 
-/* One a line. */
+/* Writes the names, one per line. */
 static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     size_t used = 0, size = w->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
     char *names = gn_alloc(size);

@@ -1,4 +1,4 @@
-/* Fields say what they need, whatever is built. */
+/* The tables state what fields require, independent of the build. */
 #define GN_EVERY_EFFECT
 #include "run/output_contacts.h"
 
@@ -20,7 +20,7 @@
 #include <string.h>
 
 enum { WITH_PARTICLE, WITH_WALL, WITH_BODY, WITH_ELEMENTS };
-enum { NEVER_BONDED = 7 }; /* beside the states of bonds */
+enum { NEVER_BONDED = 7 }; /* in addition to the states of bonds */
 
 /* --- one contact --- */
 
@@ -33,7 +33,8 @@ static double shear_of(const gn_output_contact *k) {
     return sqrt(fmax(0.0, gn_dot3(k->force, k->force) - k->normal * k->normal));
 }
 
-/* Forces are those of the copy that was evaluated; what else a contact has is the world's. */
+/* Forces are those of the copy that was evaluated; all other columns of a contact are the
+ * world's. */
 static gn_output_contact between(const gn_output_view *v, const gn_contacts *list,
                                  const gn_contacts *seen, size_t c) {
     const gn_world *w = v->world;
@@ -56,7 +57,8 @@ static gn_output_contact between(const gn_output_view *v, const gn_contacts *lis
     return k;
 }
 
-/* As the mean stress has its arm: of the radius, toward where the force acts. */
+/* The branch has the length that the mean stress assumes: the radius, in the direction of the point
+ * of the force. */
 static void reach_for(const gn_world *w, size_t c, gn_output_contact *k) {
     const gn_wall_contacts *list = &w->boundary.contacts;
     const double *x = w->dem.particles.pos + 4 * (size_t)list->i[c];
@@ -96,7 +98,7 @@ static gn_output_contact with_surface(const gn_output_view *v, size_t c) {
     return k;
 }
 
-/* --- all of them --- */
+/* --- the whole list --- */
 
 static bool acts(const gn_contacts *list, const gn_contacts *seen, size_t c) {
     return gn_contact_bonded(list, c) || gn_contact_carries(seen, c);
@@ -107,7 +109,7 @@ static bool pressed(const gn_world *w, size_t c) {
     return row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
 }
 
-/* Counts what there is, or writes it where it is given room. */
+/* Counts the contacts, or writes them if it is given room. */
 static size_t list_contacts(const gn_output_view *v, gn_output_contact *to) {
     const gn_world *w = v->world;
     const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs},
@@ -184,33 +186,35 @@ static const gn_output_field of_contacts[] = {
     {"i", "1", "first particle, base 0: row of particles", BOTH, GN_I32, false, 1, read_first, 0},
     {"j", "1", "second particle; -1: a wall, a body or finite elements", BOTH, GN_I32, false, 1,
      read_second, 0},
-    {"with", "1", "what touches i: 0 a particle, 1 a wall, 2 a rigid body, 3 finite elements", BOTH,
+    {"with", "1",
+     "object in contact with i: 0 a particle, 1 a wall, 2 a rigid body, 3 finite elements", BOTH,
      GN_U8, false, 1, read_with, 0},
     {"side", "1",
-     "place of the wall or body in the scene, of finite elements the facet; -1: a particle", BOTH,
-     GN_I32, false, 1, read_side, 0},
-    {"state", "1", "as of bonds (0, 4 and 5 hold, 1 and 2 broke and touch); 7: never bonded", BOTH,
+     "index of the wall or body in the scene, or of the facet of finite elements; -1: a particle",
+     BOTH, GN_I32, false, 1, read_side, 0},
+    {"state", "1",
+     "state as of bonds (0, 4 and 5 intact, 1 and 2 broken and in contact); 7: never bonded", BOTH,
      GN_U8, false, 1, read_state, 0},
-    {"force", "N", "force on i; of walls and surfaces that of the last step", BOTH, GN_F64, false,
+    {"force", "N", "force on i; for walls and surfaces that of the last step", BOTH, GN_F64, false,
      3, read_force, 0},
     {"branch", "m",
-     "from the centre of i to that of j, the nearest image; of walls and surfaces the radius "
-     "toward "
-     "where they act",
+     "vector from the centre of i to that of j, the nearest image; for walls and surfaces the "
+     "radius toward the point of the force",
      BOTH, GN_F64, false, 3, read_branch, 0},
     {"normal_force", "N", "force along the branch, tension positive", BOTH, GN_F64, false, 1,
      read_normal_force, 0},
-    {"shear_force", "N", "size of the force across it", BOTH, GN_F64, false, 1, read_shear_force,
-     0},
+    {"shear_force", "N", "magnitude of the force across the branch", BOTH, GN_F64, false, 1,
+     read_shear_force, 0},
     {"overlap", "m",
-     "rest length of a bond, or sum of the radii, less the distance of the centres; of walls and "
-     "surfaces the radius less theirs (passive walls: less the one at the start); below 0: apart",
+     "rest length of a bond, or sum of the radii, less the distance of the centres; for walls and "
+     "surfaces the radius less their distance (passive walls: less the overlap at the start); "
+     "below 0: a gap",
      BOTH, GN_F64, false, 1, read_overlap, 0},
     {"area", "m2",
-     "section that strengths of the pair are over, bonded or not: (2 r)^2 of the radius that the "
-     "law has for it, in 2D 2 r x 1 m, of laws by area theirs, against walls and surfaces as of "
-     "two "
-     "of its size; by Hertz's law the circle of contact, pi times overlap times reduced radius",
+     "section to which strengths of the pair refer, bonded or not: (2 r)^2 with the radius r that "
+     "the law defines for it, in 2D 2 r x 1 m, for laws with areas their area, against walls and "
+     "surfaces as between two equal particles; by Hertz's law the circle of contact, pi times "
+     "overlap times reduced radius",
      BOTH, GN_F64, false, 1, read_area, 0},
     {"normal_stress", "Pa", "normal force over that area, tension positive; 0 without one", BOTH,
      GN_F64, false, 1, read_normal_stress, 0},
@@ -227,7 +231,7 @@ gn_output_source gn_output_contact_source(const gn_output_contacts *all) {
 
 /* --- files --- */
 
-/* Points behind the centres: where walls and surfaces act. */
+/* Appends the points of the forces of walls and surfaces to the centres. */
 static void place_ends(const gn_output_contacts *all, const gn_snapshot *points, double *place,
                        int32_t *ends) {
     size_t next = points->point_count;

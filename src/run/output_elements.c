@@ -24,13 +24,13 @@ const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMEN
     return file;
 }
 
-/* What fields are read from; rows of the files follow the mesh. */
+/* The data from which fields are read; rows of the files follow the mesh. */
 typedef struct view {
     const gn_fem_solid *solid;
-    size_t number;                /* of the solid */
-    char prefix[GN_ELEMENT_PATH]; /* of its groups; "" for the first */
+    size_t number;                /* number of the solid */
+    char prefix[GN_ELEMENT_PATH]; /* prefix of its groups; "" for the first */
     int32_t *node_row;            /* [nodes] */
-    int32_t *element_row;         /* [elements] in the order of the mesh, of those that are there */
+    int32_t *element_row;         /* [elements] that are left, in the order of the mesh */
     double (*element)[6];         /* [elements] Pa, stresses */
     double (*nodal)[6];           /* [nodes] Pa */
     double *pressure;             /* [nodes] Pa, tension positive */
@@ -53,7 +53,7 @@ static int by_id(const void *a, const void *b) {
     return (x->id > y->id) - (x->id < y->id);
 }
 
-/* Ranks by id. */
+/* Writes the rank of each id. */
 static gneiss_status number_rows(const int32_t *id, size_t count, int32_t *row,
                                  gneiss_error *error) {
     numbered *order = gn_alloc_array(count + 1, sizeof *order);
@@ -94,7 +94,7 @@ static gneiss_status make_view(const gn_fem_solid *b, size_t number, view *v, gn
     return status;
 }
 
-/* A scalar of item k; v is the view, b its solid. */
+/* Reads a scalar of item k; v is the view, b its solid. */
 #define READ(name, expression)                                                                     \
     static void read_##name(const void *of, size_t k, double *value) {                             \
         const view *v = of;                                                                        \
@@ -129,7 +129,7 @@ static void read_nodal_stress(const void *of, size_t k, double *value) {
 }
 
 static const gn_output_field of_nodes[] = {
-    {"id", "1", "place in the mesh, base 0", BOTH, GN_F64, false, 1, read_id, 0},
+    {"id", "1", "index in the mesh, base 0", BOTH, GN_F64, false, 1, read_id, 0},
     {"position", "m", "place", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
     {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
     {"velocity", "m/s", "velocity", BOTH, GN_F64, false, 3, read_velocity, 0},
@@ -137,18 +137,18 @@ static const gn_output_field of_nodes[] = {
      "xx yy zz xy yz xz, tension positive; mean over the elements at the node by volume", BOTH,
      GN_F64, false, 6, read_nodal_stress, 0},
     {"pressure", "Pa",
-     "compression positive; that of the nodes' stress, in the mixed form the node's own", BOTH,
+     "compression positive; pressure of the nodal stress, in the mixed form that of the node", BOTH,
      GN_F64, false, 1, read_nodal_pressure, 0},
 };
 
 /* --- elements --- */
 
-/* Compression positive. */
+/* Returns the pressure, compression positive. */
 static double pressure_of(const double s[6]) {
     return -(s[0] + s[1] + s[2]) / 3.0;
 }
 
-/* von Mises (1913). */
+/* Returns the equivalent stress of von Mises (1913). */
 static double mises_of(const double s[6]) {
     double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
     return sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
@@ -174,9 +174,9 @@ static const gn_output_field of_elements[] = {
     {"principal_stress", "Pa", "principal stresses, the largest first", BOTH, GN_F64, false, 3,
      read_principal, 0},
     {"pressure", "Pa", "compression positive", BOTH, GN_F64, false, 1, read_pressure, 0},
-    {"material", "1", "place in elements.materials, base 0", BOTH, GN_I32, false, 1, read_material,
+    {"material", "1", "index in elements.materials, base 0", BOTH, GN_I32, false, 1, read_material,
      0},
-    {"volume_ratio", "1", "volume over that at the start", BOTH, GN_F64, false, 1,
+    {"volume_ratio", "1", "volume over the volume at the start", BOTH, GN_F64, false, 1,
      read_volume_ratio, 0},
 };
 
@@ -198,7 +198,7 @@ static gn_output_source elements_source(const view *v) {
 
 /* --- files --- */
 
-/* Rows of the nodes, [elements][dimension + 1]; NULL: no memory. */
+/* Returns the rows of the nodes, [elements][dimension + 1]; NULL: no memory. */
 static int32_t *corners_of(const view *v) {
     const gn_elements *q = &v->solid->elements;
     const size_t corners = (size_t)v->solid->dimension + 1;
@@ -210,7 +210,7 @@ static int32_t *corners_of(const view *v) {
     return node;
 }
 
-/* Positions in the order of the files; NULL: no memory. */
+/* Returns positions in the order of the files; NULL: no memory. */
 static double *places_of(const view *v) {
     double *place = gn_alloc_array(v->solid->nodes.soa.count + 1, 3 * sizeof *place);
     for (size_t n = 0; place && n < v->solid->nodes.soa.count; n++)

@@ -1,4 +1,4 @@
-/* Fields say what they need, whatever is built. */
+/* The tables state what fields require, independent of the build. */
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
@@ -24,7 +24,7 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-/* A scalar of item k of the view v; the world is w. */
+/* Reads a scalar of item k of the view v; the world is w. */
 #define READ(name, expression)                                                                     \
     static void read_##name(const void *view, size_t k, double *value) {                           \
         const gn_output_view *v = view;                                                            \
@@ -49,7 +49,7 @@ static const gn_world *world_of(const void *view) {
     return ((const gn_output_view *)view)->world;
 }
 
-/* Who sleeps is where the elements have the body. */
+/* The displacement of a dormant particle is that of its element. */
 static void read_displacement(const void *view, size_t k, double *value) {
     const gn_output_view *v = view;
     gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, k, value);
@@ -75,7 +75,8 @@ static void read_spin(const void *view, size_t k, double *value) {
     const double *spin = world_of(view)->dem.particles.spin;
     for (size_t a = 0; a < 3; a++) value[a] = spin ? spin[4 * k + a] : 0.0;
 }
-/* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
+/* A quaternion and its opposite are the same rotation; the one with the smaller angle is
+ * written. */
 static void read_orientation(const void *view, size_t k, double *value) {
     const double *turn = world_of(view)->dem.particles.orientation + 4 * k;
     for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
@@ -108,7 +109,8 @@ enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
 
 static const gn_output_field of_particles[] = {
     {"id", "1",
-     "place in the specimen file, base 0; those of sources follow in the order in which they come",
+     "index in the specimen file, base 0; particles of sources follow in the order of their "
+     "insertion",
      BOTH, GN_I32, false, 1, read_id, 0},
     {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
     {"radius", "m", "radius", BOTH, GN_F64, false, 1, read_radius, 0},
@@ -117,52 +119,51 @@ static const gn_output_field of_particles[] = {
      read_velocity, 0},
     {"spin", "rad/s", "angular velocity, half a step before the instant",
      GN_IN_RESULTS | GN_ON_REQUEST(spin), GN_F64, false, 3, read_spin, 0},
-    {"mass", "kg", "mass as it moves, with what mass scaling added; 0: removed", GN_IN_RESULTS,
+    {"mass", "kg", "inertial mass, including that added by mass scaling; 0: removed", GN_IN_RESULTS,
      GN_F64, false, 1, read_mass, 0},
     {"damage", "1", "broken bonds over bonds at the start", BOTH, GN_F64, false, 1, read_damage, 0},
     {"stress", "Pa", "xx yy zz xy yz xz, tension positive", BOTH, GN_F64, false, 6, read_stress, 0},
-    {"coordination", "1", "contacts that carry force and intact bonds", BOTH, GN_F64, false, 1,
+    {"coordination", "1", "contacts that carry a force, and intact bonds", BOTH, GN_F64, false, 1,
      read_coordination, 0},
     {"bonds_at_start", "1", "bonds at the start", GN_IN_RESULTS, GN_I32, false, 1,
      read_bonds_at_start, 0},
-    {"removed", "1", "1: left by the domain or a sink, and stays where it was then", BOTH, GN_U8,
-     false, 1, read_removed, 0},
-    {"asleep", "1",
-     "1: prepared, in an element that is there, with which it goes; of bodies that "
-     "convert",
-     BOTH, GN_U8, false, 1, read_asleep, GN_FX_OVERLAP},
+    {"removed", "1", "1: removed by the domain or a sink; its position is that of its removal",
+     BOTH, GN_U8, false, 1, read_removed, 0},
+    {"asleep", "1", "1: dormant, moving with its element; in bodies that convert", BOTH, GN_U8,
+     false, 1, read_asleep, GN_FX_OVERLAP},
     {"applied_force", "N",
-     "force of sets and of the membrane in the last step; with `sets.force` or `membrane`", BOTH,
-     GN_F64, false, 3, read_applied, GN_FX_APPLIED},
+     "force of sets and of the membrane on it in the last step; with `sets.force` or `membrane`",
+     BOTH, GN_F64, false, 3, read_applied, GN_FX_APPLIED},
     {"membrane_area", "m2",
-     "what the membrane covers of it; 0: it is not of the skin, or has come off; with `membrane`",
+     "area of it that the membrane covers; 0: it is not in the skin, or has detached; with "
+     "`membrane`",
      BOTH, GN_F64, false, 1, read_membrane_area, GN_FX_MEMBRANE},
     {"orientation", "1",
-     "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
+     "unit quaternion w x y z of the rotation from the start, w >= 0: the smaller angle; with "
      "`output.orientation: on`",
      BOTH, GN_F64, false, 4, read_orientation, GN_FX_ORIENTATION},
     {"group", "1", "cohesive group, 0: none", GN_ON_REQUEST(group), GN_I32, false, 1, read_group,
      0},
-    {"material", "1", "place in the scene's materials, base 0", GN_ON_REQUEST(material), GN_I32,
+    {"material", "1", "index in the scene's materials, base 0", GN_ON_REQUEST(material), GN_I32,
      false, 1, read_material, 0},
     {"skin", "1", "1: the membrane presses on it", GN_ON_REQUEST(skin), GN_U8, false, 1, read_skin,
      GN_FX_MEMBRANE},
-    {"fragment", "1",
-     "row of fragments that it belongs to, the largest first; -1: removed or asleep",
+    {"fragment", "1", "row of its fragment, the largest first; -1: removed or dormant",
      GN_ON_REQUEST(fragment), GN_I32, false, 1, read_fragment, GN_FX_BONDS},
-    {"fragment_size", "1",
-     "particles that bonds which hold keep together with it, itself among them",
+    {"fragment_size", "1", "particles connected with it by intact bonds, including itself",
      GN_ON_REQUEST(fragment_size), GN_I32, false, 1, read_fragment_size, GN_FX_BONDS},
     {"total_force", "N",
-     "of contacts, walls, surfaces, weight, what is applied and background damping; of walls and "
-     "surfaces in the last step; without what zones of elements do and what leads a set",
+     "total force of contacts, walls, surfaces, weight, applied loads and background damping; that "
+     "of walls and surfaces in the last step; without forces of coupling zones and of the "
+     "prescribed motion of sets",
      GN_ON_REQUEST(total_force), GN_F64, false, 3, read_total_force, 0},
-    {"total_moment", "N m", "about the centre, of the same; nothing that is applied has one",
+    {"total_moment", "N m",
+     "total moment of the same forces about the centre; applied loads have none",
      GN_ON_REQUEST(total_moment), GN_F64, false, 3, read_total_moment, GN_FX_ROTATION},
-    {"damping_force", "N", "of background damping; 0 along what is prescribed",
+    {"damping_force", "N", "force of background damping; 0 along prescribed directions",
      GN_ON_REQUEST(damping_force), GN_F64, false, 3, read_damping_force, 0},
-    {"damping_moment", "N m", "the same of spins", GN_ON_REQUEST(damping_moment), GN_F64, false, 3,
-     read_damping_moment, GN_FX_ROTATION},
+    {"damping_moment", "N m", "moment of background damping; 0 for prescribed spins",
+     GN_ON_REQUEST(damping_moment), GN_F64, false, 3, read_damping_moment, GN_FX_ROTATION},
 };
 
 /* --- bonds --- */
@@ -192,7 +193,7 @@ static double normal_of(const gn_output_view *v, size_t c, const double force[3]
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
 }
 
-/* Three fields need them. */
+/* Computes normal and shear forces, which three fields use. */
 static void split_forces(gn_output_view *v) {
     const size_t count = v->world->dem.bonds.soa.count;
 #pragma omp parallel for schedule(static) num_threads(v->world->ctx.threads)
@@ -205,7 +206,7 @@ static void split_forces(gn_output_view *v) {
     }
 }
 
-/* With n of the present positions. */
+/* The normal n is that of the present positions. */
 static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
     const gn_world *w = v->world;
     const gn_contacts *b = &w->dem.bonds;
@@ -226,12 +227,12 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     now.confined = v->seen->bonds.confined;
     now.confined_f = NULL;
     double share = law->criterion(&now, c, v->normal[c], m.normal, v->shear[c] + m.shear);
-    /* Forces are those of the present positions, which a bond that softens has not answered to yet;
-     * where nothing is left of its strength their share is infinite. Only broken bonds have 1. */
+    /* Forces are those of the present positions, to which a softening bond has not responded yet.
+     * The load ratio of a bond without remaining strength is infinite. Only broken bonds have 1. */
     return fmin(fmax(0.0, share), 1.0 - 0x1p-53);
 }
 
-enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
+enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* in addition to gn_cause: intact bonds */
 
 int32_t gn_output_bond_state(const gn_contacts *bonds, size_t bond) {
     if (bonds->cause[bond] != GN_INTACT || !(bonds->soa.effects & GN_FX_SOFTENING))
@@ -267,7 +268,7 @@ READ(area, w->dem.bonds.area[k])
 READ(contact_stress, v->normal[k] / w->dem.bonds.area[k])
 READ(shear_stress, v->shear[k] / w->dem.bonds.area[k])
 
-/* 1 if it is its first end that has the smaller id, which comes first, else -1. */
+/* Returns 1 if the first end has the smaller id and so comes first in files, else -1. */
 static double turn_of(const gn_world *w, size_t c) {
     return w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]] ? 1.0
                                                                                            : -1.0;
@@ -287,38 +288,40 @@ static const gn_output_field of_bonds[] = {
      read_first, 0},
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
     {"state", "1",
-     "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
+     "0 intact, 1 broken in tension, 2 broken in shear, 3 removed with a particle; intact: 4 "
      "softening, 5 yielded; 6 dissolved by a stage; 7 never bonded, and free of stress at the "
-     "overlap of the start (bonds.passive_gaps)",
+     "overlap at the start (bonds.passive_gaps)",
      BOTH, GN_I32, false, 1, read_state, 0},
-    {"rest_length", "m", "distance of the centres at which there is no normal force", GN_IN_RESULTS,
-     GN_F64, false, 1, read_rest_length, 0},
-    {"tension_damage", "1", "d of bonds that soften, 1: broken in tension", BOTH, GN_F64, false, 1,
-     read_tension_damage, GN_FX_SOFTENING},
-    {"shear_damage", "1", "kappa of bonds that soften, 1: broken in shear", BOTH, GN_F64, false, 1,
+    {"rest_length", "m", "distance of the centres without a normal force", GN_IN_RESULTS, GN_F64,
+     false, 1, read_rest_length, 0},
+    {"tension_damage", "1", "damage d of softening bonds; 1: broken in tension", BOTH, GN_F64,
+     false, 1, read_tension_damage, GN_FX_SOFTENING},
+    {"shear_damage", "1", "kappa of softening bonds; 1: broken in shear", BOTH, GN_F64, false, 1,
      read_shear_damage, GN_FX_SOFTENING},
-    {"permanent_stretch", "m", "stretch at which bonds that yield have no normal force", BOTH,
-     GN_F64, false, 1, read_permanent, GN_FX_YIELD},
-    {"broken_time", "s", "when it broke or left; NaN: intact", GN_IN_RESULTS, GN_F64, true, 1,
-     read_broken_time, 0},
+    {"permanent_stretch", "m", "stretch of yielding bonds without a normal force", BOTH, GN_F64,
+     false, 1, read_permanent, GN_FX_YIELD},
+    {"broken_time", "s", "time of its break or removal; NaN: intact", GN_IN_RESULTS, GN_F64, true,
+     1, read_broken_time, 0},
     {"force", "N", "force on i", GN_IN_RESULTS, GN_F64, false, 3, read_force, 0},
     {"force", "N", "normal force, tension positive", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_normal_force, 0},
-    {"shear_force", "N", "size of the tangential force", GN_IN_SNAPSHOT, GN_F64, false, 1,
+    {"shear_force", "N", "magnitude of the tangential force", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_shear_force, 0},
     {"moment", "N m",
-     "moment on i besides that of the force: bending and twist of bonds that carry them "
+     "moment on i in addition to that of the force: bending and twist of bonds that carry them "
      "(`bonds.radius_multiplier`)",
      BOTH, GN_F64, false, 3, read_moment, GN_FX_BOND_MOMENTS},
     {"criterion", "1",
-     "largest of force over strength (softening in tension: stretch over the one at its end); 1: "
-     "broken; 0: left",
+     "largest ratio of force to strength (softening in tension: of stretch to the one at its end); "
+     "1: broken; 0: removed",
      BOTH, GN_F64, false, 1, read_criterion, 0},
     {"area", "m2", "section (2D: width times 1 m); with `law.stiffness: dempack` or `polyhedron`",
      GN_IN_RESULTS | GN_ON_REQUEST(area), GN_F64, false, 1, read_area, GN_FX_AREA},
-    {"contact_stress", "Pa", "normal force over section, tension positive; with the same", BOTH,
-     GN_F64, false, 1, read_contact_stress, GN_FX_AREA},
-    {"shear_stress", "Pa", "size of the tangential force over section; with the same",
+    {"contact_stress", "Pa",
+     "normal force over section, tension positive; with `law.stiffness: dempack` or `polyhedron`",
+     BOTH, GN_F64, false, 1, read_contact_stress, GN_FX_AREA},
+    {"shear_stress", "Pa",
+     "tangential force over section; with `law.stiffness: dempack` or `polyhedron`",
      GN_ON_REQUEST(shear_stress), GN_F64, false, 1, read_shear_stress, GN_FX_AREA},
 };
 
@@ -342,9 +345,10 @@ gn_output_source gn_output_bonds(const gn_output_view *v) {
                               w->ctx.scene.asked};
 }
 
-/* --- what takes more than one particle --- */
+/* --- quantities of several particles --- */
 
-/* Whether a bond holds is the world's; the copy may have broken it at the present places. */
+/* Counts intact contacts. The state of a bond is that of the world; the copy may have broken it at
+ * the present positions. */
 static void count_contacts(const gn_contacts *list, const gn_contacts *seen, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {
         if (!gn_contact_bonded(list, c) && !gn_contact_carries(seen, c)) continue;
@@ -353,7 +357,7 @@ static void count_contacts(const gn_contacts *list, const gn_contacts *seen, dou
     }
 }
 
-/* Bonds of particles that sleep are put by, not broken. */
+/* Bonds of dormant particles are stored separately and not broken; they do not count as damage. */
 static void damage_of_the_awake(const gn_world *w, double *damage) {
     const gn_contacts *b = &w->dem.bonds;
     const int32_t *bonds0 = w->dem.particles.bonds0;
@@ -371,7 +375,7 @@ static gneiss_status read_fragments(gn_output_view *v, gneiss_error *error) {
     return gn_fragments_list(&v->world->ctx, &v->world->dem, &v->fragments, error);
 }
 
-/* Nothing costs what nobody asks for. */
+/* Computes loads only if they are requested. */
 static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
     const size_t n = v->world->dem.particles.soa.count;
     if (!(v->world->ctx.scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;

@@ -13,16 +13,16 @@ gneiss_status gn_output_lost(const gn_world *w, gn_h5 *file, gneiss_error *error
     GN_TRY(gn_h5_put(file, "lost/id", GN_F64, f->lost_count, 1, row, &f->lost->id, "1",
                      "particle that left the domain, base 0", error));
     GN_TRY(gn_h5_put(file, "lost/time", GN_F64, f->lost_count, 1, row, &f->lost->time, "s",
-                     "when that was seen", error));
+                     "time at which that was detected", error));
     GN_TRY(gn_h5_put(file, "lost/position", GN_F64, f->lost_count, 3, row, f->lost->place, "m",
                      "centre then", error));
     return gn_h5_put(file, "lost/velocity", GN_F64, f->lost_count, 3, row, f->lost->velocity, "m/s",
                      "velocity then", error);
 }
 
-/* --- what came and went --- */
+/* --- flow through sources and sinks --- */
 
-/* Slope of a straight line through rows [begin, end). */
+/* Returns the slope of a straight line through rows [begin, end). */
 static double slope(const double *t, const double *m, size_t begin, size_t end) {
     double n = (double)(end - begin), st = 0.0, sm = 0.0, stt = 0.0, stm = 0.0;
     for (size_t r = begin; r < end; r++) {
@@ -36,7 +36,7 @@ static double slope(const double *t, const double *m, size_t begin, size_t end) 
     return stm / stt;
 }
 
-/* The first quarter has the onset, the last one the end of what there is. */
+/* The first quarter contains the onset, the last one the end of the supply. */
 double gn_sink_steady_rate(const gn_history *h, const char *sink) {
     enum { ROWS_LEAST = 5 };
     char name[192];
@@ -51,7 +51,7 @@ double gn_sink_steady_rate(const gn_history *h, const char *sink) {
     return slope(time, mass, begin, end);
 }
 
-/* What both have; the entry stays open. */
+/* Writes the keys that sources and sinks share; the entry stays open. */
 static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
     gn_json_object(j, NULL);
     gn_json_text(j, "name", name);

@@ -1,4 +1,4 @@
-/* Pieces that bonds hold together (particles/fragments.h) in results.h5. */
+/* Fragments, the sets of particles that bonds connect (particles/fragments.h), in results.h5. */
 #include "particles/fragments.h"
 #include "run/output_table.h"
 #include "run/parts.h"
@@ -22,18 +22,18 @@ static void read_velocity(const void *view, size_t k, double *value) {
 }
 
 static const gn_output_field of_fragments[] = {
-    {"particles", "1", "particles in it, one or more", GN_IN_RESULTS, GN_I32, false, 1,
+    {"particles", "1", "number of particles, one or more", GN_IN_RESULTS, GN_I32, false, 1,
      read_particles, 0},
-    {"first", "1", "the least of their ids", GN_IN_RESULTS, GN_I32, false, 1, read_first, 0},
-    {"mass", "kg", "mass, without what mass scaling added", GN_IN_RESULTS, GN_F64, false, 1,
+    {"first", "1", "smallest id of its particles", GN_IN_RESULTS, GN_I32, false, 1, read_first, 0},
+    {"mass", "kg", "mass without that added by mass scaling", GN_IN_RESULTS, GN_F64, false, 1,
      read_mass, 0},
-    {"volume", "m3", "of its particles, in 2D m2 x 1 m", GN_IN_RESULTS, GN_F64, false, 1,
+    {"volume", "m3", "volume of its particles, in 2D m2 x 1 m", GN_IN_RESULTS, GN_F64, false, 1,
      read_volume, 0},
     {"centre", "m",
-     "centre of mass; in periodic boxes of the images of its particles next to the first",
+     "centre of mass; in periodic boxes that of the images nearest to its first particle",
      GN_IN_RESULTS, GN_F64, false, 3, read_centre, 0},
-    {"velocity", "m/s", "of the centre of mass, half a step before the instant", GN_IN_RESULTS,
-     GN_F64, false, 3, read_velocity, 0},
+    {"velocity", "m/s", "velocity of the centre of mass, half a step before the instant",
+     GN_IN_RESULTS, GN_F64, false, 3, read_velocity, 0},
 };
 const gn_output_table gn_fragment_outputs = {"fragments", of_fragments,
                                              sizeof of_fragments / sizeof *of_fragments};

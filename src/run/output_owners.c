@@ -1,12 +1,12 @@
-/* What the history has of every body or motion, as it is at the end: in their groups of results.h5.
- */
+/* Final values of the quantities that the history has of each body or motion, in their groups of
+ * results.h5. */
 #include "run/parts.h"
 #include "run/quantities.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The parts that it has in space, as all arrays of results.h5; their number. */
+/* Reads the components in space, which all arrays of results.h5 have; returns their number. */
 static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, double *to) {
     gn_shape_component part[GN_SHAPE_MOST];
     size_t parts = gn_shape_components(q->shape, 3, part);
@@ -16,7 +16,7 @@ static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, 
     return parts;
 }
 
-/* GROUP/<quantity>, a row for every owner. */
+/* Writes GROUP/<quantity>, a row for every owner. */
 static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
                               gn_h5 *file, gneiss_error *error) {
     char path[160];
@@ -31,7 +31,7 @@ static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, con
     return status;
 }
 
-/* GROUP/<owner>/<quantity> */
+/* Writes GROUP/<owner>/<quantity>. */
 static gneiss_status put_each(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
                               gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < g->count(w); k++) {

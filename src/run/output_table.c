@@ -21,7 +21,7 @@ void gn_output_read(const gn_output_source *s, const gn_output_field *f, double 
         f->read(s->view, k, values + f->components * (s->row ? (size_t)s->row[k] : k));
 }
 
-/* [count][components], malloc'ed. */
+/* Allocates and reads [count][components]. */
 static gneiss_status read_field(const gn_output_source *s, const gn_output_field *f, double **data,
                                 gneiss_error *error) {
     *data = calloc(s->count + 1, f->components * sizeof **data);
@@ -32,7 +32,7 @@ static gneiss_status read_field(const gn_output_source *s, const gn_output_field
     return GNEISS_OK;
 }
 
-/* Numbers of another type than double, in the place of the doubles. */
+/* Converts numbers in place from double to a smaller type. */
 static void narrow(void *data, gn_type type, size_t count) {
     const double *from = data;
     for (size_t k = 0; k < count; k++) {

@@ -1,5 +1,5 @@
-/* What files show of every particle, bond, node, ...: a table of fields each, from which snapshots,
- * results.h5 and docs/quantities.md follow. */
+/* Tables of the fields that files show of every particle, bond, node and so on. Snapshots,
+ * results.h5 and docs/quantities.md are made from these tables. */
 #ifndef GN_RUN_OUTPUT_TABLE_H
 #define GN_RUN_OUTPUT_TABLE_H
 
@@ -8,21 +8,22 @@
 #include "io/snapshot.h"
 
 enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
-/* In both files where the scene asks for it (base/asked.h), and where else it says besides. */
+/* The field is in both files if the scene requests it (base/asked.h), and in any others that are
+ * named besides. */
 #define GN_ON_REQUEST(name) (GN_ASKED(name) << GN_ASKED_SHIFT)
 
 typedef struct gn_output_field {
     const char *name, *unit, *text;
     unsigned where;  /* GN_IN_RESULTS, GN_IN_SNAPSHOT, GN_ON_REQUEST(name) */
-    gn_type type;    /* in results.h5; snapshots have doubles */
-    bool may_be_nan; /* says that there is none */
+    gn_type type;    /* of results.h5; snapshots hold doubles */
+    bool may_be_nan; /* NaN: the item has no value */
     size_t components;
     void (*read)(const void *view, size_t item, double *value);
-    gn_effects needs; /* there only with these effects; 0: always */
+    gn_effects needs; /* effects that the field requires; 0: none */
 } gn_output_field;
 
 typedef struct gn_output_table {
-    const char *group; /* in results.h5 */
+    const char *group; /* group of results.h5 */
     const gn_output_field *fields;
     size_t count;
 } gn_output_table;
@@ -36,28 +37,28 @@ extern const gn_output_table gn_node_outputs, gn_element_outputs;  /* output_ele
 extern const gn_output_table gn_body_outputs, gn_vertex_outputs,
     gn_facet_outputs; /* output_bodies.c */
 
-/* What the fields of a table are read from. */
+/* The data from which the fields of a table are read. */
 typedef struct gn_output_source {
     const gn_output_table *table;
-    const void *view; /* that the table's functions know */
+    const void *view; /* argument of the table's functions */
     gn_effects effects;
     size_t count;
-    const int32_t *row; /* [count] where an item stands; NULL: in its place */
-    const char *prefix; /* before the group; NULL: none */
-    unsigned asked;     /* of the scene */
+    const int32_t *row; /* [count] row of an item in files; NULL: the item's index */
+    const char *prefix; /* prefix of the group; NULL: none */
+    unsigned asked;     /* fields that the scene requests */
 } gn_output_source;
 
-/* GROUP/<field> of results.h5. */
+/* Writes GROUP/<field> of results.h5. */
 gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error);
 
-/* The fields that results.h5 has, of a table under effects and what is asked for, by place; NULL:
- * there are no more. */
+/* Returns the field at a place among those of a table that results.h5 has under these effects and
+ * requests; NULL: there are no more. */
 const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
                                           unsigned asked, size_t index);
-/* One of them, [count][components]. */
+/* Reads one field, [count][components]. */
 void gn_output_read(const gn_output_source *source, const gn_output_field *field, double *values);
 
-/* Fields as a snapshot has them. */
+/* Fields in the form of a snapshot. */
 typedef struct gn_output_arrays {
     size_t count;
     gn_snapshot_array of[GN_OUTPUT_FIELDS_MOST];

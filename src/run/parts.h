@@ -11,52 +11,52 @@
 
 /* --- solids of finite elements --- */
 
-/* The path of a group or data set of a solid in a file: of the first the name itself, then
- * elements_2/name ... */
+/* Length of the path of a group or data set of a solid in a file: the plain name for the first
+ * solid, then elements_2/name and so on. */
 enum { GN_ELEMENT_PATH = 160 };
 const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]);
-/* A file for each solid: `name`, name_2 ... */
+/* The name of a solid's file: `name`, then name_2 and so on. */
 const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]);
 
 gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
                                    gneiss_error *error);
-/* /nodes, /elements */
+/* Writes /nodes and /elements. */
 gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
-/* One field of results.h5, of the nodes or of the elements of a solid. */
+/* Reads one field of results.h5 of the nodes or of the elements of a solid. */
 gneiss_status gn_elements_read(const gn_world *world, size_t solid, bool nodes,
                                const gn_output_field *field, double *values, gneiss_error *error);
 
 /* --- rigid bodies --- */
 
-/* One grid of all facets. */
+/* Writes one grid of all facets. */
 gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
                                  gneiss_error *error);
-/* /bodies, but for what the history has of them. */
+/* Writes /bodies, except the quantities that the history has of them. */
 gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
 /* --- the scene, with all of its keys (output.c) --- */
 
 gneiss_status gn_scene_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
-/* --- what the history has of bodies and motions, at the end (output_owners.c) --- */
+/* --- final values of bodies and motions (output_owners.c) --- */
 
-/* /bodies, /motions */
+/* Writes /bodies and /motions. */
 gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
-/* --- what happened to bonds (events.c) --- */
+/* --- events of bonds (events.c) --- */
 
-/* /events, /bursts */
+/* Writes /events and /bursts. */
 gneiss_status gn_events_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
-/* --- pieces that bonds hold (output_fragments.c) --- */
+/* --- fragments (output_fragments.c) --- */
 
-/* /fragments */
+/* Writes /fragments. */
 gneiss_status gn_fragments_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 
 /* --- checkpoints (checkpoint_dem.c, _boundary.c, _elements.c) --- */
 
-/* Loading makes the part; `path` stands in messages. The boundary comes after the particles, and
- * surfaces when all that has them is there. */
+/* Loading creates the part; `path` is named in messages. The boundary is loaded after the
+ * particles, and surfaces after everything that has them. */
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
                           gneiss_error *error);

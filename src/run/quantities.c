@@ -42,8 +42,8 @@ HOLDS(is_counted, gn_scene_has_flow(&w->ctx.scene) || gn_converts(&w->ctx))
 HOLDS(has_elements_beside_particles, w->solids.count && w->ctx.scene.has_specimen)
 HOLDS(has_zones, w->ctx.scene.has_couple && w->ctx.scene.couple.zone_count)
 HOLDS(converts, gn_converts(&w->ctx))
-/* Particles that come and go have no places at the start. In a box all round the sides give the
- * strain. */
+/* The strain is that of the sides in a box that is periodic in all directions. Particles that enter
+ * and leave have no positions at the start. */
 HOLDS(has_average_strain,
       !gn_scene_has_flow(&w->ctx.scene) ||
           (w->ctx.effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->ctx.scene)))
@@ -90,9 +90,9 @@ static const gn_condition always = {"always", NULL, NULL}, tests = {"with a test
                           zoned = {"with couple.zones", has_zones, NULL},
                           converted = {"with couple.convert", converts, NULL},
                           moving = {"unless the set has no motion", set_moves, NULL},
-                          driven = {"unless it is only watched", motion_drives, NULL};
+                          driven = {"unless it only records", motion_drives, NULL};
 
-/* --- of the whole model --- */
+/* --- quantities of the whole model --- */
 
 #define READ(name, expression)                                                                     \
     static void read_##name(const gn_world *w, size_t k, double *value) {                          \
@@ -106,8 +106,8 @@ READ(stage, (double)w->stages.now)
 
 READ(deflection, gn_ends_deflection(w))
 
-/* Of the particles: in a box that is periodic all round, so has no surface, that of its sides.
- * Elements without particles are the specimen. */
+/* The strain is that of the particles, or in a fully periodic box, which has no surface, that of
+ * its sides. Elements without particles are the specimen. */
 static void mean_strain(const gn_world *w, double strain[9]) {
     double gradient[9];
     if (!w->ctx.scene.has_specimen) {
@@ -125,7 +125,7 @@ static void mean_strain(const gn_world *w, double strain[9]) {
         strain[4 * a] = gn_box_strain(&w->ctx, &w->box, a);
 }
 
-/* Minus the trace of the average strain: what the volume lost of itself. */
+/* Returns minus the trace of the average strain, the loss of volume. */
 static double lost_volume(const gn_world *w) {
     double g[9];
     mean_strain(w, g);
@@ -133,7 +133,7 @@ static double lost_volume(const gn_world *w) {
 }
 READ(volumetric_strain, lost_volume(w))
 
-/* Mean over the directions across the axis, compression positive. */
+/* Returns the mean over the directions across the axis, compression positive. */
 static double lateral_strain(const gn_world *w) {
     double g[9], sum = 0.0;
     int dimension = (int)w->ctx.scene.dimension;
@@ -144,7 +144,8 @@ static double lateral_strain(const gn_world *w) {
 }
 READ(lateral_strain, lateral_strain(w))
 
-/* Loss of the volume that walls, a periodic box or the places of the particles tell. */
+/* Returns the loss of volume given by walls, by a periodic box or by the positions of the
+ * particles. */
 static double hydrostatic_strain(const gn_world *w) {
     double now, start, stretch[9], cofactor[9];
     if (gn_space_closed(&w->ctx, &w->dem, &w->boundary, &w->box, &now, &start))
@@ -164,8 +165,8 @@ static double mean_pressure(const gn_world *w) {
     return -(s[0] + s[4] + s[8]) / (double)w->ctx.scene.dimension;
 }
 
-/* Of confined specimens the deviator: what ends bear of the pressure where the membrane does not
- * cover them comes off. */
+/* For confined specimens the stress is the deviator: the pressure on the part of an end that the
+ * membrane does not cover is subtracted. */
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
     gn_ends_forces(w, &lower, &upper);
@@ -219,8 +220,8 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
     mean_strain(w, value);
 }
-/* Too few particles, or all on a plane, have no average strain; nor has a specimen of which too
- * little is left. */
+/* Too few particles, or all of them in a plane, have no average strain; nor has a specimen of which
+ * too little is left. */
 static bool no_strain(const gn_world *w) {
     bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->ctx.scene);
     return w->ctx.scene.has_specimen && !w->gauge.weights.count && !box;
@@ -245,7 +246,7 @@ READ(added_kinetic, gn_dem_added_kinetic(&w->dem))
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-/* Bonds that left with removed particles or were dissolved are neither intact nor broken. */
+/* Bonds that were removed with particles or dissolved are neither intact nor broken. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
     for (size_t c = 0; (w->dem.lost || w->ctx.scene.stage_count || w->ctx.scene.sink_count) &&
@@ -281,11 +282,11 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
     SCALAR_UNLESS(no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-                  "way of the ends over the length since both touched (near unbonded grains: since "
-                  "the start), positive in the test's sense; hydrostatic: relative loss of volume"),
+                  "travel of the ends over the length since contact of both (near unbonded grains: "
+                  "since the start), positive in the test's sense; hydrostatic: loss of volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean of both ends' force over the area (at the start; in a box of walls now"
-           "), positive in the test's sense; confined: deviator; hydrostatic: mean pressure"),
+           "mean force of both ends over the area (initial; in a box of walls present), positive "
+           "in the test's sense; confined: deviator; hydrostatic: mean pressure"),
     SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
     SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
@@ -303,38 +304,38 @@ static const gn_quantity of_the_model[] = {
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
            "pressure of the membrane"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_area", "m2", read_membrane_area,
-           "what it covers, at its last look"),
+           "area that the membrane covers, at its last update"),
     SCALAR(sheared, GN_AFTER_STEP, "normal_stress", "Pa", read_normal_stress,
            "force across the sheared plane over the area, compression positive: mean of both ends"),
     SCALAR(sheared, GN_AFTER_STEP, "normal_stress_lower", "Pa", read_normal_lower,
-           "the same of the lower end"),
+           "force on the lower end across the sheared plane over the area, compression positive"),
     SCALAR(sheared, GN_AFTER_STEP, "normal_stress_upper", "Pa", read_normal_upper,
-           "the same of the upper end; of a set that is pressed by a force that force"),
+           "force on the upper end across the sheared plane over the area, compression positive; "
+           "for a set that is loaded by a force that force"),
     SCALAR(sheared, GN_BEFORE_STEP, "dilation", "m", read_dilation,
-           "how far the ends came apart across the sheared plane"),
+           "growth of the distance of the ends across the sheared plane"),
     SCALAR(gauged, GN_BEFORE_STEP, "opening", "m", read_opening,
-           "how far the two sides of the gauge of the test came apart"),
+           "growth of the distance of the two sides of the gauge of the test"),
     SCALAR(controlled, GN_BEFORE_STEP, "control", "1", read_machine,
-           "by what the prescribed motion of the ends is multiplied"),
+           "factor of the prescribed motion of the ends"),
     {"centre_stress", "Pa", "mean stress about the middle of the disc, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &central, read_centre_stress, NULL},
-    {"strain", "1", "average strain of the specimen, of what is left of it; tension positive",
-     GN_TENSOR, GN_BEFORE_STEP, &strained, read_strain, no_strain},
+    {"strain", "1", "average strain of the remaining specimen, tension positive", GN_TENSOR,
+     GN_BEFORE_STEP, &strained, read_strain, no_strain},
     {"stress", "Pa",
-     "average stress of the specimen, tension positive; over what walls, a membrane or a box "
-     "enclose now, else over the volume at the start",
+     "average stress of the specimen, tension positive; over the volume that walls, a membrane or "
+     "a box enclose now, else over the volume at the start",
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},
-    SCALAR(
-        always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
-        "mean resultant on a free particle over the mean force of contacts that carry, also with "
-        "walls; of elements and free bodies the largest; at most 1000; 0: none"),
+    SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
+           "mean resultant on a free particle over the mean force of loaded contacts, walls "
+           "included; if larger, that of elements or free bodies; at most 1000; 0: none"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
-           "particles that are there; with couple.convert those that are awake: of converted "
-           "elements and of the zone around these"),
+           "number of particles; with couple.convert of the active ones: those of converted "
+           "elements and of the zone around them"),
     SCALAR(raised, GN_AFTER_STEP, "added_kinetic", "1", read_added_kinetic,
-           "share of the particles' kinetic energy that added mass has"),
+           "share of added mass in the particles' kinetic energy"),
     SCALAR(bonded, GN_AFTER_STEP, "bonds_intact", "1", read_bonds_intact, "intact bonds"),
     SCALAR(bonded, GN_AFTER_STEP, "broken_tension", "1", read_broken_tension,
            "bonds broken in tension"),
@@ -396,8 +397,8 @@ static void read_body_velocity(const gn_world *w, size_t k, double *value) {
 static const gn_quantity of_bodies[] = {
     {"force", "N", "force of particles and walls on the body", GN_VECTOR, GN_AFTER_STEP, &always,
      read_body_force, NULL},
-    {"moment", "N m", "their moment about the reference point of the body", GN_TURN, GN_AFTER_STEP,
-     &always, read_body_moment, NULL},
+    {"moment", "N m", "moment of these forces about the reference point of the body", GN_TURN,
+     GN_AFTER_STEP, &always, read_body_moment, NULL},
     {"displacement", "m", "path of the reference point from its start", GN_VECTOR, GN_BEFORE_STEP,
      &always, read_body_displacement, NULL},
     {"velocity", "m/s", "velocity of the reference point at the last half step", GN_VECTOR,
@@ -444,7 +445,7 @@ READ_ONE(source, mass, s->mass)
 READ_ONE(source, behind, gn_flow_behind(&w->ctx, &w->dem, k))
 READ_ONE(sink, number, s->number)
 READ_ONE(sink, mass, s->mass)
-/* Since the last row; of the first there is none. */
+/* The rate since the last row; the first row has none. */
 READ_ONE(sink, rate,
          w->ctx.time > s->row_time ? (s->mass - s->row_mass) / (w->ctx.time - s->row_time) : 0.0)
 static void read_source_momentum(const gn_world *w, size_t k, double *value) {
@@ -455,21 +456,22 @@ static void read_sink_momentum(const gn_world *w, size_t k, double *value) {
 }
 
 static const gn_quantity of_sources[] = {
-    SCALAR(always, GN_AFTER_STEP, "number", "1", read_source_number, "particles that came in"),
-    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_source_mass, "mass that came in"),
-    {"momentum", "N s", "momentum that came in", GN_VECTOR, GN_AFTER_STEP, &always,
+    SCALAR(always, GN_AFTER_STEP, "number", "1", read_source_number, "particles inserted"),
+    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_source_mass, "mass inserted"),
+    {"momentum", "N s", "momentum inserted", GN_VECTOR, GN_AFTER_STEP, &always,
      read_source_momentum, NULL},
     SCALAR(always, GN_AFTER_STEP, "behind", "s", read_source_behind,
-           "by which what came in is behind its rate, for want of room")};
+           "delay of the inserted mass behind its rate, for lack of space")};
 
 static const gn_quantity of_sinks[] = {
-    SCALAR(always, GN_AFTER_STEP, "number", "1", read_sink_number,
-           "particles that went out; of a plane that only counts, those that came back less"),
-    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_sink_mass, "mass that went out"),
+    SCALAR(
+        always, GN_AFTER_STEP, "number", "1", read_sink_number,
+        "particles removed; for a plane that only counts, passages forwards less those backwards"),
+    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_sink_mass, "mass removed"),
     SCALAR(always, GN_AFTER_STEP, "rate", "kg/s", read_sink_rate,
-           "mass that went out since the last row, over the time"),
-    {"momentum", "N s", "momentum that went out", GN_VECTOR, GN_AFTER_STEP, &always,
-     read_sink_momentum, NULL}};
+           "mass removed since the last row, over the time"),
+    {"momentum", "N s", "momentum removed", GN_VECTOR, GN_AFTER_STEP, &always, read_sink_momentum,
+     NULL}};
 
 /* --- of finite elements --- */
 
@@ -479,10 +481,10 @@ static const gn_quantity of_elements[] = {
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &beside, read_elements_stress, NULL},
     SCALAR(converted, GN_AFTER_STEP, "elements", "1", read_elements,
-           "finite elements that are left"),
+           "number of remaining finite elements"),
     SCALAR(zoned, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
-           "energy of plane waves in elements outside of zones that run away from the particles of "
-           "the first zone, over the energy that was there or has come in")};
+           "energy of plane waves that travel away from the particles of the first zone, in "
+           "elements outside of zones, over the initial energy and the energy supplied")};
 
 static const gn_quantity of_motions[] = {
     {"displacement", "m", "mean displacement of the nodes", GN_VECTOR, GN_BEFORE_STEP, &always,
@@ -490,7 +492,7 @@ static const gn_quantity of_motions[] = {
     {"reaction", "N", "force that the prescribed motion supplies to the nodes", GN_VECTOR,
      GN_AFTER_STEP, &driven, gn_elements_reaction, NULL}};
 
-/* --- all of them --- */
+/* --- the whole list --- */
 
 const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {NULL, one, NULL, of_the_model, COUNT(of_the_model), NULL, false},

@@ -1,4 +1,4 @@
-/* What is read off a run: of its whole history, or of the rows of one stage. */
+/* Readings of a run: of its whole history, or of the rows of one stage. */
 #include "accuracy/covers.h"
 #include "laboratory/laboratory.h"
 #include "laboratory/section.h"
@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A state in which a run may be looked at; nothing else that readings follow from changes between
- * two of the same numbers. */
+/* The state for which readings were computed: they depend on nothing that changes while these
+ * numbers stay the same. */
 typedef struct state {
     int64_t step, broken, lost;
     size_t rows, stage;
@@ -24,7 +24,7 @@ struct gn_run_read {
     bool known;
     state of;
     gn_readings readings;
-    gn_budget *budget; /* of these readings; NULL: nobody has asked */
+    gn_budget *budget; /* of these readings; NULL: not computed yet */
 };
 
 gneiss_status gn_run_watch(gn_run *run, gneiss_error *error) {
@@ -39,9 +39,9 @@ void gn_run_unwatch(gn_run *run) {
     gn_history_free(&run->history);
 }
 
-/* --- of some rows --- */
+/* --- readings of a part of the rows --- */
 
-/* At the end of the rows of a stage that is over; else of the world as it is. */
+/* Returns the share at the end of the rows of a stage that is over, else of the present world. */
 static double returned(const gn_world *w, const gn_history *rows, bool over) {
     if (!w->ctx.scene.couple.zone_count) return NAN;
     if (!over) return gn_coupled_returned_share(&w->ctx, &w->solids, &w->ledger, 0);
@@ -49,7 +49,7 @@ static double returned(const gn_world *w, const gn_history *rows, bool over) {
     return column && rows->row_count ? column[rows->row_count - 1] : NAN;
 }
 
-/* s: from when to before when bursts count. */
+/* s: the interval in which bursts are counted, without its end. */
 typedef struct span {
     double from, until;
 } span;
@@ -63,7 +63,7 @@ static size_t sizes_of(const gn_bursts *bursts, span when, int32_t *size) {
     return count;
 }
 
-/* Slender bars are too stiff by a share which the error budget has, if there is one. */
+/* Slender bars are too stiff by a share that the error budget contains, if there is one. */
 static double by_ends(const gn_world *w) {
     const double most = 0.05;
     gn_test_groups groups;
@@ -97,7 +97,7 @@ static gn_tested tested_of(const gn_world *w, const gn_history *rows, bool over)
         .elastic = !w->ctx.scene.has_specimen,
         .one_sided = !gn_scene_end_drives(&w->ctx.scene, &t->lower) ||
                      !gn_scene_end_drives(&w->ctx.scene, &t->upper),
-        .no_bursts = w->ctx.effects & GN_FX_BONDS ? "output.events off keeps no breaks"
+        .no_bursts = w->ctx.effects & GN_FX_BONDS ? "with output.events: off no breaks are recorded"
                                                   : "the scene has no bonds"};
 }
 
@@ -114,7 +114,7 @@ static gneiss_status compute(const gn_world *w, const gn_history *rows, span whe
         tested.bursts = w->ctx.effects & GN_FX_EVENTS ? size : NULL;
         tested.burst_count = sizes_of(&bursts, when, size);
         gn_readings_compute(rows, &tested, r);
-        /* A quotient by nothing is no reading either. */
+        /* A quotient by zero is not a reading either. */
 #define X(name, unit, text)                                                                        \
     if (!isfinite(r->name)) r->name = NAN;
         GN_READINGS(X)
@@ -132,9 +132,9 @@ static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
     return end - *begin;
 }
 
-/* Counted since the start of the run in the history, since that of the stage in its readings, a
- * loss of volume as the share of that at the start of the stage:
- * strains, ways of the ends and of the gauge, bonds that broke. */
+/* Tells whether a column is counted from the start of the run in the history and from the start of
+ * the stage in its readings: strains, displacements of the ends and of the gauge, broken bonds. A
+ * loss of volume is relative to the volume at the start of the stage. */
 static bool counts_from_start(const char *name) {
     static const char *const whole[] = {
         "strain",    "volumetric_strain", "lateral_strain", "dilation",    "deflection",
@@ -145,8 +145,8 @@ static bool counts_from_start(const char *name) {
     return false;
 }
 
-/* The rows of a stage as a table of their own, the columns above less what its first row has. Such
- * a row is of the instant of the change. */
+/* Copies the rows of a stage to a table of its own, with the columns above relative to its first
+ * row, which is of the instant of the change. */
 static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
                              gneiss_error *error) {
     const gn_history *all = &run->history;
@@ -169,7 +169,8 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
         const double *from = part->columns[c].value;
         const bool volume = gn_scene_test(&run->world.ctx.scene)->isotropic &&
                             strcmp(all->columns[c].name, "strain") == 0;
-        const double left = volume ? 1.0 - from[0] : 1.0; /* of which it is the share lost */
+        const double left =
+            volume ? 1.0 - from[0] : 1.0; /* remaining volume, to which the loss is relative */
         for (size_t r = 0; r < rows; r++) values[r] = (from[r] - from[0]) / left;
         part->columns[c].value = values;
         values += rows;
@@ -177,21 +178,20 @@ static gneiss_status part_of(const gn_run *run, size_t stage, gn_history *part,
     return GNEISS_OK;
 }
 
-/* The one whose readings are those of the run. */
+/* Returns the stage that gives the readings of the run. */
 static size_t stage_read(const gn_run *run) {
     size_t stage = run->world.stages.now, begin;
     while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
     return stage;
 }
 
-/* What the world shows is of now. */
+/* Marks fragments as absent, because the world shows only the present ones. */
 static void leave_fragments(gn_readings *r) {
     const gn_reading list[] = {GN_READING_fragments, GN_READING_largest_fragment};
     for (size_t k = 0; k < 2; k++)
         if (!r->reason[list[k]][0])
             snprintf(r->reason[list[k]], GN_REASON_SIZE,
-                     "the pieces at the end of the run are "
-                     "counted, which is that of another stage");
+                     "fragments are counted at the end of the run, which is in another stage");
     r->fragments = r->largest_fragment = NAN;
 }
 
@@ -210,7 +210,7 @@ static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings 
     return status;
 }
 
-/* --- of the run --- */
+/* --- readings of the run --- */
 
 static bool same(const state *a, const state *b) {
     return a->step == b->step && a->broken == b->broken && a->lost == b->lost &&

@@ -1,10 +1,10 @@
-/* What is left of a run when one of its outputs could not be written. */
+/* Handling of an output of a run that could not be written. */
 #include "io/checkpoint_files.h"
 #include "run/run.h"
 
 #include <string.h>
 
-/* Behind the message of what failed: which checkpoint a resumed run would go on from. */
+/* Appends to the error message the checkpoint from which a resumed run would continue. */
 static gneiss_status say_where(const gn_run *run, const gneiss_error *first, const char *tried,
                                gneiss_error *error) {
     int64_t step = -1;
@@ -19,8 +19,7 @@ static gneiss_status say_where(const gn_run *run, const gneiss_error *first, con
                        (long long)run->world.ctx.step, tried);
     return gn_fail(
         error, first->status,
-        "%.1000s\n  at step %lld%.300s; the checkpoint of step %lld stands: gneiss resume "
-        "%.300s",
+        "%.1000s\n  at step %lld%.300s; the checkpoint of step %lld remains: gneiss resume %.300s",
         first->message, (long long)run->world.ctx.step, tried, (long long)step, run->directory);
 }
 

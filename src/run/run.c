@@ -24,24 +24,25 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Steps between looks at the stability limit (with finite elements, whose limit falls with their
- * strain, more often), and between looks at the clock. */
+/* Steps between updates of the stability limit (more often with finite elements: their limit falls
+ * with the strain), and between readings of the clock. */
 enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
 
-/* s: until the end, or that of the stage. */
+/* s: until the end of the run, or of the stage. */
 static double span_of(const gn_run *run) {
     return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.ctx.scene.end;
 }
 
-/* Rows or snapshots wanted in `span` s -> steps from one to the next; the first is always taken. */
+/* Returns the steps between rows or snapshots for the number requested in `span` s; the first is
+ * always taken. */
 static int64_t interval(const gn_run *run, double span, int64_t wanted) {
     double steps = wanted > 0 ? span / run->world.ctx.dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
-/* `begins`: a run or a stage, whose rows and snapshots may be closer at first. */
+/* `begins`: a run or a stage begins, and rows and snapshots may be closer at first. */
 static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins) {
     const gn_scene *s = &run->world.ctx.scene;
     if (history) {
@@ -56,7 +57,8 @@ static void set_intervals(gn_run *run, bool history, bool snapshots, bool begins
     gn_kept_begin(run, begins);
 }
 
-/* After snapshots: those wanted up to the end by the step as it is now. */
+/* Sets the step of the next snapshots after some were written: the number requested up to the end
+ * is spread with the present step. */
 static gneiss_status next_snapshot(gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     const bool regular = run->kept.due & GN_KEPT_REGULAR;
@@ -127,11 +129,11 @@ static void stop(gn_run *run, const char *format, double value) {
     snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
 }
 
-/* The first rows of a dynamic test swing through zero; a fall counts once something has broken (or,
- * without bonds, after this many rows). */
+/* A fall of the stress is evaluated once something has broken (or, without bonds, after this many
+ * rows) because the first rows of a dynamic test swing through zero. */
 enum { ROWS_BEFORE_PEAK = 20 };
 
-/* What the model itself ends at. */
+/* Ends the run if the model itself requires it. */
 static void check_halt(gn_run *run) {
     if (!run->world.outcome.halt[0] || run->finished) return;
     run->finished = true;
@@ -149,24 +151,24 @@ static int64_t broken(const gn_run *run) {
     return run->world.dem.broken_tension + run->world.dem.broken_shear;
 }
 
-/* Of the bonds through a section of the specimen as many have broken as leave it no whole: a tenth
- * of N^((d - 1)/d), N being all bonds. A few that a platen breaks when it meets the specimen are
- * none of it. */
+/* Tells whether enough bonds have broken to sever a section of the specimen: a tenth of the N^((d -
+ * 1)/d) bonds through a section, N being all bonds. This excludes the few bonds that a platen
+ * breaks on first contact. */
 static bool broken_through(const gn_run *run) {
     const double d = (double)run->world.ctx.scene.dimension,
                  section = pow((double)run->world.dem.bonds.soa.count, (d - 1.0) / d);
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 
-/* Of what ten and twenty rows are of the thousand that there are by default: as long a time where
- * fewer or more are wanted. */
+/* Converts a number of rows out of the default of a thousand to the rows of the same time if more
+ * or fewer are requested. */
 static size_t rows_of_thousand(const gn_run *run, size_t rows) {
     const double wanted = (double)run->world.ctx.scene.history_rows * (double)rows / 1000.0;
     return wanted < 1.0 ? 1 : wanted < (double)rows ? (size_t)wanted : rows;
 }
 
-/* Tells whether the test has begun with so many looks as mean over those before `end`, and the
- * mean. */
+/* Tells whether the test has begun at least `count` looks before `end`, and computes their mean
+ * stress. */
 static bool mean_before(const gn_run *run, size_t end, size_t count, double *mean) {
     const double *stress = run->looks.stress;
     if (!run->beginning.begun || end < run->beginning.least + count) return false;
@@ -175,8 +177,8 @@ static bool mean_before(const gn_run *run, size_t end, size_t count, double *mea
     return true;
 }
 
-/* The largest of the means of `count` looks since the test began; of all of them where it has just
- * begun, as after a resume. */
+/* Updates the largest mean of `count` looks since the test began, over all of them if it has just
+ * begun, as after a resume. Returns the last mean. */
 static double look_for_peak(gn_run *run, size_t count) {
     const size_t looks = run->looks.count;
     const bool before = run->beginning.begun;
@@ -189,8 +191,8 @@ static double look_for_peak(gn_run *run, size_t count) {
     return mean;
 }
 
-/* As tests of this kind end, where the scene says nothing of it: what did not break has no peak.
- * Means of rows, so that what rings does not end a test. */
+/* Default stop criterion of this test kind. A specimen that did not break has no peak. Means of
+ * rows are compared so that vibrations do not end a test. */
 static void check_end_of_test(gn_run *run, const gn_stops *stops) {
     const double mean = look_for_peak(run, rows_of_thousand(run, GN_ROWS_HELD));
     const bool fell = run->looks.count > rows_of_thousand(run, ROWS_BEFORE_PEAK) &&
@@ -200,7 +202,7 @@ static void check_end_of_test(gn_run *run, const gn_stops *stops) {
         stop_by_kind(run, "stress fell by %g of its peak", stops->peak_drop);
 }
 
-/* As the scene says: the first fall of a row counts. */
+/* Stop criterion of the scene: the first fall of a single row ends the test. */
 static void check_fall(gn_run *run, double peak_drop) {
     const double stress = look_for_peak(run, 1);
     const bool counts = run->world.ctx.effects & GN_FX_BONDS ? broken(run) > 0
@@ -228,7 +230,7 @@ static void check_stop_conditions(gn_run *run) {
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
-/* --- going on --- */
+/* --- resume --- */
 
 static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
     for (size_t k = 0; k < count; k++)
@@ -262,8 +264,8 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
             strcmp(overrides[k].key, "run.precision") == 0 ||
             sets(&overrides[k], 1, "time.mass_scaling"))
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: it decides what is stored from the start, a resumed run "
-                           "cannot change it",
+                           "--set %s: the key determines the data stored from the start; a resumed "
+                           "run cannot change it",
                            overrides[k].key);
     }
     return GNEISS_OK;
@@ -271,8 +273,8 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
 
 enum { MOST_CHECKPOINTS = 8 };
 
-/* What cannot be used is read once more before it counts as damaged: an error that passes is none.
- */
+/* An unusable checkpoint is read once more before it counts as damaged, because an error may be
+ * transient. */
 static gneiss_status load_one(const char *directory, int64_t step, const gn_override *overrides,
                               size_t override_count, gn_run *run, gneiss_error *error) {
     char *path = NULL;
@@ -286,14 +288,15 @@ static gneiss_status load_one(const char *directory, int64_t step, const gn_over
 
 static void note_damage(gn_run *run, const gneiss_error *first) {
     snprintf(run->note, sizeof run->note,
-             "%.1500s; it is kept with .damaged behind its name; going on from the checkpoint of "
-             "step %lld",
+             "%.1500s; it is kept under its name with .damaged appended; continuing from the "
+             "checkpoint of step %lld",
              first->message, (long long)run->world.ctx.step);
 }
 
-/* A damaged checkpoint gives way to the one before it: run->note tells, and *damaged is how many of
- * the newest are to be moved aside. A checkpoint that cannot be read now (no descriptors, no
- * memory, an error of the disk) may be intact: nothing is taken in its place. */
+/* Loads the newest checkpoint; a damaged one is replaced by the one before it: run->note reports
+ * that, and *damaged is the number of the newest ones that are to be moved aside. A checkpoint that
+ * cannot be read now (no descriptors, no memory, an error of the disk) may be intact: no other is
+ * loaded in its place. */
 static gneiss_status load_newest(const char *directory, const gn_override *overrides,
                                  size_t override_count, gn_run *run,
                                  int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
@@ -315,12 +318,12 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
         if (status != GNEISS_ERROR_INPUT)
             return gn_fail(error, status,
                            "%.1500s\n  it may be intact, and nothing was changed: try again, or "
-                           "move it away to go on from an older one",
+                           "move it away to continue from an older one",
                            reading.message);
         if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
-    /* The same for each: not the checkpoints are to blame (an override). */
+    /* An error that is the same for each is not caused by the checkpoints (an override). */
     return count == 1 || same
                ? gn_fail(error, first.status, "%s", first.message)
                : gn_fail(error, first.status,
@@ -328,7 +331,7 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
                          directory, count, first.message);
 }
 
-/* What the overrides ask for takes hold at once. */
+/* Overrides take effect at once. */
 static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
                                      gneiss_error *error) {
     gn_world *w = &run->world;
@@ -339,19 +342,19 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                                                                    : GNEISS_ERROR_INPUT;
     }
     GN_TRY(gn_world_check_duration(&w->ctx, error));
-    /* A scene that was written out says auto where nothing was said. */
+    /* A scene that was written out has auto for keys that were not given. */
     if (w->ctx.scene.stop_peak_drop < 0.0 && !sets(overrides, count, "time.stop.peak_drop") &&
         (sets(overrides, count, "time.stop.strain") ||
          sets(overrides, count, "time.stop.unbalanced")))
         w->ctx.scene.stop_peak_drop = w->ctx.given.stop_peak_drop = 0.0;
-    for (size_t k = 0; k < count; k++) /* which is looked at again */
+    for (size_t k = 0; k < count; k++) /* the condition is evaluated again */
         if (ends_stage(&overrides[k])) w->stages.state[w->stages.now].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"), false);
     return GNEISS_OK;
 }
 
-/* A run that had ended has still ended, unless the overrides say otherwise. */
+/* A run that had ended remains ended unless the overrides change that. */
 static void take_up(gn_run *run) {
     set_clock(run);
     if (last(run, "step") == (double)(run->world.ctx.step - 1) &&
@@ -410,8 +413,8 @@ void gn_run_free(gn_run *run) {
 
 /* --- running --- */
 
-/* Series files are written whole: of many snapshots when there are a thirty-second more, or when
- * some were removed. */
+/* Series files are written whole: when the number of snapshots has grown by one thirty-second, or
+ * when some were removed. */
 static bool series_is_due(const gn_run *run) {
     const size_t count = run->snapshot_times.count, written = run->series_length;
     return count < 64 || count <= written || 32 * (count - written) >= count;
@@ -442,7 +445,7 @@ typedef struct beginning {
     const gn_first_break_watch *watch;
 } beginning;
 
-/* A row for every state on the way but the last, which the first step reads. */
+/* Appends a row for every state in between except the last, which the first step reads. */
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const beginning *b = context;
     gn_world *w = &b->run->world;
@@ -460,11 +463,11 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
         gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
     w->seconds[GN_PHASE_setup] += gn_now() - start;
     if (status != GNEISS_OK && run->directory[0])
-        (void)rmdir(run->directory); /* of which nothing has been written */
+        (void)rmdir(run->directory); /* nothing has been written to it */
     return status;
 }
 
-/* *first: a row and snapshots are due. */
+/* *first: set if a row and snapshots are due. */
 static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) {
     bool entered;
     GN_TRY(gn_run_stages_go(run, &entered, error));
@@ -474,7 +477,7 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
     return GNEISS_OK;
 }
 
-/* As many steps from row to row as take the same time, now that they are others. */
+/* Keeps the time between rows after the step has changed. */
 static void keep_row_spacing(gn_run *run, double step_before) {
     const gn_world *w = &run->world;
     if (!gn_converts(&w->ctx) || w->ctx.dt == step_before || run->history_interval == INT64_MAX)
@@ -522,7 +525,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_world_check_step(w, false, error));
     keep_row_spacing(run, step_before);
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
-        GN_TRY(gn_history_step(w, &run->history, error)); /* how far it came */
+        GN_TRY(gn_history_step(w, &run->history, error)); /* the row of the failed step */
         GN_TRY(gn_run_check_ledger(run, error));
     }
     check_halt(run);
@@ -532,8 +535,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* A disk that has no room for one file must not cost the others: `before` is what the earlier ones
- * met, and the first error counts. After other errors nothing more is written. */
+/* A disk that has no room for one file must not cost the others: `before` is the status of the
+ * earlier ones, and the first error counts. After other errors nothing more is written. */
 static gneiss_status also_write(gneiss_status before,
                                 gneiss_status (*write)(const gn_run *, gneiss_error *),
                                 const gn_run *run, gneiss_error *error) {
@@ -580,8 +583,8 @@ gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* s, of the test at the pace of its strain so far; INFINITY: no strain ends it, or none is there.
- */
+/* Returns the time (s) at which the strain limit is reached at the mean strain rate so far;
+ * INFINITY: there is no limit or no strain. */
 static double end_by_strain(const gn_run *run) {
     const gn_world *w = &run->world;
     const bool staged = gn_run_staged(run);
@@ -594,8 +597,7 @@ static double end_by_strain(const gn_run *run) {
     return from + (w->ctx.time - from) * stop / grown;
 }
 
-/* s to the end that is expected; *at_most: to the bound of a run that may end at any time before.
- */
+/* Returns the time (s) to the expected end; *at_most: to the bound of a run that may end before. */
 static double time_to_go(const gn_run *run, bool *at_most) {
     const gn_world *w = &run->world;
     const double bound = gn_run_time_left(run);
@@ -637,7 +639,7 @@ gn_progress gn_run_progress(const gn_run *run) {
 
 /* --- ending --- */
 
-/* A summary beside results of an earlier state would belong to nothing. */
+/* The summary is written only after the results, so that it never describes another state. */
 static gneiss_status write_results(const gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_results(run, error));
     return gn_output_summary(run, error);

@@ -11,9 +11,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A row costs some 20 us, so that rows are not closer than this many steps for being thinned later;
- * with GN_ROW_HALVINGS the end may come at 1/32 of time.end before there are fewer rows than are
- * wanted. */
+/* A row costs some 20 us, so rows that are thinned later are at least this many steps apart. With
+ * GN_ROW_HALVINGS the run may end at 1/32 of time.end before there are fewer rows than
+ * requested. */
 enum { LEAST_STEPS = 5 };
 
 static bool may_end_early(const gn_scene *s, size_t stage) {
@@ -33,7 +33,7 @@ bool gn_run_may_end_early(const gn_run *run) {
 
 int64_t gn_halvings(int64_t interval, int64_t least, int64_t most) {
     int64_t halvings = 0;
-    if (interval > INT64_MAX >> 16) return 0; /* none are wanted */
+    if (interval > INT64_MAX >> 16) return 0; /* none are requested */
     while (halvings < most && interval >> (halvings + 1) >= least) halvings++;
     return halvings;
 }
@@ -42,8 +42,8 @@ int64_t gn_row_halvings(int64_t interval) {
     return gn_halvings(interval, LEAST_STEPS, GN_ROW_HALVINGS);
 }
 
-/* Rows that are apart in time, and rates of sinks, which are means from row to row, have no parts.
- */
+/* Tells whether rows may be closer at first. Rows at given times cannot be
+ * closer, nor rows with rates of sinks, which are means from row to row. */
 static bool adapts(const gn_world *w, size_t stage) {
     return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
            !gn_scene_has_flow(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
@@ -74,8 +74,8 @@ void gn_run_space_rows(gn_run *run, int64_t interval) {
         adapts(&run->world, run->world.stages.now) ? gn_row_halvings(interval) : 0;
 }
 
-/* Steps from row to row after the halvings that are left: doubled from the closest on, so that rows
- * which are kept are those of before. */
+/* Returns the steps between rows with the remaining halvings. The spacing doubles from the closest
+ * on, so that the rows that are kept are those of before. */
 static int64_t spacing_of(const gn_run *run) {
     const int64_t first = gn_row_halvings(run->history_interval);
     return run->history_interval >> first << (first - run->history_halvings);
@@ -86,8 +86,8 @@ static bool is_spaced(const gn_run *run, int64_t step) {
            (run->history_halvings && step % spacing_of(run) == 0);
 }
 
-/* Rows fall on multiples of the interval. Where elements turn into particles, with which steps
- * become shorter, they are the interval apart in time instead, from the last one on. */
+/* Rows are at multiples of the interval. While elements convert to particles, with which steps
+ * become shorter, rows are instead the interval apart in time, from the last one on. */
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;
@@ -116,7 +116,7 @@ gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
 
 /* --- looks --- */
 
-/* The first row of all, or of a stage, is one as well. */
+/* The first row of all, or of a stage, is a look as well. */
 bool gn_run_is_look(const gn_run *run, size_t row) {
     if (row <= (size_t)run->history_begin || !adapts(&run->world, run->world.stages.now))
         return true;
@@ -173,7 +173,7 @@ void gn_looks_free(gn_looks *looks) {
     *looks = (gn_looks){0};
 }
 
-/* --- too many rows --- */
+/* --- thinning --- */
 
 static gneiss_status thin(gn_run *run, gneiss_error *error) {
     gn_history *h = &run->history;

@@ -1,5 +1,5 @@
-/* Stages of a run: when one ends, and the next begins. What they are is in scene/stages.h, what
- * changes in the world in world/stages.c. */
+/* Stages of a run: their ends and the change from one to the next. Their definition is in
+ * scene/stages.h, the changes of the world are in world/stages.c. */
 #include "run/stages.h"
 
 #include "base/error.h"
@@ -19,8 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Unbalanced forces, and stress after a peak, count once so many looks (spacing.h) of the stage are
- * there: the first ones swing through zero. Servos have to hold for as many as that. */
+/* Unbalanced forces, and stress after a peak, are evaluated after this number of looks (spacing.h)
+ * of the stage because the first ones swing through zero. Servos must hold for ROWS_HELD looks. */
 enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD, ROWS_MOST = ROWS_BEFORE + 1 };
 
 static gn_stage_state *state_of(const gn_run *run) {
@@ -76,7 +76,7 @@ static bool holds(const gn_run *run, gn_servo_row servo) {
     return fabs(servo.found - servo.wanted) <= stage_of(run)->held * fabs(servo.wanted);
 }
 
-/* Volume over that at the start, which stresses are over. */
+/* Returns the volume over that at the start, to which stresses refer. */
 static double volume_left(const gn_run *run, size_t row) {
     static const char *const strains[] = {"strain_xx", "strain_yy", "strain_zz"};
     double sum = 1.0;
@@ -85,8 +85,8 @@ static double volume_left(const gn_run *run, size_t row) {
     return sum > 0.0 ? sum : 1.0; /* unknown: as at the start */
 }
 
-/* Where nothing else is to hold, what the membrane does is looked at: the mean stress of the
- * specimen, or under a membrane on the sides that across their axis. */
+/* Without a servo, the membrane's target is compared: the mean stress of the specimen, or under a
+ * membrane on the sides the mean stress across their axis. */
 static gn_servo_row membrane_row(const gn_run *run, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
     const gn_scene *s = &run->world.ctx.scene;
@@ -97,7 +97,7 @@ static gn_servo_row membrane_row(const gn_run *run, size_t row) {
         sum -= in_row(run, stresses[a], row);
         count += 1.0;
     }
-    /* The mean stress of one body that the membrane follows is over what it encloses now. */
+    /* Under a membrane that follows a single body the mean stress refers to the enclosed volume. */
     const bool follows = s->membrane.follow && run->world.dem.membrane->bodies == 1.0;
     return (gn_servo_row){sum / count / (follows ? 1.0 : volume_left(run, row)),
                           gn_table_at(&s->membrane.pressure, in_row(run, "time", row))};
@@ -111,8 +111,8 @@ static bool has_servo(const gn_world *w) {
     return any;
 }
 
-/* Whether the membrane has no pressure, its ramp over, and will have none: of a series one may be
- * that. */
+/* Tells whether the membrane has no pressure, its ramp is over, and no pressure follows. A value of
+ * a series may be zero. */
 static bool released(const gn_run *run, size_t row) {
     const gn_table *given = &run->world.ctx.scene.membrane.pressure;
     const size_t last = given->count ? given->count - 1 : 0;
@@ -160,7 +160,7 @@ static bool fell(const gn_run *run, size_t rows, double stress) {
            stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
-/* What falls freely, what nothing presses yet, or what particles are still to come to has not
+/* Specimens in free fall, without any load so far, or with particles still to come, are not
  * settled. */
 bool gn_run_balanced(const gn_run *run, size_t rows, double limit) {
     const gn_balance *b = &run->world.ledger.balance;
@@ -175,7 +175,8 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     size_t row = run->history.row_count - 1, rows = gn_run_looks(run, (size_t)s->row, ROWS_MOST);
     if (gn_scene_tested(&w->ctx.scene)) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
-        /* The first row is of the instant of the change, and has what stops ends that moved. */
+        /* The first row is of the instant of the change and includes the stress that stopping the
+         * moving ends causes. */
         if (rows == 1)
             s->strain = strain;
         else
@@ -190,7 +191,6 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     return GN_STAGE_RUNS;
 }
 
-/* "unbalanced force ratio fell below 0.01" */
 const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size) {
     const struct {
         const char *format;
@@ -239,7 +239,7 @@ void gn_run_stage_time(gn_run *run) {
     }
     if (e->steps >= 0 && (double)w->ctx.step - s->step >= (double)e->steps)
         end(run, GN_STAGE_STEPS);
-    /* A time above 0, however short, takes a step. */
+    /* A stage with a time above 0, however short, takes a step. */
     bool begun = e->time == 0.0 || (double)w->ctx.step > s->step;
     bool over = begun && w->ctx.time - s->time >= e->time - 0.5 * w->ctx.dt;
     if (s->ended == 0.0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
@@ -277,7 +277,7 @@ void gn_run_out_of_time(gn_run *run) {
                                                         : "");
 }
 
-/* --- from one to the next --- */
+/* --- change of the stage --- */
 
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) {
     gn_world *w = &run->world;

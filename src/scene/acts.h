@@ -35,16 +35,17 @@ bool gn_scene_is_end(const gn_scene *scene, const char *name);
  * may become fixed later. */
 bool gn_scene_is_held_along(const gn_scene *scene, int axis);
 
-/* The same of one thing: beside the ends, and at rest along the axis. Where it is is not looked at
- * (laboratory/check_ends.c does). Of stages walls and bodies may come to rest. */
+/* True if a single object beside the ends of the test is fixed, i.e. at rest along the axis. Its
+ * position is not examined (laboratory/check_ends.c does that). In a scene with stages walls and
+ * bodies may come to rest later. */
 bool gn_scene_wall_is_fixed(const gn_scene *scene, size_t wall, int axis);
 bool gn_scene_body_is_fixed(const gn_scene *scene, size_t body, int axis);
 bool gn_scene_set_is_fixed(const gn_scene *scene, size_t set, int axis);
 bool gn_scene_motion_is_fixed(const gn_scene *scene, size_t motion, int axis);
 
-/* Whether the ends of a shear test are free to come apart: across the sheared plane one of them is
- * neither held nor pressed by itself. Walls beside them are not looked at
- * (laboratory/check_ends.c does). */
+/* True if the ends of a shear test are free to separate: across the sheared plane one of them is
+ * neither held nor loaded itself. Walls beside them are not examined (laboratory/check_ends.c does
+ * that). */
 bool gn_scene_shear_ends_may_separate(const gn_scene *scene);
 
 /* True if a part of an end of a shear test is held or loaded across the sheared plane. */

@@ -275,7 +275,7 @@ static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
     return false;
 }
 
-/* What controls needs something that moves, and something to read. */
+/* Checks that a control has something that moves, and something to read. */
 static gneiss_status check_control(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!t->has_control) return GNEISS_OK;
@@ -324,7 +324,7 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
 /* As src/sweep/envelope.h asks for. */
 enum { LEAST_CONFINEMENTS = 3 };
 
-/* What is no pressure is told by whoever makes a run of it. */
+/* Reads a pressure; an invalid one is reported when a run with it is made. */
 static bool read_pressure(const check *c, const gn_node *item, double *pressure) {
     char reason[96];
     return item->kind == GN_NODE_SCALAR &&
@@ -341,7 +341,8 @@ static gneiss_status check_different(const check *c, const gn_node *list) {
     return GNEISS_OK;
 }
 
-/* What stands in it is read by whoever makes the runs; none of the scenes has it. */
+/* Checks the list and removes it from the scene; the values are read by the code that makes a run
+ * of each. */
 static gneiss_status check_confinements(const check *c, gn_scene *s) {
     const gn_node *list = s->test.confinement;
     s->test.has_confinement = false;

@@ -1,4 +1,4 @@
-/* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
+/* Readings of a laboratory from the curves of a test, and the reasons for absent ones. */
 #include "test_kinds/curves.h"
 
 #include "test_kinds/beginning.h"

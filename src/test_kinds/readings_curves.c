@@ -1,4 +1,5 @@
-/* What the readings of all tests look at: slopes, peaks, and why there is none. */
+/* Analysis of curves that the readings of all tests use: slopes, peaks, and the reasons for absent
+ * ones. */
 #include "test_kinds/curves.h"
 
 #include <math.h>
@@ -191,9 +192,9 @@ static double last_of(const gn_history *history, const char *name) {
     return column ? column[history->row_count - 1] : NAN;
 }
 
-/* Whether what is sheared slides by friction, over a third of the way of its ends or more: from
- * where the stress first comes within `fall` of its largest on, most of the work of the ends is
- * friction. */
+/* Tells whether the sheared specimen slides by friction over a third of the displacement of its
+ * ends or more: after the stress first comes within `fall` of its largest value, most of the work
+ * of the ends is friction. */
 static bool slides(const gn_curves *curves) {
     const double *friction = gn_history_column(curves->history, "energy_friction"),
                  *force = gn_history_column(curves->history, "force"),

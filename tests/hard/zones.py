@@ -76,9 +76,9 @@ def torn(folder):
 
 def tells_of_bonds(one):
     words = " ".join(warning["text"] for warning in one.summary["warnings"])
-    assert re.search(r"\d+ bonds broke in zones that particles and elements share", words), words
+    assert re.search(r"\d+ bonds broke in coupling zones", words), words
     # Breaks fall into steps near the limit; with a ninth of the step the residual is 6e-6.
-    return keeps_ledger(1e-2)(one) + "; " + re.search(r"\d+ bonds broke in zones", words).group(0)
+    return keeps_ledger(1e-2)(one) + "; " + re.search(r"\d+ bonds broke in coupling zones", words).group(0)
 
 
 CASES = [

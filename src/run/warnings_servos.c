@@ -1,10 +1,10 @@
-/* What a run has to say of servos that do not hold what they are to hold. */
+/* Warnings about servos that miss their targets. */
 #include "run/stages.h"
-#include "run/verdict.h"
+#include "run/warnings.h"
 
 #include <math.h>
 
-/* Mean over `count` rows, the last of them `last`, of what a servo found and was to hold. */
+/* Returns the means of force and target over `count` rows up to `last`. */
 static gn_servo_row mean_of(const gn_run *run, int wall, int axis, size_t last, size_t count) {
     gn_servo_row mean = {0};
     for (size_t r = last + 1 - count; r <= last; r++) {
@@ -16,17 +16,17 @@ static gn_servo_row mean_of(const gn_run *run, int wall, int axis, size_t last, 
     return mean;
 }
 
-/* What a servo is to hold and does not: off by so much of it, in more than this share of the stage
- * since it first held. */
+/* The largest relative error of a servo, and the largest share of the stage, since the target was
+ * first reached, in which the error may be larger. */
 static const double servo_limit = 0.1, share_limit = 0.1;
 
-/* Next to nothing is nothing, too. */
+/* A force without a target has no error. */
 static bool is_off(gn_servo_row row) {
     return row.wanted != 0.0 && fabs(row.found - row.wanted) > servo_limit * fabs(row.wanted);
 }
 
-/* Of the stage that is on: the mean of its last rows, which may never have been there, and the
- * share of means of so many rows that are off since the first that is not (0: there is none). */
+/* Returns the mean of the last rows of the present stage, and the share of means of as many rows
+ * that are off since the first that is not (0: there is none). */
 static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double *share) {
     const size_t rows = run->history.row_count,
                  begun = gn_run_staged(run)
@@ -46,7 +46,7 @@ static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double 
     return mean;
 }
 
-/* What one servo misses; at most so many are named. */
+/* At most this number of servos is named. */
 enum { SERVOS_NAMED = 2 };
 
 static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row mean, double share,
@@ -54,16 +54,15 @@ static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row 
     const char *name =
         axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.ctx.scene.walls[wall].name;
     const char *unit = axis >= 0 ? "Pa" : "N";
-    size_t used =
-        (size_t)snprintf(text, size,
-                         "%s '%.40s' has %.4g %s in the mean of the last rows and is to "
-                         "hold %.4g %s",
-                         axis >= 0 ? "side" : "wall", name, mean.found, unit, mean.wanted, unit);
+    size_t used = (size_t)snprintf(
+        text, size,
+        "%s '%.40s' has %.4g %s in the mean of the last rows, and its target is %.4g %s",
+        axis >= 0 ? "side" : "wall", name, mean.found, unit, mean.wanted, unit);
     if (share > share_limit && used < size)
-        used += (size_t)snprintf(text + used, size - used,
-                                 " (and was off by more than a tenth in %.0f %% of the %s since it "
-                                 "first held)",
-                                 100.0 * share, gn_run_staged(run) ? "stage" : "run");
+        used += (size_t)snprintf(
+            text + used, size - used,
+            " (and was off by more than a tenth in %.0f %% of the %s since it was first reached)",
+            100.0 * share, gn_run_staged(run) ? "stage" : "run");
     return used < size ? used : size - 1;
 }
 
@@ -90,8 +89,8 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
         at += (size_t)snprintf(to->text + at, sizeof to->text - at, "; and %zu more",
                                count - SERVOS_NAMED);
     snprintf(to->text + at, sizeof to->text - at, ": %s",
-             pulls ? "a wall presses only, and what it is to hold is a pull"
-                   : "there was too little time, or what it presses on gives way faster than the "
-                     "servo follows; a later end, a larger max_velocity, max_rate or relaxation, "
-                     "or a wall that is less stiff, lets it hold");
+             pulls ? "a wall can only push, and its target is a pull"
+                   : "there was too little time, or the loaded material yields faster than the "
+                     "servo follows; use a later end, a larger max_velocity, max_rate or "
+                     "relaxation, or a wall that is less stiff");
 }

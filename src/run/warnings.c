@@ -1,5 +1,5 @@
-/* What a run has to say against its own results: warnings, and a ledger that does not close. */
-#include "run/verdict.h"
+/* Warnings about the validity of results, and the check that the energy ledger closes. */
+#include "run/warnings.h"
 #include "base/point.h"
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
@@ -18,24 +18,24 @@ double gn_run_residual(const gn_run *run) {
     return w->ctx.effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->ledger.reading)) : NAN;
 }
 
-/* Not a number is beyond every limit. */
+/* NaN exceeds every limit. */
 static bool beyond(const gn_run *run, double limit) {
     return run->world.ctx.effects & GN_FX_ENERGY && run->history.row_count > 0 && limit > 0.0 &&
            !(gn_run_residual(run) <= limit);
 }
 
-/* The first contacts of a run begin between two steps, and until some steps have been taken in them
- * the residual is that of their onset. It counts when it stays. */
+/* The first contacts of a run begin between two steps, and for some steps the residual is that of
+ * their onset. It counts if it persists for this number of steps. */
 enum { STEPS_OF_ONSET = 100 };
 
 static gneiss_status fail(const gn_run *run, const char *since, gneiss_error *error) {
     const gn_world *w = &run->world;
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "step %lld, t = %g s: the energy ledger does not close: %.3g of the %.4g J that "
-                   "have gone through are unexplained (run.residual_limit: %g)%s; try a smaller "
-                   "time.safety",
-                   (long long)w->ctx.step, w->ctx.time, gn_energy_residual(&w->ledger.reading),
-                   gn_energy_scale(&w->ledger.reading), w->ctx.scene.residual_limit, since);
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: the energy ledger does not close: %.3g of the energy throughput of "
+        "%.4g J is unexplained (run.residual_limit: %g)%s; try a smaller time.safety",
+        (long long)w->ctx.step, w->ctx.time, gn_energy_residual(&w->ledger.reading),
+        gn_energy_scale(&w->ledger.reading), w->ctx.scene.residual_limit, since);
 }
 
 gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error) {
@@ -51,13 +51,13 @@ gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error) {
     return fail(run, since, error);
 }
 
-gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
+gneiss_status gn_run_check_final_ledger(const gn_run *run, gneiss_error *error) {
     if (!run->finished || !beyond(run, run->world.ctx.scene.residual_limit)) return GNEISS_OK;
     return fail(run, " at the end", error);
 }
 
-/* There is room for all that can be said (tests/test_coupling.py counts): else the last is written
- * over. */
+/* The list has room for all warnings (tests/test_coupling.py counts them); else the last one is
+ * overwritten. */
 gn_warning *gn_warnings_add(gn_warnings *list, const char *name) {
     if (list->count == GN_WARNINGS_MAX) list->count--;
     gn_warning *to = &list->warning[list->count++];
@@ -73,15 +73,14 @@ static void warn_of_residual(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!beyond(run, w->ctx.scene.residual_warning)) return;
     gn_warning *to = add(list, "energy_residual");
-    snprintf(
-        to->text, sizeof to->text,
-        "%.3g of the %.4g J that have gone through are unexplained (run.residual_warning: %g); "
-        "a smaller time.safety tells whether the step is to blame",
-        gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
-        w->ctx.scene.residual_warning);
+    snprintf(to->text, sizeof to->text,
+             "%.3g of the energy throughput of %.4g J is unexplained (run.residual_warning: %g); a "
+             "smaller time.safety shows whether the step is the cause",
+             gn_energy_residual(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
+             w->ctx.scene.residual_warning);
 }
 
-/* Where the step was lowered while something vibrated near the limit. */
+/* Warns of energy from a step that was lowered while the model vibrated near the limit. */
 static void warn_of_change(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_energy *e = &w->ledger.reading;
@@ -90,17 +89,15 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
     if (!(fabs(e->step_change) > limit * gn_energy_scale(e))) return;
     gn_warning *to = add(list, "energy_step_change");
     snprintf(to->text, sizeof to->text,
-             "%.3g of the %.4g J that have gone through came from lowering the step while the "
-             "model vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
-             "time.safety from the start on, or less added mass, avoids it",
+             "%.3g of the energy throughput of %.4g J came from lowering the step while the model "
+             "vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
+             "time.safety from the start on, or less added mass, avoids this",
              e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
 }
 
-/* A loss below 0 is a gain: where something swings through a large part of its motion in a step,
- * what breaks in it keeps the velocity of half a step before, when it still had some
- * (docs/physics.md). Whether at the end or in a row before: the ledger closes all the same, so that
- * nothing else tells.
- */
+/* A negative loss is a gain: if a vibration passes through a large part of its motion in one step,
+ * a bond that breaks keeps the velocity of half a step before (docs/physics.md). The ledger closes
+ * in spite of it, at the end and in earlier rows, so that no other warning shows it. */
 static void warn_of_gain(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     double limit = w->ctx.scene.residual_warning, least = 0.0;
@@ -123,9 +120,9 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
     if (!(-least > limit * gn_energy_scale(&w->ledger.reading))) return;
     gn_warning *to = add(list, "energy_gain");
     snprintf(to->text, sizeof to->text,
-             "%s was at %.3g of the %.4g J that have gone through, less than nothing: the step is "
-             "too long for what vibrated when it happened, and made energy (run.residual_warning: "
-             "%g); a smaller time.safety, 0.5 or less, avoids it",
+             "the loss by %s was negative, %.3g of the energy throughput of %.4g J: the step is "
+             "too long for the vibrations at that time, which generated energy "
+             "(run.residual_warning: %g); a smaller time.safety, 0.5 or less, avoids this",
              name, least / gn_energy_scale(&w->ledger.reading), gn_energy_scale(&w->ledger.reading),
              limit);
 }
@@ -142,12 +139,13 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
     if (!(widened > 0.0)) return;
     gn_warning *to = add(list, "neighbours_skin");
     snprintf(to->text, sizeof to->text,
-             "neighbours.skin of %g m is less than what touches may come apart by in one step: "
-             "lists were made with up to %.3g m",
+             "neighbours.skin of %g m is less than the distance by which a contact may open in one "
+             "step: lists were made with up to %.3g m",
              run->world.ctx.scene.skin, widened);
 }
 
-/* Softening over a length that the bond's own spring exceeds would have to go back. */
+/* Warns of bonds that would have to soften over less than the length of their own spring
+ * (snap-back). */
 static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     const gn_contacts *b = &run->world.dem.bonds;
     if (run->world.ctx.scene.softening == GN_SOFTENING_NONE) return;
@@ -161,7 +159,7 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, (long long)run->world.dem.bonds_at_start);
 }
 
-/* Tells whether every material says that its bonds soften in shear. */
+/* Tells whether every material specifies that its bonds soften in shear. */
 static bool softens_in_shear(const gn_scene *s) {
     if (s->softening == GN_SOFTENING_RATIO) return true;
     for (size_t k = 0; k < s->material_count; k++) {
@@ -179,12 +177,11 @@ static void warn_of_shear(const gn_run *run, gn_warnings *list) {
     if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
     size_t count = gn_softening_brittle_in_shear(b);
     if (!count) return;
-    const char *cure =
-        s->softening == GN_SOFTENING_STRAIN
-            ? "a larger shear_fracture_strain lets them soften in shear, with none they are "
-              "brittle as said"
-            : "with shear_fracture_energy: auto they soften in shear as in tension, with none they "
-              "are brittle as said";
+    const char *cure = s->softening == GN_SOFTENING_STRAIN
+                           ? "a larger shear_fracture_strain lets them soften in shear; without "
+                             "one they are brittle by choice"
+                           : "with shear_fracture_energy: auto they soften in shear as in tension; "
+                             "without one they are brittle by choice";
     gn_warning *to = add(list, "bonds_brittle_in_shear");
     snprintf(to->text, sizeof to->text,
              "%zu of %lld bonds hold more elastic energy at their shear strength than they may "
@@ -200,12 +197,12 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
         return;
     gn_warning *to = add(list, "mass_scaling");
     snprintf(to->text, sizeof to->text,
-             "time.mass_scaling asks for a step of %.6g s; with more mass the step was %.6g s at "
-             "the start, %.6g s without: what limits it does not grow with the masses",
+             "time.mass_scaling requests a step of %.6g s; the step at the start was %.6g s with "
+             "added mass and %.6g s without: its limit does not grow with the masses",
              s->step, s->reached, s->unscaled);
 }
 
-/* Keys that change nothing, as the reader of the scene found them. */
+/* Warns of keys without effect, as recorded by the reader of the scene. */
 static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
     const gn_scene_notes *notes = &run->world.ctx.given.notes;
     size_t used = 0;
@@ -220,25 +217,26 @@ static void warn_of_idle_keys(const gn_run *run, gn_warnings *list) {
     }
 }
 
-/* An automatic step is known only once there is a specimen; a given one has to be below the end. */
+/* Warns of a run without steps. An automatic step is known only once there is a specimen; a given
+ * one must be below the end. */
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->ctx.step > 0 || w->outcome.halt[0]) return;
     gn_warning *to = add(list, "no_steps");
     if (w->ctx.time <
-        w->ctx.scene.end - 0.5 * w->ctx.dt) { /* not time.end: stages that take none */
+        w->ctx.scene.end - 0.5 * w->ctx.dt) { /* before time.end: stages without steps */
         snprintf(to->text, sizeof to->text,
-                 "every stage ended by steps or time of 0: no step was taken, and nothing has "
-                 "happened");
+                 "every stage ended by steps or time of 0: no step was taken, and the results are "
+                 "those of the start");
         return;
     }
     snprintf(to->text, sizeof to->text,
-             "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
-             "has happened",
+             "time.end (%g s) is less than half a step of %.4g s: no step was taken, and the "
+             "results are those of the start",
              w->ctx.scene.end, w->ctx.dt);
 }
 
-/* The model itself ended the run (conversion/conversion.c). */
+/* Warns that the model ended the run itself (conversion/conversion.c). */
 static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !w->outcome.halt[0]) return;
@@ -246,58 +244,59 @@ static void warn_of_halt(const gn_run *run, gn_warnings *list) {
     gn_warning *to = add(list, "conversion_halted");
     int told =
         snprintf(to->text, sizeof to->text,
-                 "the run ended at %.4g s of %.4g s, and what comes after is not known: %s; ",
+                 "the run ended at %.4g s of %.4g s, and the further behaviour is not known: %s; ",
                  w->ctx.time, w->ctx.scene.end, w->outcome.halt);
     if (box)
-        snprintf(to->text + told, sizeof to->text - (size_t)told,
-                 "couple.convert.box and the packing in it have to reach farther on that side than "
-                 "what converts by the width of the zone, %g m (couple.convert.width), or more",
-                 w->ctx.scene.couple.convert.width);
-    else if (gn_conversion_was_thin(&w->outcome))
         snprintf(
             to->text + told, sizeof to->text - (size_t)told,
-            "the zone has to be wider than %g m (couple.convert.width), three elements and six "
-            "particles, or elements larger there",
+            "couple.convert.box and the packing in it must extend beyond the converted elements on "
+            "that side by the width of the zone, %g m (couple.convert.width), or more",
             w->ctx.scene.couple.convert.width);
+    else if (gn_conversion_was_thin(&w->outcome))
+        snprintf(to->text + told, sizeof to->text - (size_t)told,
+                 "the zone must be wider than %g m (couple.convert.width), three elements and six "
+                 "particles, or the elements larger there",
+                 w->ctx.scene.couple.convert.width);
     else if (gn_conversion_met_watched(&w->outcome))
         snprintf(to->text + told, sizeof to->text - (size_t)told,
-                 "sets of particles, which may sleep, can watch there instead (sets: select "
+                 "sets of particles, which may be dormant, can record there instead (sets: select "
                  "without motion)%s",
-                 gn_conversion_left_bare(&w->outcome) ? ", or elements be no smaller than particles"
-                                                      : "");
+                 gn_conversion_left_bare(&w->outcome)
+                     ? ", or elements must be no smaller than particles"
+                     : "");
     else
         snprintf(to->text + told, sizeof to->text - (size_t)told,
-                 "what is driven or loaded has to be farther from what converts, or "
+                 "driven or loaded elements must be farther from the converted ones, or "
                  "couple.convert.stress or .mohr_coulomb higher there%s",
                  gn_conversion_left_bare(&w->outcome)
-                     ? ", or elements there no smaller than particles"
+                     ? ", or elements there must be no smaller than particles"
                      : "");
 }
 
-/* A condition that was not met in time. */
+/* Warns of a condition that was not fulfilled in time. */
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !gn_run_stages_left(run)) return;
     gn_warning *to = add(list, "stages_left");
     snprintf(to->text, sizeof to->text,
-             "time.end (%g s) came while the run was in stage '%s' (%zu of %zu), whose end had not "
-             "come: a later time.end, or another condition under its end",
+             "time.end (%g s) was reached in stage '%s' (%zu of %zu), before its end condition: "
+             "use a later time.end, or another condition under its end",
              w->ctx.scene.end, w->ctx.scene.stages[w->stages.now].name, w->stages.now + 1,
              w->ctx.scene.stage_count);
 }
 
-/* Inertia of added mass is small where little is added, whatever the reading. */
+/* Warns of much added mass. The inertia of a little added mass is small for every reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
     if (!(run->world.ctx.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
     gn_warning *to = add(list, "added_mass");
     snprintf(to->text, sizeof to->text,
-             "time.mass_scaling added %.3g times the particles' own mass: nothing like it was "
-             "measured, and readings may be those of waves",
+             "time.mass_scaling added %.3g times the particles' own mass: its effect was not "
+             "measured to that extent, and waves may dominate the readings",
              d->scaling.added / d->mass);
 }
 
-/* A hundredth of the time, or one particle, is no delay. */
+/* Warns of sources behind their rate; a hundredth of the time, or one particle, is no delay. */
 static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
@@ -310,8 +309,8 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
         if (s->full == 0.0) {
             snprintf(to->text, sizeof to->text,
                      "source '%s' is %.4g s behind its rate at the end: %.0f particles, %.4g kg "
-                     "came in; particles come when lists are made, up to 50 steps late, and what "
-                     "was due since then did not come any more: a longer run%s lets them in",
+                     "were inserted; particles are inserted when lists are made, up to 50 steps "
+                     "late, and those due since then were not: a longer run%s inserts them",
                      d->name, behind, s->number, s->mass,
                      d->end > 0.0 && d->end < w->ctx.scene.end
                          ? ""
@@ -319,13 +318,13 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
             return;
         }
         snprintf(to->text, sizeof to->text,
-                 "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
-                 "particles, %.4g kg came in; %s%s%s",
+                 "source '%s' found no space %.0f times and is %.4g s behind its rate: %.0f "
+                 "particles, %.4g kg were inserted; %s%s%s",
                  d->name, s->full, behind, s->number, s->mass, wall ? "wall '" : "",
                  wall ? wall : "",
-                 wall            ? "' has all of its region behind it"
-                 : s->number > 0 ? "a larger region or a faster velocity makes room"
-                                 : "walls, bodies or particles are all over its region");
+                 wall            ? "' has the whole region of the source behind it"
+                 : s->number > 0 ? "a larger region or a faster velocity gives more space"
+                                 : "walls, bodies or particles fill its region");
         return;
     }
 }
@@ -347,17 +346,18 @@ static void warn_of_passing(const gn_run *run, gn_warnings *list,
              why);
 }
 
-/* Bodies that walls and others are near to, and could meet but for their shape or stiffness. */
+/* Warns of bodies near walls and other bodies with which they have no contact because of their
+ * shape or stiffness. */
 static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
     warn_of_passing(run, list, gn_body_passes_bodies, "bodies_pass",
-                    "other bodies: a surface that is not closed and convex meets particles and "
-                    "walls only");
+                    "other bodies: a surface that is not closed and convex has contact with "
+                    "particles and walls only");
     warn_of_passing(run, list, gn_body_lacks_stiffness, "bodies_without_stiffness",
-                    "walls or other bodies: by Hertz's law those are rigid, and a free body meets "
-                    "them by its own stiffness, kratio and friction only");
+                    "walls or other bodies: by Hertz's law those are rigid, and a free body has "
+                    "contact with them only by a stiffness, kratio and friction of its own");
 }
 
-/* What the springs of bodies cannot hold. */
+/* Warns of contacts of bodies beyond the range of their springs. */
 static void warn_of_depth(const gn_run *run, gn_warnings *list) {
     const gn_body_pairs *p = &run->world.boundary.pairs;
     const gn_body_def *body = run->world.ctx.scene.bodies;
@@ -373,12 +373,12 @@ static void warn_of_depth(const gn_run *run, gn_warnings *list) {
     gn_warning *to = add(list, "bodies_too_deep");
     snprintf(to->text, sizeof to->text,
              "bodies '%.60s' and '%.60s' overlapped by %.3g of the thickness of the thinner one: "
-             "from half of it on they may come out at the other side; more stiffness holds them",
+             "from half of it on they may emerge on the other side; more stiffness prevents this",
              body[(size_t)p->deepest.first].name, body[(size_t)p->deepest.second].name,
              p->deepest.value);
 }
 
-/* What the springs of particles cannot hold. */
+/* Warns of contacts of particles beyond the range of their springs. */
 static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
     const gn_depth *d = &run->world.dem.depth;
     char who[160];
@@ -386,7 +386,7 @@ static void warn_of_overlap(const gn_run *run, gn_warnings *list) {
     gn_warning *to = add(list, "contacts_too_deep");
     snprintf(to->text, sizeof to->text,
              "%s overlapped by %.3g m, %.3g of the smaller radius, at t = %.4g s: beyond %g of it "
-             "no law of contacts holds, and what is deeper than a radius comes out at the other "
+             "no contact law is valid, and a particle deeper than a radius emerges on the other "
              "side; more stiffness, or less load or speed, keeps overlaps small",
              gn_depth_text(&run->world.ctx, &run->world.dem, who, sizeof who), d->overlap, d->share,
              d->time, d->share / d->excess);
@@ -416,7 +416,7 @@ static void warn_of_ends(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
-/* Of stages the last one is read. */
+/* Warns of a shear test without normal stress. With stages, the last one is checked. */
 static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     char text[GNEISS_MESSAGE_SIZE];
@@ -426,8 +426,8 @@ static void warn_of_normal(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
-/* A factor that goes from one of its bounds to the other and back is no control; one that goes back
- * beyond where the ends began unloads what is not there. */
+/* A factor that alternates between its bounds is no control; one that reverses beyond the initial
+ * position of the ends unloads without a load. */
 enum { SWINGS = 10 };
 
 static void warn_of_control(const gn_run *run, gn_warnings *list) {
@@ -443,13 +443,13 @@ static void warn_of_control(const gn_run *run, gn_warnings *list) {
     }
     if (swings < SWINGS && !beyond_start) return;
     gn_warning *to = add(list, "control");
-    snprintf(
-        to->text, sizeof to->text,
-        "%s: test.control.response of %g s is too short for the specimen (several crossings by "
-        "waves, times the prescribed speed over the rate)",
-        beyond_start ? "the ends went back beyond where they began"
-                     : "the motion of the ends swung from forwards to backwards again and again",
-        c->response);
+    snprintf(to->text, sizeof to->text,
+             "%s: test.control.response of %g s is too short for the specimen (it must be several "
+             "times the time that a wave needs to cross the specimen, times the prescribed speed "
+             "over the rate)",
+             beyond_start ? "the ends moved back beyond their initial position"
+                          : "the motion of the ends alternated between forwards and backwards",
+             c->response);
 }
 
 static double first_row(const gn_run *run, const char *column) {
@@ -467,8 +467,8 @@ static double first_force(const gn_run *run, const char *kind, const char *name)
     return sqrt(gn_dot3(force, force));
 }
 
-/* J, in contacts of particles with walls, bodies and elements in the first row; ends of a test have
- * the part of it that their forces are of all. */
+/* Returns the energy (J) in contacts of particles with walls, bodies and elements in the first row,
+ * without the share of the ends of a test, which is estimated as their share of all forces. */
 static double stored_outside(const gn_run *run) {
     const gn_scene *s = &run->world.ctx.scene;
     double ends = 0.0, others = 0.0;
@@ -481,12 +481,12 @@ static double stored_outside(const gn_run *run) {
     return first_row(run, "energy_elastic_wall") * (ends > 0.0 ? others / (ends + others) : 1.0);
 }
 
-/* Particles at rest that overlap under stress, and whose contacts do not balance each other, spring
- * apart in the first steps. A specimen that another run brought to rest under load is in balance;
- * less than a thousandth of what goes through later does no harm. What ends press at the start is
- * said elsewhere (initial_stress). Where walls and bodies hold more than the specimen, contacts in
- * it do not balance them; they touch N^((d - 1)/d) of N particles, over which the ratio is a mean.
- */
+/* Warns of particles at rest that overlap under stress, with contacts that are not in balance: they
+ * spring apart in the first steps. A specimen that another run brought to rest under load is in
+ * balance, and less than a thousandth of the later energy throughput is harmless. The initial load
+ * of the ends has a warning of its own (initial_stress). If walls and bodies store more than the
+ * specimen, contacts inside do not balance them; they touch N^((d - 1)/d) of N particles, over
+ * which the ratio is a mean. */
 static void warn_of_burst(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const double balanced = 0.1, share = 1e-3,
@@ -505,20 +505,19 @@ static void warn_of_burst(const gn_run *run, gn_warnings *list) {
     gn_warning *to = add(list, "stressed_at_start");
     if (pressed)
         snprintf(to->text, sizeof to->text,
-                 "particles at rest held %.3g J at the start, %.3g J of it in contacts with walls, "
-                 "bodies or elements that begin inside particles and are not in balance "
+                 "particles at rest stored %.3g J at the start, %.3g J of it in contacts with "
+                 "walls, bodies or elements that start inside particles and are not in balance "
                  "(unbalanced force ratio %.3g): they push particles away, and may break bonds. A "
-                 "place farther out, or passive: true of walls, avoids it",
+                 "position farther out, or passive: true of walls, avoids this",
                  stored, outside, ratio);
     else
-        snprintf(
-            to->text, sizeof to->text,
-            "particles at rest held %.3g J at the start in contacts that are not in balance "
-            "(unbalanced force ratio %.3g): overlaps there are a load that pushes them apart, and "
-            "may break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
-            "packing as free of stress; else a packing without overlaps, or a run that comes to "
-            "rest first (specimen.from)",
-            stored, ratio);
+        snprintf(to->text, sizeof to->text,
+                 "particles at rest stored %.3g J at the start in contacts that are not in balance "
+                 "(unbalanced force ratio %.3g): overlaps there push particles apart, and may "
+                 "break bonds. bonds.passive_gaps (the default of bonds) takes overlaps of a "
+                 "packing as free of stress; otherwise use a packing without overlaps, or the end "
+                 "of a run that came to rest (specimen.from)",
+                 stored, ratio);
 }
 
 static void warn_of_sinks(const gn_run *run, gn_warnings *list) {

@@ -1,5 +1,5 @@
-/* What a run under a membrane has to say against its own results. */
-#include "run/verdict.h"
+/* Warnings about a membrane. */
+#include "run/warnings.h"
 
 #include <math.h>
 
@@ -10,21 +10,21 @@ static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
     if (w->ctx.scene.membrane.ramp - past <= w->ctx.dt) return;
     gn_warning *to = gn_warnings_add(list, "membrane_ramp");
     snprintf(to->text, sizeof to->text,
-             "the pressure had come to %.4g Pa, %.3g of what it is to be, when the run ended after "
-             "%.4g s: membrane.ramp is %.4g s",
+             "the pressure had reached %.4g Pa, %.3g of its target, when the run ended after %.4g "
+             "s: membrane.ramp is %.4g s",
              w->dem.membrane->pressure, past / w->ctx.scene.membrane.ramp, past,
              w->ctx.scene.membrane.ramp);
 }
 
-/* What patches would have taken on without a bound of their stretch. */
+/* Warns of patches with a bounded stretch. */
 static void warn_of_stretch(const gn_run *run, gn_warnings *list) {
     const double unlike = run->world.dem.membrane->unlike;
     if (!(unlike > 0.0)) return;
     gn_warning *to = gn_warnings_add(list, "membrane_stretch");
     snprintf(to->text, sizeof to->text,
-             "on up to %.3g of the area of the membrane the particles around had moved so that it "
-             "would have been stretched three times more or less than as a whole; there it was "
-             "taken to have moved as a whole, and the pressure is not held",
+             "on up to %.3g of the area of the membrane the particles have moved such that it "
+             "would be stretched three times more or less than the whole; it was moved with the "
+             "whole there, and the pressure is not at its target",
              unlike);
 }
 
@@ -33,8 +33,8 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
     return values ? values[row] : 0.0;
 }
 
-/* The last row with the full pressure and bonds of which none has broken; SIZE_MAX: there is none.
- */
+/* Returns the last row with the full pressure and intact bonds, none of them broken so far;
+ * SIZE_MAX: there is none. */
 static size_t row_of_pressure(const gn_run *run) {
     const double *pressure = gn_history_column(&run->history, "membrane_pressure");
     double most = 0.0;
@@ -54,8 +54,8 @@ static bool pushed_otherwise(const gn_scene *s) {
     return false;
 }
 
-/* A specimen that holds takes up as energy what the membrane does, or half of it if the pressure
- * comes at once; what grains do that roll under it goes into background damping. */
+/* An intact specimen stores the work of the membrane, or half of it if the pressure is applied at
+ * once; the work on grains that roll under the membrane is lost to background damping. */
 static void warn_of_work(const gn_run *run, gn_warnings *list) {
     static const char *const takes_up[] = {
         "energy_elastic_normal", "energy_elastic_shear", "energy_elastic_bending",
@@ -72,9 +72,9 @@ static void warn_of_work(const gn_run *run, gn_warnings *list) {
     if (!(work > most * held)) return;
     gn_warning *to = gn_warnings_add(list, "membrane_work");
     snprintf(to->text, sizeof to->text,
-             "the membrane has done %.3g J of work on a specimen whole and under its pressure, of "
-             "which %.3g J are there or went into its contacts: the rest was done on grains that "
-             "roll or fly under it, and what lies on them is not pressed as it should be",
+             "the membrane has done %.3g J of work on an intact specimen at its pressure, of which "
+             "%.3g J are stored or were dissipated in contacts: the rest was done on grains that "
+             "roll or fly below the membrane, and the pressure on them is wrong",
              work, held);
 }
 

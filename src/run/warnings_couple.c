@@ -1,7 +1,7 @@
-/* What a run of particles and elements as one body has to say against its own results. */
+/* Warnings about the coupling of particles and elements. */
 #include "base/point.h"
 #include "conversion/conversion.h"
-#include "run/verdict.h"
+#include "run/warnings.h"
 #include "solids/element_walls.h"
 #include "zones/zones.h"
 
@@ -13,8 +13,8 @@ static void warn_of_lost(const gn_run *run, gn_warnings *list) {
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_lost");
     snprintf(to->text, sizeof to->text,
-             "%zu particles left zones that they share with elements, which are no more than their "
-             "part of the body there",
+             "%zu particles left coupling zones; the elements there still represent only their "
+             "share of the material",
              count);
 }
 
@@ -23,12 +23,12 @@ static void warn_of_zones(const gn_run *run, gn_warnings *list) {
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_broken");
     snprintf(to->text, sizeof to->text,
-             "%zu bonds broke in zones that particles and elements share, where elements hold on: "
-             "the zone has to be farther away from where it cracks",
+             "%zu bonds broke in coupling zones, where elements remain intact: the zone must be "
+             "farther away from the crack",
              count);
 }
 
-/* As they are at the end of what has run. */
+/* Warns of elements behind walls at the end of the run. */
 static void warn_of_walls(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     size_t count = 0;
@@ -38,9 +38,9 @@ static void warn_of_walls(const gn_run *run, gn_warnings *list) {
         if (!passed.behind || count++) continue;
         to = gn_warnings_add(list, "elements_pass_walls");
         snprintf(to->text, sizeof to->text,
-                 "%zu nodes of elements are behind wall '%.60s', at most by %.3g m: elements and "
-                 "walls have no contact with each other and pass through; what is to hold or press "
-                 "elements has to be a motion or a load of theirs",
+                 "%zu nodes of elements are behind wall '%.60s', by at most %.3g m: elements and "
+                 "walls have no contact with each other; support or load elements by a motion or a "
+                 "load of their own",
                  passed.behind, w->ctx.scene.walls[k].name, passed.deepest);
     }
     const size_t used = to ? strlen(to->text) : 0;
@@ -56,12 +56,11 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
         gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
         if (!gn_zone_is_off(&f)) continue;
         gn_warning *to = gn_warnings_add(list, "zones_masses");
-        snprintf(
-            to->text, sizeof to->text,
-            "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
-            "they have to fill the zone from side to side, with the elements' density "
-            "(density_basis bulk)",
-            k, f.mass);
+        snprintf(to->text, sizeof to->text,
+                 "the particles of couple.zones[%zu] have %.2f times the mass that the elements "
+                 "leave them: they must fill the zone from side to side, with the elements' "
+                 "density (density_basis bulk)",
+                 k, f.mass);
         return;
     }
 }
@@ -75,7 +74,8 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
         gn_warning *to = gn_warnings_add(list, "zones_beyond");
         snprintf(to->text, sizeof to->text,
                  "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
-                 "`to`, where elements carry all: `to` has to go through their outermost centres",
+                 "`to`, where elements carry the whole load: the plane must pass through the "
+                 "outermost centres",
                  f.beyond, f.particles, k);
         return;
     }
@@ -90,35 +90,36 @@ static void warn_of_packing(const gn_run *run, gn_warnings *list) {
     if (space) snprintf(last, sizeof last, ", %.4g", d->tension[2]);
     snprintf(to->text, sizeof to->text,
              "the packing has a modulus of %.4g Pa (confined; along the axes with free sides %.4g, "
-             "%.4g%s Pa) and a density of %.4g kg/m3, of an affine strain; elements that convert "
-             "to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: what converts is not the body that it "
-             "was; calibrate the particles to the elements' E and nu",
+             "%.4g%s Pa) and a density of %.4g kg/m3, under an affine strain; elements that "
+             "convert to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: conversion changes the "
+             "material; calibrate the particles to the elements' E and nu",
              d->modulus[0], d->tension[0], d->tension[1], last, d->density[0], d->modulus[1],
              d->tension[3], d->density[1]);
 }
 
-/* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
- * the ledger has it, and closes. */
+/* The largest share of the energy throughput that conversions may generate. The difference between
+ * the strain energy of elements and the energy of the springs that replace them is a loss or a
+ * gain, which the ledger contains. */
 static const double made_most = 0.03;
 
-/* What made most of it. */
+/* Writes the largest contribution to the gain. */
 static void say_what_made(const gn_conversion_parts *p, char *text, size_t size) {
     const double parts[] = {p->stiffness, p->sampled, p->uneven, p->motion, p->step};
     const char *const why[] = {
-        "", "volume: particles stand for more than the elements that they replace (a thin zone)",
-        "strains that are not even over a bond, or contacts that had slid or broken",
-        "motion, by masses and velocities that are others than before",
-        "the step: half a one of the powers of springs (a smaller time.safety)"};
+        "", "volume: particles represent more than the elements that they replace (a thin zone)",
+        "strains that vary along a bond, or contacts that had slid or broken",
+        "motion: masses and velocities differ from those before",
+        "the step: the power of springs over half a step (a smaller time.safety)"};
     size_t worst = 0;
     for (size_t k = 1; k < sizeof parts / sizeof *parts; k++)
         if (parts[k] < parts[worst]) worst = k;
     if (worst > 0)
-        snprintf(text, size, "%.3g J of it by %s", -parts[worst], why[worst]);
+        snprintf(text, size, "%.3g J of it due to %s", -parts[worst], why[worst]);
     else
         snprintf(text, size,
-                 "%.3g J of it by stiffness: the particles held %.3g times as much in the same "
-                 "strain as the elements (calibrate their E and nu to those; small packings differ "
-                 "from place to place and axis to axis)",
+                 "%.3g J of it due to stiffness: the particles stored %.3g times as much at the "
+                 "same strain as the elements (calibrate their E and nu to those; small packings "
+                 "vary between places and axes)",
                  -parts[0], p->alike[1] / p->alike[0]);
 }
 
@@ -129,13 +130,14 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     gn_warning *to = gn_warnings_add(list, "energy_conversion");
     char what[320];
     say_what_made(&run->world.zones.state.parts, what, sizeof what);
-    snprintf(to->text, sizeof to->text,
-             "elements that turned into particles made %.3g of the %.4g J that have gone through: "
-             "%s",
-             made / gn_energy_scale(e), gn_energy_scale(e), what);
+    snprintf(
+        to->text, sizeof to->text,
+        "conversion of elements to particles generated %.3g of the energy throughput of %.4g J: %s",
+        made / gn_energy_scale(e), gn_energy_scale(e), what);
 }
 
-/* Of the most angular momentum that the body had, or m v r of its vibration (gn_tally_turns). */
+/* The largest change, relative to the largest angular momentum of the body or to m v r of its
+ * vibration (gn_tally_turns). */
 static const double turned_most = 0.01;
 
 static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
@@ -143,11 +145,11 @@ static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
     if (!(c->most > turned_most * c->scale)) return;
     gn_warning *to = gn_warnings_add(list, "conversion_missed");
     snprintf(to->text, sizeof to->text,
-             "elements that turned into particles changed the body's angular momentum by up to "
-             "%.3g kg m2/s in all, %.2g %% of the most that it had (or of m v r of how it "
-             "vibrates), its moment of inertia by %.2g %% and the place of its centre of mass by "
-             "%.2g m: zones could not keep them; zones of more elements (couple.convert.width), "
-             "and elements of two diameters of particles and more, keep more",
+             "conversion of elements to particles changed the body's angular momentum by up to "
+             "%.3g kg m2/s in total, %.2g %% of its largest value (or of m v r of its vibration), "
+             "its moment of inertia by %.2g %% and the position of its centre of mass by %.2g m, "
+             "which the zones could not correct; zones of more elements (couple.convert.width), "
+             "and elements of two particle diameters and more, reduce this",
              c->most, 100.0 * c->most / c->scale, 100.0 * c->inertia,
              sqrt(gn_dot3(c->centre, c->centre)));
 }
@@ -156,10 +158,10 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     const gn_relaxations *r = &w->zones.state.relaxed;
     const char *const why[] = {
-        "bonds would have broken, whose ends stay where they are (lower limits convert sooner)",
-        "nothing held some particles, which stay where they are",
+        "bonds would have broken, so their ends were not moved (lower limits convert sooner)",
+        "some particles had no support and were not moved",
         "couple.convert.relax_iterations were used up",
-        "contacts close and open on the way, and nothing brings the energy farther down"};
+        "contacts close and open, and no step reduces the energy further"};
     const double times[] = {r->broke, r->loose, r->tired,
                             r->missed - r->broke - r->loose - r->tired};
     if (!(r->missed > 0.0)) return;
@@ -174,7 +176,8 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
                              times[k], why[k]);
 }
 
-/* Where the model ended the run it has said why. */
+/* Warns of a run without conversions, unless the model ended the run, which has a warning of its
+ * own. */
 static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_world *w = &run->world;
     char at[GN_POINT_SIZE];
@@ -192,7 +195,7 @@ static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_e
              "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
              100.0 * n.share, where,
              n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
-                           : "no look came after that (couple.convert.every)");
+                           : "no check followed (couple.convert.every)");
     return GNEISS_OK;
 }
 
