@@ -1,5 +1,6 @@
 /* Convex rigid bodies that meet each other. */
 #include "body_helpers.h"
+#include "parts.h"
 #include "run_helpers.h"
 
 #include "boundary/bodies.h"
@@ -475,13 +476,12 @@ static void blocks_come_to_rest_on_each_other(void **state) {
     free(lines);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    (void)argv;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cubes_rebound_with_the_restitution),
         cmocka_unit_test(momentum_and_energy_stay_in_random_collisions),
         cmocka_unit_test(the_ledger_closes_with_friction_and_dashpots),
-        cmocka_unit_test(a_stack_of_cubes_stays),
-        cmocka_unit_test(blocks_with_sides_in_line_stay),
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
         cmocka_unit_test(bodies_that_pass_through_bodies_are_known),
@@ -489,5 +489,9 @@ int main(void) {
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
         cmocka_unit_test(blocks_come_to_rest_on_each_other),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(a_stack_of_cubes_stays),
+        cmocka_unit_test(blocks_with_sides_in_line_stay),
+    };
+    return run_part(argc, tests, long_tests);
 }

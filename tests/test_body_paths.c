@@ -1,5 +1,6 @@
 /* How far bodies go in an automatic step, and how free ones turn in it. */
 #include "body_helpers.h"
+#include "parts.h"
 
 #include "run/run.h"
 
@@ -264,15 +265,18 @@ static void spins_beyond_light_are_refused(void **state) {
     world_end(w);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    (void)argv;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
         cmocka_unit_test(a_fast_gate_keeps_the_ledger),
         cmocka_unit_test(a_long_fall_is_exact),
         cmocka_unit_test(a_resumed_run_lowers_its_step_alike),
         cmocka_unit_test(a_body_alone_has_a_step),
-        cmocka_unit_test(ten_turns_are_right_at_any_step),
         cmocka_unit_test(spins_beyond_light_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(ten_turns_are_right_at_any_step),
+    };
+    return run_part(argc, tests, long_tests);
 }

@@ -4,6 +4,7 @@
 #include "limit/springs.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
+#include "parts.h"
 #include "particles/sets.h"
 #include "run/warnings.h"
 #include "run_helpers.h"
@@ -929,7 +930,8 @@ static void conversion_packings_under_stress_are_refused(void **state) {
     free(t);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    (void)argv;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_block_that_moves_and_turns_becomes_particles_that_do),
         cmocka_unit_test(a_block_at_rest_becomes_particles_at_rest),
@@ -937,7 +939,6 @@ int main(void) {
         cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
-        cmocka_unit_test(small_elements_keep_mass_and_momentum),
         cmocka_unit_test(conversion_creates_no_spurious_velocities),
         cmocka_unit_test(two_converting_places_that_join_leave_no_element_between_them),
         cmocka_unit_test(the_bound_of_the_remaining_elements_is_that_of_all_elements),
@@ -961,5 +962,8 @@ int main(void) {
         cmocka_unit_test(invalid_conversions_are_refused),
         cmocka_unit_test(conversion_packings_under_stress_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(small_elements_keep_mass_and_momentum),
+    };
+    return run_part(argc, tests, long_tests);
 }

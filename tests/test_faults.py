@@ -199,7 +199,7 @@ CONVERTING = ("run", os.path.join(SCENES, "../../scenes/bending-adaptive.yaml"),
 def allocations_of_measured_steps_of_zones_may_fail(folder):
     # Between the set-up and the files of the end: the mean stress of zones among them. A few are not needed: there is another way.
     out, codes = os.path.join(folder, "out"), {}
-    for number in range(1000, allocations(out, *CONVERTING) - 250, 7):
+    for number in range(1000, allocations(out, *CONVERTING) - 250, 23):
         shutil.rmtree(out)
         os.mkdir(out)
         done = faulty(*CONVERTING, "--out", out, "--quiet", "--threads", 1, alloc=number)

@@ -268,7 +268,7 @@ def packed(kind, **more):
             "output": {"history_rows": 2000, "snapshots": 0, "checkpoint": "off"}, "run": {"threads": 1}, **more}
 
 
-@fact
+@plain_fact
 def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
     for kind, more in (("compression", {}), ("triaxial", {"membrane": {"pressure": [[0, 0], [1e-4, 5e5]]}}),
                        ("biaxial", {"membrane": {"pressure": [[0, 0], [1e-4, 5e5]]}})):
@@ -297,7 +297,7 @@ def elastic_constants_are_those_of_the_specimen_before_it_cracks(folder):
             assert causes["nonlinearity"]["is"] == "measured" and causes["nonlinearity"]["error"] > 0
 
 
-@fact
+@plain_fact
 def the_modulus_of_a_body_with_a_waist_is_that_of_its_material(folder):
     """Stress over the waist and closing over the whole length belong to no one length: a third too much was read of discs packed in
     such a shape. Against a strip of the same width and density."""
@@ -366,7 +366,7 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
     assert abs(15 * found[15e-3] / (20 * found[20e-3]) - 1) < 1e-3, found
 
 
-@fact
+@plain_fact
 def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
     """Stress spreads into a wider part gradually, so that the mean of 1/area of a slender bar is no bound. Against a strip without steps."""
     length, waist = 60e-3, 6e-3
@@ -384,7 +384,7 @@ def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
     assert 0.1 < strip / steps - 1 and abs(strip - steps) < 1.2 * found["steps"][1]["error"] < 0.3 * steps, found
 
 
-@fact
+@plain_fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
     """Of platens that begin away from the specimen, walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):

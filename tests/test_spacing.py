@@ -38,7 +38,7 @@ def a_test_that_ends_early_has_as_many_rows_as_are_wanted(folder):
     assert apart.max() <= 2 * np.median(apart), apart
 
 
-@fact
+@plain_fact
 def rows_between_looks_do_not_change_the_step_of_the_end(folder):
     """A run whose rows are as far apart as time.end asks for, which one is that resume gave the same number of rows."""
     wide, close = os.path.join(folder, "wide"), os.path.join(folder, "close")
@@ -69,7 +69,7 @@ def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
     assert len(series(folder)) <= 10 + 4
 
 
-@fact
+@plain_fact
 def snapshots_of_the_peak_are_kept_however_late_time_end_is(folder):
     """At 70 and 700 times the time of the peak: rows and regular snapshots are then far apart."""
     for end in ("15 ms", "150 ms"):
@@ -108,7 +108,7 @@ def a_stage_that_ends_early_has_its_rows_and_snapshots(folder):
     check_snapshots_of_peak(out)
 
 
-@fact
+@plain_fact
 def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
     straight, threads, broken = (os.path.join(folder, name) for name in ("straight", "threads", "broken"))
     early(straight)

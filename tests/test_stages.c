@@ -1,5 +1,6 @@
 /* Stages of a run: each changes what it says, ends when it says, and the next goes on from the
  * state that it left. */
+#include "parts.h"
 #include "world_helpers.h"
 
 #include "kernels/softening.h"
@@ -1180,7 +1181,8 @@ static void steps_that_outlast_the_run_are_refused(void **state) {
     accepted("stages:\n- {name: a, end: {steps: 100000000000000}}\n"); /* of no known step */
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    (void)argv;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_stage_has_the_bits_of_none),
         cmocka_unit_test(gravity_is_that_of_the_stage),
@@ -1210,7 +1212,6 @@ int main(void) {
         cmocka_unit_test(a_run_begins_where_another_ended),
         cmocka_unit_test(free_overlaps_go_over_into_another_run),
         cmocka_unit_test(overlaps_of_a_packing_wait_for_their_bonds),
-        cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),
         cmocka_unit_test(what_is_said_last_takes_the_place_of_the_other),
@@ -1218,5 +1219,8 @@ int main(void) {
         cmocka_unit_test(a_stage_that_never_ends_is_refused),
         cmocka_unit_test(steps_that_outlast_the_run_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
+    };
+    return run_part(argc, tests, long_tests);
 }
