@@ -766,7 +766,7 @@ static void a_run_reports_the_change_of_angular_momentum_by_conversion(void **st
         assert_true((k == 1) == (said != NULL));
         assert_true((k == 1) == (c->most > 0.01 * c->scale));
         if (said) {
-            assert_int_equal(sscanf(strstr(said, "in all, "), "in all, %lf %%", &share), 1);
+            assert_int_equal(sscanf(strstr(said, "in total, "), "in total, %lf %%", &share), 1);
             assert_int_equal(sscanf(strstr(said, "inertia by "), "inertia by %lf %%", &inertia), 1);
             assert_near(share, 100.0 * c->most / c->scale, 0.05 * share);
             assert_near(fabs(inertia), share, 0.06 * share);
