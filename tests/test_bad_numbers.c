@@ -92,7 +92,7 @@ static void a_checkpoint_holds_finite_numbers(void **state) {
     run.world.dem.particles.ref[1] = 0.0;
     run.world.ledger.energy.friction = NAN;
     assert_int_equal(gn_checkpoint_write(&run, f->path, &found), GNEISS_ERROR_UNSTABLE);
-    assert_non_null(strstr(found.message, "world_energy"));
+    assert_non_null(strstr(found.message, "world_ledger_energy"));
     gn_run_free(&run);
 }
 

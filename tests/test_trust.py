@@ -43,7 +43,7 @@ def digests_of_the_program_and_of_the_report_are_the_same(folder):
 def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
     checkpoint = interrupted(folder)
     whole = open(checkpoint, "rb").read()
-    for name, place in (("particles/group", 0), ("particles/pos", (3, 1)), ("bonds/rn", 2), ("run/world_time", 0),
+    for name, place in (("particles/group", 0), ("particles/pos", (3, 1)), ("bonds/rn", 2), ("run/world_ctx_time", 0),
                         ("run/world_dem_limit_sharp", 0), ("history/time", 4), ("arrays/walls", (0, 2)), ("near", (0, 0))):
         with h5py.File(checkpoint) as file:
             value = file[name][place]
@@ -68,15 +68,15 @@ def a_value_of_a_checkpoint_that_was_changed_is_named(folder):
     with open(checkpoint, "wb") as file:
         file.write(whole)
     with h5py.File(checkpoint, "r+") as file:
-        del file["run/world_energy"]
+        del file["run/world_ledger_energy"]
     expect(go_on(folder), 2, "one more or one less")
 
 
 OUT_OF_RANGE = (("particles/group", 0, -1), ("particles/group", 0, (1 << 31) - 1), ("particles/id", 1, 0), ("particles/material", 0, 5),
                 ("particles/vel", (2, 0), np.inf), ("particles/vel", (2, 1), 1e12), ("particles/vel", (2, 3), -1.0),
                 ("particles/pos", (1, 3), -0.5), ("bonds/i", 0, -1),
-                ("bonds/kn", 0, -1.0), ("bonds/cause", 0, 9), ("run/world_dem_limit_sharp", 0, -1.0), ("run/world_step", 0, -7),
-                ("run/world_dem_ids", 0, 1 << 40), ("run/world_dt", 0, 0.0), ("run/world_time", 0, np.nan), ("near", (0, 0), -1.0))
+                ("bonds/kn", 0, -1.0), ("bonds/cause", 0, 9), ("run/world_dem_limit_sharp", 0, -1.0), ("run/world_ctx_step", 0, -7),
+                ("run/world_dem_ids", 0, 1 << 40), ("run/world_ctx_dt", 0, 0.0), ("run/world_ctx_time", 0, np.nan), ("near", (0, 0), -1.0))
 
 
 @fact
@@ -96,8 +96,8 @@ def steps_and_rates_of_a_checkpoint_far_from_those_of_its_run_are_named(folder):
     checkpoint = interrupted(folder)
     whole = open(checkpoint, "rb").read()
     with h5py.File(checkpoint) as file:
-        step = file["run/world_dt"][0]
-    for name, value, pattern in (("world_dt", 1e-6 * step, "at least .* of the mean step so far, found"),
+        step = file["run/world_ctx_dt"][0]
+    for name, value, pattern in (("world_ctx_dt", 1e-6 * step, "at least .* of the mean step so far, found"),
                                  ("world_boundary_surface_rate", 1e12, "a rate of at most .* found 1e"),
                                  ("world_boundary_vertex_rate", 1e12, "a rate of at most .* found 1e")):
         change(checkpoint, "run/" + name, 0, value, anew=True)

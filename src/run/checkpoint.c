@@ -327,13 +327,14 @@ static gneiss_status check_pace(const gn_world *w, const char *path, gneiss_erro
         double value;
     } rates[] = {{"world_boundary_surface_rate", w->boundary.surface_rate},
                  {"world_boundary_vertex_rate", w->boundary.vertex_rate},
-                 {"world_couple", w->zones.state.rate[0]},
-                 {"world_couple", w->zones.state.rate[1]}};
+                 {"world_zones_state", w->zones.state.rate[0]},
+                 {"world_zones_state", w->zones.state.rate[1]}};
     if (w->ctx.dt < least)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: run/world_dt: expected at least %.3g s, 1e-5 of the mean step so far, "
-                       "found %.3g s",
-                       path, least, w->ctx.dt);
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: run/world_ctx_dt: expected at least %.3g s, 1e-5 of the mean step so far, "
+            "found %.3g s",
+            path, least, w->ctx.dt);
     for (size_t k = 0; k < sizeof rates / sizeof *rates; k++)
         if (!(rates[k].value <= most))
             return gn_fail(error, GNEISS_ERROR_INPUT,
