@@ -16,7 +16,7 @@ typedef struct gn_plan_flow {
     double most;           /* particles at the end of the run, at most */
     bool touched;          /* true if any contact was seen */
 } gn_plan_flow;
-gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *plan, gneiss_error *error);
-void gn_print_plan_flow(const gn_world *world, const gn_plan_flow *plan);
+gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *flow, gneiss_error *error);
+void gn_print_plan_flow(const gn_world *world, const gn_plan_flow *flow);
 
 #endif

@@ -32,7 +32,7 @@ def falls_out(constraint):
 def fell_out(one):
     """All of the zone's particles are gone; what is left has the speed of its fall."""
     words = " ".join(warning["text"] for warning in one.summary["warnings"])
-    assert "42 particles left zones" in words, words
+    assert "42 particles left coupling zones" in words, words
     speed = one.field("nodes/velocity")[:, 0].mean()
     return keeps_ledger(1e-5)(one) + ", " + close(speed, -1e7 * 6e-5, 0.02, "m/s")
 
