@@ -1,7 +1,9 @@
 """Holds the includes of src, bench and validate against the table of docs/design.md: `./do check layers`.
 
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
-A name with a slash is one header. Includes upwards that are still there are listed in tools/layers_upward.txt, which only shrinks. Functions above 60 lines are refused as well. Prints file:line of whatever is not so.
+A name with a slash is one header. No folder includes a <folder>_private.h of another. Includes that break these rules and are left stand in
+tools/layers_upward.txt; a line there that no file needs is refused, so that the list only shrinks. Functions above 60 lines are refused as well.
+Prints file:line of whatever is not so.
 """
 import re
 import sys
@@ -42,7 +44,7 @@ def room_of(path):
     return parts[1] if parts[0] == "src" else parts[0]
 
 
-def check_includes(path, table, known):
+def check_includes(path, table, known, needed):
     room = room_of(path)
     allowed = {room, "base", *table.get(room, (0, []))[1]}
     for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -51,7 +53,11 @@ def check_includes(path, table, known):
             continue
         header = found[1]
         target = "include/gneiss" if header.startswith("gneiss/") else header.split("/")[0]
-        if target in table and not {target, header} & allowed and f"{room} {header}" not in known:
+        private = header.endswith("_private.h") and target != room
+        if target in table and (private or not {target, header} & allowed):
+            needed.add(f"{room} {header}")
+            if f"{room} {header}" in known:
+                continue
             yield f"{path.relative_to(ROOT)}:{number}: {room} includes {header}, which its row does not name"
 
 
@@ -69,14 +75,15 @@ def check_lengths(path):
 def main():
     table = rows(TABLE.read_text())
     problems = list(check_table(table))
-    known = set(UPWARD.read_text().splitlines()) if UPWARD.exists() else set()
+    known, needed = set(UPWARD.read_text().splitlines()), set()
     sources = [path for folder in ("src", "bench", "validate") for path in sorted((ROOT / folder).rglob("*"))
                if path.suffix in (".c", ".h", ".cc", ".cpp")]
     if len(table) < 10 or len(sources) < 100:
         problems.append(f"{len(table)} rows and {len(sources)} files were read: the table or the tree is not what this expects")
     for path in sources:
-        problems += check_includes(path, table, known)
+        problems += check_includes(path, table, known, needed)
         problems += check_lengths(path)
+    problems += [f"{UPWARD.relative_to(ROOT)}: no file needs '{line}'" for line in sorted(known - needed)]
     print(*problems, sep="\n", end="\n" if problems else "")
     return bool(problems)
 

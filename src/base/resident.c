@@ -7,15 +7,18 @@
 bool gn_resident_read(gn_resident *resident) {
     char line[256];
     double peak = 0.0, now = 0.0;
+    int threads = 1;
     FILE *file = fopen("/proc/self/status", "r");
     if (!file) return false;
     while (fgets(line, sizeof line, file)) {
         (void)sscanf(line, "VmHWM: %lf", &peak);
         (void)sscanf(line, "VmRSS: %lf", &now);
+        (void)sscanf(line, "Threads: %d", &threads);
     }
     fclose(file);
-    *resident = (gn_resident){1024.0 * peak, 1024.0 * now};
-    return peak > 0.0 && now > 0.0;
+    if (!(peak > 0.0 && now > 0.0)) return false;
+    *resident = (gn_resident){1024.0 * peak, 1024.0 * now, threads};
+    return true;
 }
 
 /* Not by malloc: freeing a large block changes from which size on glibc maps blocks one by one. */

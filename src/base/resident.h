@@ -1,4 +1,4 @@
-/* Memory use of this process, and whether more is available. */
+/* Memory and threads of this process, and whether more memory is available. */
 #ifndef GN_BASE_RESIDENT_H
 #define GN_BASE_RESIDENT_H
 
@@ -7,9 +7,10 @@
 
 typedef struct gn_resident {
     double peak, now; /* bytes */
+    int threads;      /* that exist now */
 } gn_resident;
 
-/* Reads both sizes; returns false where the system has no /proc. */
+/* Returns false, and changes nothing, where the system has no /proc or does not tell the sizes. */
 bool gn_resident_read(gn_resident *resident);
 
 /* Tells whether that many more bytes are available now. Libraries that crash without memory are

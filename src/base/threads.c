@@ -4,7 +4,6 @@
 
 #include <omp.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 
@@ -13,16 +12,6 @@ int gn_threads_of(int64_t asked) {
     int64_t threads = asked > 0 ? asked : omp_get_num_procs();
     if (threads > limit) threads = limit;
     return threads < GN_THREADS_MAX ? (int)threads : GN_THREADS_MAX;
-}
-
-/* Threads of this process; those of earlier parallel regions wait for the next one. */
-static int running(void) {
-    char line[256];
-    int count = 1;
-    FILE *file = fopen("/proc/self/status", "r");
-    while (file && fgets(line, sizeof line, file)) (void)sscanf(line, "Threads: %d", &count);
-    if (file) fclose(file);
-    return count;
 }
 
 static void *pass(void *gate) {
@@ -52,7 +41,10 @@ static int create_and_join(int wanted, pthread_t *list, bool *memory) {
 }
 
 gneiss_status gn_threads_find(int64_t asked, int *threads, gneiss_error *error) {
-    const int before = running(), most = gn_threads_of(asked), wanted = most - before;
+    gn_resident process = {.threads = 1};
+    (void)gn_resident_read(&process);
+    /* Threads of earlier parallel regions wait for the next one. */
+    const int before = process.threads, most = gn_threads_of(asked), wanted = most - before;
     *threads = most;
     if (wanted <= 0) return GNEISS_OK;
     pthread_t *list = calloc((size_t)wanted, sizeof *list);

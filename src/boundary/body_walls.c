@@ -39,7 +39,7 @@ static double angle_at(const gn_facet_set *s, size_t facet, size_t c) {
     return atan2(sqrt(gn_dot3(cross, cross)), gn_dot3(a, b));
 }
 
-/* What the angles around each vertex lack of a full turn. */
+/* Computes the share of a full turn that the angles around each vertex lack. */
 static void space_parts(const gn_facet_set *s, size_t vertices, double *part) {
     for (size_t v = 0; v < vertices; v++) part[v] = 1.0;
     for (size_t f = 0; f < s->count; f++)
@@ -183,7 +183,7 @@ static size_t near_walls(const gn_step_context *ctx, const gn_dem *dem, const gn
     return count;
 }
 
-/* Whether row a of one list comes before row b of another in the order (body, wall, vertex). */
+/* Tells whether row a of one list precedes row b of another in the order (body, wall, vertex). */
 static bool before(const gn_step_context *ctx, const gn_boundary *boundary,
                    const gn_wall_contacts *x, size_t a, const gn_wall_contacts *y, size_t b) {
     size_t k = body_of_vertex(ctx, boundary, x->i[a]), m = body_of_vertex(ctx, boundary, y->i[b]);
@@ -217,7 +217,7 @@ static gn_body_spring spring_of(const gn_step_context *ctx, size_t body, size_t 
     return gn_body_spring_of(&ctx->scene, ctx->scene.wall_count + body, wall);
 }
 
-/* Of one vertex. */
+/* Returns the side of a contact of one vertex, which has a part of the stiffness. */
 static gn_touch_side side_of(const gn_body_spring *spring, double part) {
     gn_touch_side side = spring->side;
     side.stiffness *= part;
@@ -332,7 +332,7 @@ static void join(const gn_step_context *ctx, const gn_boundary *boundary, group 
         middle[a] /= g->part;
         along += n[a] * n[a] * g->body->inverse_mass[a];
     }
-    /* What only turns has no mass where the middle is its axis. */
+    /* A body that only rotates has no inverse mass for a contact on its axis. */
     g->inverse_mass = along > 0.0 ? along + compliance_at(g->body, middle, n) : turning / g->part;
 }
 

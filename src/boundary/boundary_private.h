@@ -12,14 +12,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* m/s2 by which what acts on a particle besides the contact of a row opens its gap along n, the
- * unit vector into the wall or surface (crossing.c). Of the forces of the instant, so when those of
- * all pairs are found. Of a body only its weight, and background damping is left out. */
+/* Acceleration, m/s2, with which all loads of a particle except the contact of a row open the gap
+ * of that contact along n, the unit vector into the wall or surface (crossing.c). It uses the
+ * forces of the instant and is valid once those of all pairs are known. The share of a rigid body
+ * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              const gn_zones *zones, size_t row, const double n[3]);
-/* The same of the spring of a zone that holds its particle, beside a contact of the stiffness kn,
- * N/m; 0 where the step does not resolve both together. */
+/* Acceleration, m/s2, with which the spring of a coupling zone opens the gap of a row along n. kn,
+ * N/m, is the stiffness of the contact; the result is 0 if the step does not resolve both springs
+ * together. */
 double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             const gn_zones *zones, double kn, size_t row, const double n[3]);
@@ -34,8 +36,8 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                            const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
                            gn_contact_sums *sums);
-/* Adds what presses along the normal of a wall contact by the linear law, as far as it follows from
- * places and velocities alone. */
+/* Adds to `force` the normal force of a wall contact by the linear law, as far as it follows from
+ * positions and velocities alone. */
 void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                      size_t row, double force[3]);
 /* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
@@ -49,9 +51,10 @@ void gn_surface_centre(const gn_dem *dem, const gn_boundary *boundary, const gn_
                        size_t particle, double centre[3]);
 /* Place of the surface that a facet belongs to. */
 size_t gn_surface_of_facet(const gn_boundary *boundary, int32_t facet);
-/* Notes where surfaces are when the lists are made. */
+/* Stores the positions of the surfaces when the lists are made. */
 void gn_surfaces_refer(gn_boundary *boundary);
-/* Bound on the path of any vertex since then. `exact`: looks where they are. */
+/* Upper bound of the path of any vertex since gn_surfaces_refer, m. `exact`: from the present
+ * positions. */
 double gn_surfaces_travel(gn_boundary *boundary, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
@@ -59,15 +62,16 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
                                 gn_boundary *boundary, const gn_solids *solids,
                                 const gn_zones *zones, size_t begin, size_t end,
                                 gn_contact_sums *sums);
-/* The same as gn_wall_presses, of what gn_surface_contacts_work does; without contacts that share
- * with one of the normal `but` (NULL: all). */
+/* Adds to `force` the normal forces of the contacts that gn_surface_contacts_work computes, and
+ * returns the first row behind them. Contacts that share their stiffness with one of the normal
+ * `but` are left out; NULL: none is. */
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_boundary *boundary, const gn_solids *solids,
                           const gn_zones *zones, size_t begin, size_t end, const double *but,
                           double force[3]);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);
-/* Its velocity over the last step where the row's force acted. */
+/* Velocity of a surface over the last step at the point where the force of a row acted, m/s. */
 void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
                          double v[3]);
 /* m/s2 along n, with which a point of a body goes under gravity, a force and a moment. */
@@ -87,7 +91,8 @@ void gn_bodies_drift(const gn_step_context *ctx, gn_boundary *boundary, gn_ledge
 /* Works over half an interval, with the velocities of that. */
 void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                     gn_energy *ledger);
-/* Sums the forces on the walls, moves them over the coming step; works as those of bodies. */
+/* The walls, likewise: sum of the forces, motion over the coming step, works over half an
+ * interval. */
 void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,

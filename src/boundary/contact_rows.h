@@ -20,8 +20,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What the particle's material and that of a wall, body or finite elements, counted through, are to
- * each other. Nothing takes the address of what these return: it is made where it is used. */
+/* Effective Hertz-Mindlin parameters of a particle's material and a wall, body or body of elements,
+ * which are numbered consecutively. The functions here return values whose address is never taken,
+ * so that compilers build them in place. */
 static inline gn_hertz_pair gn_touch_hertz(const gn_step_context *ctx, const gn_dem *dem,
                                            size_t place, int32_t material) {
     if (!(ctx->effects & GN_FX_HERTZ)) return (gn_hertz_pair){0};
@@ -92,7 +93,7 @@ static inline double gn_touch_reach(const gn_step_context *ctx, const gn_dem *de
     return overlap + dem->verlet.skin;
 }
 
-/* Of the step that led here, of a particle. */
+/* Describes the step that led here, for the contacts of a particle. */
 static inline gn_touch_step gn_touch_step_of(const gn_step_context *ctx, const gn_dem *dem) {
     return (gn_touch_step){.dt = ctx->dt_past,
                            .damping_fraction = dem->damping_fraction,
@@ -129,7 +130,7 @@ static inline gn_law_spring gn_touch_spring(const gn_step_context *ctx, const gn
     return s;
 }
 
-/* What a row needs to know of the wall or surface that it is a contact with (contact_rows.c). */
+/* The wall or surface of a row, as its contact force needs it (contact_rows.c). */
 typedef struct gn_row_side {
     double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
     gn_touch_side law;

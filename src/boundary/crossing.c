@@ -1,5 +1,5 @@
-/* What else acts on the two that touch where their contact closes or opens within a step: the force
- * with which the works of such a contact close depends on the path of the next step. */
+/* Loads beside a contact that closes or opens within a step: the force with which the works of such
+ * a contact close depends on the path of the next step. */
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"

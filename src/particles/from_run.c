@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"

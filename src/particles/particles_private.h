@@ -14,10 +14,12 @@
  * are known; of all contacts of a list those that follow the step. */
 void gn_contact_set(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list, size_t c);
 void gn_contacts_set_dashpots(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *list);
-/* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
+/* Computes the quantities of the packing as a whole that parameters depend on; `pairs` are the
+ * contacts to average over. */
 gneiss_status gn_law_derive(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
                             gneiss_error *error);
-/* What particles are by Hertz's law to each other and to what they touch (law.c). */
+/* Effective Hertz-Mindlin parameters of all pairs of materials, walls and bodies included
+ * (law.c). */
 gneiss_status gn_hertz_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Parameters of all contacts of a list from the materials as they are now, but not what they have
  * gone through. */
@@ -28,8 +30,9 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
 /* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
 gneiss_status gn_bonds_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                             const gn_solids *solids, gneiss_error *error);
-/* The same of pairs as they stand now, beside the bonds that are there; all that hold, undone. The
- * lists have to be made anew. */
+/* gn_bonds_add forms bonds between the pairs at their present positions in addition to the present
+ * bonds; gn_bonds_dissolve turns all intact bonds into unbonded contacts. The lists have to be made
+ * anew after either. */
 gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
                            const gn_solids *solids, gneiss_error *error);
 void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem);

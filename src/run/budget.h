@@ -8,7 +8,6 @@
 #include "frame/parts.h"
 #include "io/files.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "test_kinds/readings.h"
 #include "world/world.h"
 

@@ -10,7 +10,6 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
-#include "io/h5_private.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
 #include "run/checkpoint_internal.h"

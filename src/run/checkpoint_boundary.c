@@ -8,7 +8,6 @@
 #include "boundary/surface.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
-#include "io/h5_private.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
 #include "soa/field.h"

@@ -5,7 +5,6 @@
 #include "conversion/conversion.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
-#include "io/h5_private.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "run/checkpoint_internal.h"

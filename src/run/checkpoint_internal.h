@@ -4,8 +4,8 @@
 #define GN_RUN_CHECKPOINT_INTERNAL_H
 
 #include "frame/parts.h"
+#include "io/h5.h"
 #include "io/h5_pieces.h"
-#include "io/h5_private.h"
 #include "soa/field.h"
 #include "world/world.h"
 

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "particles/events.h"
 #include "soa/field.h"
 #include "world/world.h"

@@ -10,7 +10,6 @@
 #include "io/atomic_file.h"
 #include "io/files.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "io/snapshot.h"
 #include "measure/energy.h"
 #include "membrane/membrane.h"

@@ -5,7 +5,6 @@
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "io/snapshot.h"
 #include "run/output_table.h"
 #include "run/parts.h"

@@ -7,7 +7,7 @@
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
-#include "io/h5_private.h"
+#include "io/h5.h"
 #include "io/snapshot.h"
 #include "particles/dem.h"
 #include "particles/law.h"

@@ -5,7 +5,6 @@
 
 #include "frame/parts.h"
 #include "io/h5.h"
-#include "io/h5_private.h"
 #include "run/output_table.h"
 #include "world/world.h"
 

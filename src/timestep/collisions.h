@@ -14,11 +14,11 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error);
-/* Whether hardly anything damps a collision. */
+/* Tells whether collisions are hardly damped. */
 bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_step_context *ctx);
-/* Who the shortest collision is between. */
+/* Names the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                size_t size);
 

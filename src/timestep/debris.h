@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-/* Whether, where that is so and the step is automatic, any particle has lost all bonds that it had,
- * or all but one. Whether the ledger of a step that was measured misses more than that may. */
+/* *some: collisions are hardly damped (gn_world_rings), the step is automatic, and a particle has
+ * lost all of its bonds or all but one. */
 gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
                              gneiss_error *error);
 

@@ -12,6 +12,7 @@
 double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                           double kn);
 double gn_pressed_touch(const gn_dem *dem, size_t particle);
+/* Updates the expected overlaps and the step if a kernel has found a larger overlap. */
 gneiss_status gn_pressed_check(gn_world *world, gneiss_error *error);
 
 #endif

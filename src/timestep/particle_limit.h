@@ -8,8 +8,6 @@
 
 #include <stdbool.h>
 
-/* The same for the springs of particles to be stable (gn_step_masses): of those that act, or of all
- * that are listed. */
 /* Calls `use` with the linearised system of the particles: of the springs that act or, with
  * `listed`, of all that the lists hold. */
 typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,

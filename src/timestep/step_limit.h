@@ -11,9 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The limits of the parts together (step_limit.c), s: of all, from that of the particles alone; of
- * particles and the surfaces that give way to them; and the other way round, the limit of the
- * particles at which `step` is that of all, INFINITY: none would do. */
+/* s: limit of all parts together, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, const gn_zones *zones, double particles);
 /* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
@@ -25,25 +23,26 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
-/* Finds the limit of loose grains as they lie at the end of a run, long after the last look maybe:
- * for what is written, when the state has been saved. The step stays. */
+/* Updates the limit of loose grains at the end of a run for the output, after the state has been
+ * saved. The step is unchanged. */
 gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
-/* What gn_world_check_step does after a step in which bonds broke, for a specimen that may have
- * come apart by it. */
+/* Checks the step, as gn_world_check_step does, after a step in which bonds broke: the specimen may
+ * have come apart. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
-/* The same after a step that was measured because of debris: what of it makes energy counts. */
+/* Checks the step after one that was measured because of debris: debris that makes energy counts.
+ */
 gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
-/* The same for what the lists, just made, let happen before they are made again. */
+/* Checks the step against all events that are possible until the new lists are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
 /* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
 void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
-/* What is to be said of a given step: that it does not resolve collisions, or that contacts which
- * may form need a smaller one. "" : nothing. */
+/* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
+ * need a smaller one. "": there is none. */
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                   size_t size);
-/* What non-viscous damping leaves of the limit, 1 without it. */
+/* Share of the limit that non-viscous damping leaves; 1 without it. */
 double gn_world_nonviscous_share(const gn_step_context *ctx);
-/* Of a scene that calls for these effects. */
+/* The share for a scene with these effects. */
 double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
 
 #endif

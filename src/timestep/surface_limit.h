@@ -8,11 +8,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Whether it gives way to particles; the most by which it may, as 1/kg. */
+/* Tells whether a surface gives way to particles; its largest inverse mass, 1/kg. */
 bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
 double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
-/* Which free body is so light, or stiff, that its contacts ask for steps a thousand times shorter
- * than those of all else. "": none. */
+/* Names the free body whose contacts need steps a thousand times shorter than those of all other
+ * parts, because it is light or stiff. "": there is none. */
 const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, char *text, size_t size);
 

@@ -17,18 +17,19 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, const gn_solids *solids,
                                  const gn_zones *zones, double reach, gn_extra_spring **springs,
                                  size_t *count, gneiss_error *error);
-/* Looks at what there is; and again, with the step, when a kernel has found more. */
+/* Finds the expected overlaps of the present contacts (indentation.c). */
 void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                      const gn_solids *solids, const gn_zones *zones);
-/* Collisions in steps (collisions.c): particles that were not bonded at the start, into
- * world->dem.loose. */
+/* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
+/* Tells whether the ledger of a measured step misses more than debris may (debris.c). */
 bool gn_debris_told(const gn_ledger *ledger);
-/* Bonds that hold, of each particle [particles], which are 0: 0, 1, 2 for more. */
+/* Adds up the intact bonds of each particle into left [particles], which holds zeros: 0, 1, or 2
+ * for more. */
 void gn_bonds_left(const gn_dem *dem, uint8_t *left);
-/* Of particles that hang on one bond at most (`adrift` 1, [particles]) leaves those that are wedged
- * with energy that matters, where world->dem.debris_told; *any: there are some, else `adrift` may
- * be what it was. */
+/* Reduces the particles with one bond at most (`adrift` 1, [particles]) to those that are wedged
+ * and store a relevant energy, if dem->debris_told. *any tells whether there are some; otherwise
+ * `adrift` may be unchanged. */
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,
                              bool *any, gneiss_error *error);
 /* By what factor own masses [particles] have to be multiplied for `step` to resolve these contacts:
@@ -37,6 +38,8 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, double step, double *factor,
                                    gneiss_error *error);
+/* The factor, likewise, with which the springs of the particles are stable at `step`
+ * (gn_step_masses): the springs that act or, with `listed`, all that the lists hold. */
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, const gn_solids *solids,
                             const gn_zones *zones, bool listed, double step, const uint8_t *changed,
@@ -54,11 +57,14 @@ gneiss_status gn_dem_follow_masses(gn_world *world, bool listed, const uint8_t *
 gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, double *stable,
                                gn_resolution *resolution, gneiss_error *error);
+/* s: limit of the particles and of the surfaces that give way to them, from that of the particles
+ * alone (step_limit.c). */
 double gn_limit_beside_surfaces(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, double particles);
+/* s: limit of the particles at which `step` is the limit of all parts; INFINITY: none is. */
 double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_solids *solids, const gn_zones *zones, double step);
-/* What has turned may leave so much of the step that it had until the next lists. */
+/* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 
 #endif
