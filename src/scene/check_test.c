@@ -360,27 +360,29 @@ static gneiss_status check_confinements(const check *c, gn_scene *s) {
     return check_different(c, list);
 }
 
-gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
-    const gn_membrane_def *m = &s->membrane;
-    if (!s->has_membrane) return GNEISS_OK;
-    if (!s->has_specimen)
-        return gn_check_fail(c, "membrane", "expected a specimen that it covers, found none");
-    if (m->faces == GN_FACES_SIDES && s->specimen.pack.shape == GN_SHAPE_NONE)
-        return gn_check_fail(c, "membrane.faces",
+gneiss_status gn_check_membrane(const check *section, const gn_scene *scene) {
+    const gn_membrane_def *m = &scene->membrane;
+    if (!scene->has_membrane) return GNEISS_OK;
+    if (!scene->has_specimen)
+        return gn_check_fail(section, "membrane", "expected a specimen that it covers, found none");
+    if (m->faces == GN_FACES_SIDES && scene->specimen.pack.shape == GN_SHAPE_NONE)
+        return gn_check_fail(section, "membrane.faces",
                              "expected all of the surface, or a specimen that is packed into a "
                              "shape, which has sides, found sides of another one");
     if (m->faces == GN_FACES_SIDES && m->surface == GN_SURFACE_PARTICLES)
-        return gn_check_fail(c, "membrane.faces",
+        return gn_check_fail(section, "membrane.faces",
                              "expected all of the surface, or membrane.surface: shape, which has "
                              "sides, found sides of a surface of particles");
-    if (s->has_periodic)
-        return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
-    if (m->faces == GN_FACES_SIDES && m->axis < 0 && (!gn_scene_tested(s) || s->test.axis < 0))
-        return gn_check_fail(c, "membrane.axis",
+    if (scene->has_periodic)
+        return gn_check_fail(section, "membrane",
+                             "expected a specimen with a surface, found periodic");
+    if (m->faces == GN_FACES_SIDES && m->axis < 0 &&
+        (!gn_scene_tested(scene) || scene->test.axis < 0))
+        return gn_check_fail(section, "membrane.axis",
                              "expected the axis that sides face across, or a test that has one, "
                              "found neither");
-    if (m->axis >= s->dimension)
-        return gn_check_fail(c, "membrane.axis", "expected x or y in a 2D scene, found z");
+    if (m->axis >= scene->dimension)
+        return gn_check_fail(section, "membrane.axis", "expected x or y in a 2D scene, found z");
     return GNEISS_OK;
 }
 
@@ -394,11 +396,11 @@ static gneiss_status check_no_test(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_check_hydrostatic_load(const check *c, bool presses) {
-    const gn_test_descriptor *d = gn_scene_test(c->reader->scene);
+gneiss_status gn_check_hydrostatic_load(const check *section, bool presses) {
+    const gn_test_descriptor *d = gn_scene_test(section->reader->scene);
     if (presses || !d->isotropic) return GNEISS_OK;
     return gn_check_fail(
-        c, "test.kind",
+        section, "test.kind",
         "expected something that presses on the specimen of a %s test (a "
         "membrane with a pressure, a servo of walls or of a periodic box, walls or "
         "sides that come closer), found nothing",
@@ -424,22 +426,23 @@ static gneiss_status check_isotropic(const check *c, const gn_scene *s) {
     return s->stage_count ? GNEISS_OK : gn_check_hydrostatic_load(c, gn_scene_may_compress(s));
 }
 
-gneiss_status gn_check_test(const check *c, gn_scene *s) {
-    const gn_test *t = &s->test;
-    GN_TRY(check_confinements(c, s));
-    if (!gn_scene_tested(s)) return check_no_test(c, s);
-    if (gn_scene_test(s)->isotropic) return check_isotropic(c, s);
+gneiss_status gn_check_test(const check *section, gn_scene *scene) {
+    const gn_test *t = &scene->test;
+    GN_TRY(check_confinements(section, scene));
+    if (!gn_scene_tested(scene)) return check_no_test(section, scene);
+    if (gn_scene_test(scene)->isotropic) return check_isotropic(section, scene);
     const char *missing = t->axis < 0       ? "test.axis"
                           : !t->lower.count ? "test.lower"
                           : !t->upper.count ? "test.upper"
                                             : NULL;
-    if (missing && gn_check_is_valid(c, missing))
-        return gn_check_fail(c, missing, "required, but not given");
+    if (missing && gn_check_is_valid(section, missing))
+        return gn_check_fail(section, missing, "required, but not given");
     if (missing) return GNEISS_OK;
-    if (t->axis >= s->dimension)
-        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
-    if (t->has_opening && t->opening.axis >= s->dimension)
-        return gn_check_fail(c, "test.opening.axis", "expected x or y in a 2D scene, found z");
-    GN_TRY(check_ends(c, s));
-    return check_kind(c, s);
+    if (t->axis >= scene->dimension)
+        return gn_check_fail(section, "test.axis", "expected x or y in a 2D scene, found z");
+    if (t->has_opening && t->opening.axis >= scene->dimension)
+        return gn_check_fail(section, "test.opening.axis",
+                             "expected x or y in a 2D scene, found z");
+    GN_TRY(check_ends(section, scene));
+    return check_kind(section, scene);
 }

@@ -57,12 +57,12 @@ void gn_need_elastic_rows(const gn_curves *curves, gn_reading which, gn_readings
             rows == 1 ? "" : "s");
 }
 
-void gn_need_modulus(gn_line_fit line, gn_reading which, gn_readings *readings) {
-    if (line.slope <= 0)
+void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings) {
+    if (fit.slope <= 0)
         gn_reading_absent(readings, which, "the stress falls while the strain grows");
-    if (line.error > gn_scatter_allowed * line.slope)
+    if (fit.error > gn_scatter_allowed * fit.slope)
         gn_reading_absent(readings, which, "the rows scatter: standard error of the slope %.0f %%",
-                          100 * line.error / line.slope);
+                          100 * fit.error / fit.slope);
 }
 
 /* --- the elastic rows --- */

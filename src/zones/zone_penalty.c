@@ -220,6 +220,6 @@ void gn_penalty_follow(gn_world *w) {
     w->ledger.energy.coupling_damping += total(q->lost, q->ties.count);
 }
 
-void gn_penalty_book(const gn_coupled *q, gn_energy *reading) {
-    reading->elastic_coupling += total(q->stored, q->ties.count);
+void gn_penalty_book(const gn_coupled *coupled, gn_energy *reading) {
+    reading->elastic_coupling += total(coupled->stored, coupled->ties.count);
 }

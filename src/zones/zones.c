@@ -33,16 +33,17 @@
 
 /* --- making it --- */
 
-void gn_coupled_free(gn_coupled *q) {
-    if (!q) return;
-    gn_ties_free(&q->ties);
-    gn_consistent_free(&q->consistent);
-    void *blocks[] = {q->turn, q->before, q->stiffness, q->viscosity, q->stored,
-                      q->lost, q->drag,   q->twist,     q->sum};
+void gn_coupled_free(gn_coupled *coupled) {
+    if (!coupled) return;
+    gn_ties_free(&coupled->ties);
+    gn_consistent_free(&coupled->consistent);
+    void *blocks[] = {coupled->turn,      coupled->before, coupled->stiffness,
+                      coupled->viscosity, coupled->stored, coupled->lost,
+                      coupled->drag,      coupled->twist,  coupled->sum};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    gn_free(q->place);
-    gn_free(q->load);
-    gn_free(q);
+    gn_free(coupled->place);
+    gn_free(coupled->load);
+    gn_free(coupled);
 }
 
 static gneiss_status refuse(const gn_step_context *ctx, gn_scene_place where, const char *key,
