@@ -71,9 +71,14 @@ def geometry(r, dimension):
     return branch / length[:, None], length, r.results("particles/radius")
 
 
+def shear(ratio):
+    """Keys for k_t/k_n; contacts without a tangential spring have no friction."""
+    return {"materials.0.kratio": 1 / ratio} if ratio else {"materials.0.kratio": 0, "materials.0.friction": 0}
+
+
 def disc_row(ratio, reach=0.05):
     kn = disc_study.KN
-    settings = {"materials.0.kratio": 1 / ratio if ratio else 0, "time.stop.strain": 4e-5, "bonds.interaction_range": reach,
+    settings = {**shear(ratio), "time.stop.strain": 4e-5, "bonds.interaction_range": reach,
                 "walls.bottom.motion.vy": 1e-3, "walls.top.motion.vy": -1e-3, "materials.0.bond_tension_limit": 1e9,
                 "materials.0.bond_shear_limit": 1e9, "output.history_rows": 20000}
     mark = "" if reach == 0.05 else f"-range-{reach}"
@@ -92,7 +97,7 @@ def sphere_row(ratio, reach=0.05):
     kn, volume = 35e6, parameter_models.AREA * 0.046
     settings = {"specimen.file": "specimens/rock-b.txt", "law.stiffness": "uniform", "materials.0.normal_stiffness": kn,
                 "materials.0.bond_tension_limit": 1e9, "materials.0.bond_shear_limit": 1e9, "bonds.interaction_range": reach,
-                "materials.0.kratio": 1 / ratio if ratio else 0, "time.stop.strain": 2e-3,
+                **shear(ratio), "time.stop.strain": 2e-3,
                 "walls.bottom.motion.vz": 0.05, "walls.top.motion.vz": -0.05}
     mark = "" if reach == 0.05 else f"-range-{reach}"
     r = study.run(f"labra/spheres-{ratio}{mark}", study.ROCK, settings)
