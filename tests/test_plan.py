@@ -202,6 +202,9 @@ def a_beam_of_elements_gets_finer_cells_for_a_smaller_error(folder):
         rough, fine = proposed(scene, "--error", "20%"), proposed(scene, "--error", "4%")
         assert fine["cell"] < rough["cell"] and fine["error"] <= 0.04 and "mesh" in fine["causes"], (rough, fine)
         assert fine["seconds"] > 0 and fine["steps"] > 0
+    bent = beam()
+    bent["test"].update(kind="bending", span=0.4, height=0.1, notch=0.03)
+    assert proposed(write_scene(folder, bent, "bent.yaml"), "--error", "4%")["cell"] == fine["cell"]
     expect(gneiss("plan", scene, "--error", "5%", "--reading", "strength"), 2, "finite elements have no strength")
 
 

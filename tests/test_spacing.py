@@ -62,6 +62,25 @@ def a_run_that_reaches_its_time_has_rows_and_snapshots_at_the_steps_that_it_asks
     assert len(shares) <= 5 + 3 + 1, shares
 
 
+@plain_fact
+def rows_of_a_source_are_equal_times_apart_while_the_step_shrinks(folder):
+    """The step of the first grains in flight is twenty times that of the heap; a run that continues has the same rows."""
+    scene = os.path.join(os.path.dirname(os.path.dirname(SCENES)), "scenes/drum.yaml")
+
+    def drum(name, end, rows):
+        run(scene, os.path.join(folder, name), "--threads", 1, "--set", f"time.end={end} s", "--set", f"output.history_rows={rows}",
+            "--set", "output.snapshots=0")
+
+    drum("whole", 0.15, 30)
+    drum("continued", 0.08, 16)
+    resume(os.path.join(folder, "continued"), "--set", "time.end=0.15 s")
+    rows, again = (history(os.path.join(folder, name)) for name in ("whole", "continued"))
+    assert 30 <= len(rows["time"]) <= 36, len(rows["time"])
+    apart, steps = np.diff(rows["time"])[:-1], np.diff(rows["step"])
+    assert apart.max() < 1.02 * apart.min() and steps.max() > 10 * steps.min(), (apart, steps)
+    assert list(rows["step"]) == list(again["step"]), (rows["step"], again["step"])
+
+
 @fact
 def a_snapshot_is_kept_at_the_peak_and_at_half_of_it_before_and_after(folder):
     early(folder)

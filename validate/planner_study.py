@@ -180,11 +180,17 @@ def others():
 READINGS = {"strength": "peak_stress", "stiffness": "young_modulus_average"}
 
 
+class NoStart(Exception):
+    """time.start: first_break found no equilibrium."""
+
+
 def call(arguments):
     """The program; packings are made anew by every run, so that each pays for its own."""
     environment = dict(os.environ, OMP_WAIT_POLICY="passive", GNEISS_CACHE="off")
     done = subprocess.run([study.PROGRAM, *map(str, arguments)], cwd=study.ROOT, env=environment, text=True, capture_output=True)
     if done.returncode:
+        if "time.start: expected an equilibrium" in done.stderr:
+            raise NoStart
         sys.exit(f"gneiss {' '.join(map(str, arguments))}: exit code {done.returncode}\n{done.stderr[-2000:]}")
     return done.stdout
 
@@ -208,10 +214,15 @@ def planned(name, wanted, reading, keys):
 
 
 def one(folder, scene_file, settings, reading):
-    """Reading and CPU seconds of a run; kept."""
+    """Reading and CPU seconds of a run; kept. A packing without an equilibrium to start from begins at rest."""
     out = FOLDER / folder
     if not (out / "summary.json").exists():
-        call(["run", scene_file, "--out", out, "--threads", 1, "--quiet", "--force", *study.set_arguments(settings)])
+        arguments = ["run", scene_file, "--out", out, "--threads", 1, "--quiet", "--force", *study.set_arguments(settings)]
+        try:
+            call(arguments)
+        except NoStart:
+            call([*arguments, "--set", "time.start=rest"])
+            (out / "from-rest").touch()
     summary = json.loads((out / "summary.json").read_text())
     if "elements" in summary["counts"]:  # the stress of the way that the ends were moved, at rest
         value = study.Run(out, {"code": 0, "message": ""}).results("history/stress")[-1]
@@ -256,7 +267,8 @@ def measured(name, what, wanted, reading, keys):
     found, seconds = abs(value / truth - 1), sum(row[1] for row in ours)
     print(f"{name}: predicted {p['error']:.3f}, found {found:.3f} (+- {doubt:.3f}); {p['seconds']:.2f} s, {seconds:.2f} s; steps {p['steps']:.0f}, "
           f"{np.mean([row[2] for row in ours]):.0f}; {json.dumps(plan['estimate'])}", flush=True)
-    return {"name": name, "what": what, "wanted": wanted, "reading": reading, "plan": plan, "found": found, "doubt": doubt, "seconds": seconds,
+    rest = sum((FOLDER / place / f"run-{seed}" / "from-rest").exists() for seed in range(1, p["packings"] + 1))
+    return {"name": name, "what": what, "wanted": wanted, "rest": rest, "reading": reading, "plan": plan, "found": found, "doubt": doubt, "seconds": seconds,
             "signed": value / truth - 1, "steps": np.mean([row[2] for row in ours]), "fine": [row[3] for row in fine],
             "scatter": doubt * np.sqrt(len(fine))}
 
@@ -291,7 +303,8 @@ def table(rows):
         causes = ", ".join(f"{name} {100 * error:.1f}" for name, error in largest)
         miss = "" if within(row) else " (more)"
         late = "" if on_time(row) else " (off)"
-        yield (f"| {row['name']}: {row['what']} | {100 * row['wanted']:.0f} | {proposal(p)} | {100 * p['error']:.1f} ({causes}) | "
+        rest = f" ({row['rest']} of the packings has no equilibrium to start from: from rest)" if row["rest"] else ""
+        yield (f"| {row['name']}: {row['what']} | {100 * row['wanted']:.0f} | {proposal(p)}{rest} | {100 * p['error']:.1f} ({causes}) | "
                f"{100 * row['signed']:+.1f}{miss} | {p['seconds']:.2f} | {row['seconds']:.2f}{late} | {p['steps']:.0f} | {row['steps']:.0f} |")
 
 

@@ -20,8 +20,7 @@ static double end_of(const gn_scene *scene, const gn_test_end *end, double time,
 }
 
 static double apart(const gn_scene *scene, double time, bool path) {
-    const gn_test_descriptor *d = gn_scene_test(scene);
-    double sign = d->study ? d->sign : 1.0;
+    const double sign = (double)gn_scene_test(scene)->sign;
     return sign * (end_of(scene, &scene->test.upper, time, path) -
                    end_of(scene, &scene->test.lower, time, path));
 }

@@ -29,7 +29,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 20 };
+enum { FORMAT = 21 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -61,6 +61,8 @@ static const gn_piece pieces[] = {
     DOUBLES(world.ctx.test_area),
     DOUBLES(world.gauge.weights.volume),
     INTEGER(history_interval),
+    DOUBLES(history_spacing),
+    INTEGER(history_end_row),
     INTEGER(history_halvings),
     INTEGER(history_begin),
     INTEGER(snapshot_interval),
@@ -307,10 +309,10 @@ static bool spacing_is_good(const gn_run *run) {
 
 static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
-    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && spacing_is_good(run) &&
-                run->snapshot_next >= 0 && run->snapshot_span >= 0.0 && w->ctx.step >= 0 &&
-                isfinite(w->ctx.time) && w->ctx.dt > 0.0 && isfinite(w->ctx.dt) &&
-                isfinite(w->ctx.dt_past);
+    bool good = run->history_interval > 0 && run->history_spacing >= 0.0 &&
+                run->snapshot_interval >= 0 && spacing_is_good(run) && run->snapshot_next >= 0 &&
+                run->snapshot_span >= 0.0 && w->ctx.step >= 0 && isfinite(w->ctx.time) &&
+                w->ctx.dt > 0.0 && isfinite(w->ctx.dt) && isfinite(w->ctx.dt_past);
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected positive steps and intervals, found others", path);

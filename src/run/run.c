@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/timer.h"
-#include "conversion/conversion.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "io/snapshot.h"
@@ -477,15 +476,6 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
     return GNEISS_OK;
 }
 
-/* Keeps the time between rows after the step has changed. */
-static void keep_row_spacing(gn_run *run, double step_before) {
-    const gn_world *w = &run->world;
-    if (!gn_converts(&w->ctx) || w->ctx.dt == step_before || run->history_interval == INT64_MAX)
-        return;
-    const double steps = round((double)run->history_interval * step_before / w->ctx.dt);
-    run->history_interval = steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
-}
-
 static gneiss_status after_row(gn_run *run, gneiss_error *error) {
     const size_t row = run->history.row_count - 1;
     const bool look = gn_run_is_look(run, row);
@@ -500,7 +490,6 @@ static gneiss_status after_row(gn_run *run, gneiss_error *error) {
 
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
-    const double step_before = w->ctx.dt;
     GN_TRY(gn_run_drop_end_row(run, error));
     GN_TRY(gn_run_begin(run, NULL, error));
     bool first = w->ctx.step == w->ctx.first_step;
@@ -517,13 +506,14 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(after_row(run, error));
     } else if (gn_run_time_left(run) <= 1.5 * w->ctx.dt) {
-        GN_TRY(gn_history_last(w, gn_run_has_end_row(run) ? &run->history : NULL, error));
+        const bool row = gn_run_has_end_row(run);
+        GN_TRY(gn_history_last(w, row ? &run->history : NULL, error));
+        run->history_end_row = row;
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }
     if (w->ctx.step % (w->solids.count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
-    keep_row_spacing(run, step_before);
     if (w->outcome.halt[0] && !run->finished && last(run, "step") != (double)(w->ctx.step - 1)) {
         GN_TRY(gn_history_step(w, &run->history, error)); /* the row of the failed step */
         GN_TRY(gn_run_check_ledger(run, error));

@@ -43,6 +43,8 @@ typedef struct gn_run {
     struct gn_run_read *read; /* the readings that were computed last (readings.c) */
     char directory[GN_PATH_SIZE];
     int64_t history_interval; /* steps */
+    double history_spacing;   /* s between rows that are never removed, 0: none */
+    int64_t history_end_row;  /* 1: the last row is that of the end, at no regular time */
     int64_t history_halvings; /* present halvings of the interval (run/spacing.h) */
     int64_t history_begin;    /* first row that the thinning may remove */
     gn_looks looks;

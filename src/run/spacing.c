@@ -42,8 +42,8 @@ int64_t gn_row_halvings(int64_t interval) {
     return gn_halvings(interval, LEAST_STEPS, GN_ROW_HALVINGS);
 }
 
-/* Tells whether rows may be closer at first. Rows at given times cannot be
- * closer, nor rows with rates of sinks, which are means from row to row. */
+/* Tells whether rows may be closer at first; all others are equal times apart. Runs that convert
+ * elements have their rows at given times, and rates of sinks are means from row to row. */
 static bool adapts(const gn_world *w, size_t stage) {
     return w->ctx.scene.history_rows > 0 && !gn_converts(&w->ctx) &&
            !gn_scene_has_flow(&w->ctx.scene) && may_end_early(&w->ctx.scene, stage);
@@ -69,6 +69,8 @@ double gn_run_rows_expected(const gn_world *w) {
 
 void gn_run_space_rows(gn_run *run, int64_t interval) {
     run->history_interval = interval;
+    run->history_spacing = interval < INT64_MAX ? (double)interval * run->world.ctx.dt : 0.0;
+    run->history_end_row = 0;
     run->history_begin = (int64_t)run->history.row_count;
     run->history_halvings =
         adapts(&run->world, run->world.stages.now) ? gn_row_halvings(interval) : 0;
@@ -86,14 +88,15 @@ static bool is_spaced(const gn_run *run, int64_t step) {
            (run->history_halvings && step % spacing_of(run) == 0);
 }
 
-/* Rows are at multiples of the interval. While elements convert to particles, with which steps
- * become shorter, rows are instead the interval apart in time, from the last one on. */
+/* Rows that may be removed are at multiples of the interval. All others are equal times apart, from
+ * the last one on, because the step may become shorter. */
 bool gn_run_row_is_due(const gn_run *run) {
     const gn_world *w = &run->world;
     const size_t rows = run->history.row_count;
-    if (!gn_converts(&w->ctx) || !rows) return is_spaced(run, w->ctx.step);
+    if (adapts(w, w->stages.now) || !rows) return is_spaced(run, w->ctx.step);
     const double last = gn_history_column(&run->history, "time")[rows - 1];
-    return w->ctx.time - last > ((double)run->history_interval - 0.5) * w->ctx.dt;
+    return run->history_spacing > 0.0 &&
+           w->ctx.time - last > run->history_spacing - 0.5 * w->ctx.dt;
 }
 
 /* --- the row of the last step --- */
@@ -105,12 +108,9 @@ bool gn_run_has_end_row(const gn_run *run) {
 }
 
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
-    gn_history *h = &run->history;
-    if (!gn_run_has_end_row(run) || (int64_t)h->row_count <= run->history_begin + 1)
-        return GNEISS_OK;
-    const int64_t step = (int64_t)gn_history_column(h, "step")[h->row_count - 1];
-    if (step != run->world.ctx.step - 1 || is_spaced(run, step)) return GNEISS_OK;
-    h->row_count--;
+    if (!run->history_end_row || run->finished) return GNEISS_OK;
+    run->history_end_row = 0;
+    run->history.row_count--;
     return gn_run_note_looks(run, error);
 }
 
