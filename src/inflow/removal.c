@@ -210,7 +210,7 @@ static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error 
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) GN_TRY(take_out(&w->ctx, &w->dem, &w->ledger, p, gone[p], error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l].persistent) release_contacts(&w->ctx, &w->dem.list[l].contacts, gone);
+        if (gn_list_kinds[l]->persistent) release_contacts(&w->ctx, &w->dem.list[l].contacts, gone);
     return gn_gauge_leave(&w->ctx, &w->dem, &w->gauge, error);
 }
 

@@ -123,7 +123,7 @@ static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     for (size_t p = 0; p < q->soa.count; p++) place[p] = q->vel[4 * p + 3] > 0.0 ? 1 : -1;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         const gn_contacts *list = &dem->list[l].contacts;
-        if (!gn_list_kinds[l].persistent) continue;
+        if (!gn_list_kinds[l]->persistent) continue;
         for (size_t c = 0; c < list->soa.count; c++) place[list->i[c]] = place[list->j[c]] = 1;
     }
     for (size_t p = 0; p < q->soa.count; p++) {

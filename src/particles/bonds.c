@@ -321,8 +321,9 @@ static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
     return GNEISS_OK;
 }
 
-gneiss_status gn_bonds_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error) {
+static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem,
+                                const gn_boundary *boundary, const gn_solids *solids,
+                                gneiss_error *error) {
     gn_pair_list pairs = {0};
     gn_from_run from = {0};
     free_overlaps loose = {0};
@@ -523,3 +524,13 @@ gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_bou
     gn_pair_list_free(&pairs);
     return status;
 }
+
+static gn_effects bond_effects(gn_effects scene_effects) {
+    return gn_contact_list_effects(scene_effects, true);
+}
+
+const gn_list_kind gn_list_kind_bonds = {.record = "bonds",
+                                         .persistent = true,
+                                         .of_materials = true,
+                                         .effects_of = bond_effects,
+                                         .form = form_bonds};

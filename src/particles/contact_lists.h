@@ -53,7 +53,12 @@ typedef struct gn_list_kind {
                           const gn_solids *solids, gneiss_error *error);
 } gn_list_kind;
 
-extern const gn_list_kind gn_list_kinds[GN_LIST_COUNT];
+/* Each list defines its own. */
+#define X(NAME, name) extern const gn_list_kind gn_list_kind_##name;
+GN_CONTACT_LISTS(X)
+#undef X
+
+extern const gn_list_kind *const gn_list_kinds[GN_LIST_COUNT];
 
 /* Tells whether the scene has list number `list`. */
 bool gn_list_used(const gn_scene *scene, int list);

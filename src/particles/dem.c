@@ -206,7 +206,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     gn_lists_set_effects(&w->ctx, &w->dem);
     if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l].of_materials)
+        if (gn_list_kinds[l]->of_materials)
             GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
     GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->stages, error));
     w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;

@@ -133,6 +133,13 @@ static gneiss_status make_pairs(const gn_step_context *ctx, gn_dem *dem, const g
     return status;
 }
 
+static gn_effects pair_effects(gn_effects scene_effects) {
+    return gn_contact_list_effects(scene_effects, false);
+}
+
+const gn_list_kind gn_list_kind_pairs = {
+    .record = "pairs", .of_materials = true, .effects_of = pair_effects};
+
 /* --- order --- */
 
 static int by_pair(const void *a, const void *b) {
@@ -360,7 +367,7 @@ static gn_uniform find_uniform(const gn_contacts *k) {
 void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem) {
     if (!(ctx->effects & GN_FX_CONTACT_DAMPING)) return;
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l].of_materials)
+        if (gn_list_kinds[l]->of_materials)
             gn_contacts_set_dashpots(ctx, dem, &dem->list[l].contacts);
     gn_near_repack(ctx, dem);
     for (int l = 0; l < GN_LIST_COUNT; l++)

@@ -102,7 +102,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_used(&w->ctx.scene, l))
-            GN_TRY(gn_h5_put_record(file, gn_list_kinds[l].record, &gn_contact_record,
+            GN_TRY(gn_h5_put_record(file, gn_list_kinds[l]->record, &gn_contact_record,
                                     &w->dem.list[l].contacts, error));
     GN_TRY(gn_h5_put(file, "near", GN_F64, 1, sizeof kept / 8, 0, &kept, NULL, NULL, error));
     GN_TRY(gn_h5_put(file, "near_paths", GN_F64, w->dem.near.path_count, PATH, 0, w->dem.near.paths,
@@ -172,7 +172,7 @@ static gneiss_status check_records(const gn_dem *d, const char *path, gneiss_err
     GN_TRY(
         gn_checkpoint_check_numbers("particles", q->id, q->soa.count, (size_t)d->ids, path, error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
-        GN_TRY(gn_checkpoint_check_record(gn_list_kinds[l].record, &gn_contact_record,
+        GN_TRY(gn_checkpoint_check_record(gn_list_kinds[l]->record, &gn_contact_record,
                                           &d->list[l].contacts, path, error));
     return gn_checkpoint_check_record("prepared", &gn_contact_record, &d->prepared, path, error);
 }
@@ -253,9 +253,9 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
                             error));
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_used(&w->ctx.scene, l))
-            GN_TRY(gn_h5_get_record(file, gn_list_kinds[l].record, &gn_contact_record,
+            GN_TRY(gn_h5_get_record(file, gn_list_kinds[l]->record, &gn_contact_record,
                                     &d->list[l].contacts,
-                                    gn_list_kinds[l].effects_of(w->ctx.effects), error));
+                                    gn_list_kinds[l]->effects_of(w->ctx.effects), error));
     GN_TRY(get_near(w, file, path, error));
     if (gn_converts(&w->ctx)) GN_TRY(get_sleepers(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));
