@@ -333,8 +333,8 @@ static void a_sink_takes_bonded_particles(void **state) {
     while (w->dem.flow.sinks[0].number < 1.0 && w->ctx.step < 100000) run_steps(w, 1);
     run_steps(w, 10);
     gn_energy e = measured_step(w);
-    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
-    assert_int_equal(w->dem.bonds.cause[1], GN_BOND_LEFT);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.contacts.cause[1], GN_BOND_LEFT);
     assert_close(e.removed, 0.5 * sphere_mass(2500, 1e-3), 1e-9);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
     world_end(w);
@@ -433,7 +433,7 @@ enum { BUSY_STEPS = 6000 };
 
 /* Bonds are those of the block still, whose particles have the first 32 ids. */
 static void bonds_are_those_of_the_block(const gn_world *w) {
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     assert_int_equal(b->soa.count, 2 * 2 * 3 * 4 + 16);
     for (size_t c = 0; c < b->soa.count; c++) {
         assert_true(w->dem.particles.id[b->i[c]] < 32 && w->dem.particles.id[b->j[c]] < 32);

@@ -102,7 +102,7 @@ static void dashpots_are_those_of_the_raised_mass(void **state) {
     gn_world *w = rock("threads: 1", "mass_scaling: {factor: 1.4}",
                        "damping: {contact: {fraction: 0.3}}\n"),
              *plain = rock("threads: 1", "step: auto", "damping: {contact: {fraction: 0.3}}\n");
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         double inverse =
             w->dem.particles.vel[4 * b->i[c] + 3] + w->dem.particles.vel[4 * b->j[c] + 3];

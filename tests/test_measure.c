@@ -463,7 +463,7 @@ static void assert_lattice_stress(const lattice *l, gn_effects effects) {
     for (int a = 0; a < 3; a++) assembly.period[a] = edge * l->cell[a] * l->cells;
     for (int a = 0; a < l->dimension; a++) volume *= assembly.period[a], trace += strain[a][a];
     gn_contacts bonds = contacts_of_cloud(l, assembly.period, effects, strain, kn, kt);
-    assembly.bonds = &bonds;
+    assembly.list[0] = &bonds;
     gn_stress_average(&assembly, volume, sigma);
     lattice_stiffness(l->name, kn, kt, c);
     double per_edge = l->dimension == 3 ? 1 / edge : 1;
@@ -517,7 +517,7 @@ static void scrap_make(scrap *s) {
     assert_int_equal(gn_soa_create(&gn_wall_contact_record, &s->walls, 1, all_effects, NULL), 0);
     memcpy(s->walls.row, (double[3]){0.7, 0, 9}, 3 * sizeof(double));
     s->assembly =
-        (gn_assembly){3, &s->p, &s->bonds, &s->pairs, &s->walls, floor_normal, false, {0}, 1};
+        (gn_assembly){3, &s->p, {&s->bonds, &s->pairs}, &s->walls, floor_normal, false, {0}, 1};
 }
 
 static void scrap_free(scrap *s) {

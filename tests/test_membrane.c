@@ -273,7 +273,7 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
 
 static void cut_out(gn_world *w, bool (*part)(const gn_particles *q, size_t p)) {
     const gn_particles *q = &w->dem.particles;
-    gn_contacts *bonds = &w->dem.bonds;
+    gn_contacts *bonds = &w->dem.bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++)
         if (part(q, (size_t)bonds->i[c]) != part(q, (size_t)bonds->j[c]))
             bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
@@ -371,7 +371,7 @@ static void dead_loads_are_handed_on(void **state) {
     for (int d = 2; d <= 3; d++) {
         gn_world *w = specimen(d, false);
         gn_particles *q = &w->dem.particles;
-        gn_contacts *bonds = &w->dem.bonds;
+        gn_contacts *bonds = &w->dem.bonds.contacts;
         const double whole = gn_membrane_area(&w->dem);
         size_t p = 0;
         while (!(q->skin[4 * p + 3] > 0 && q->bonds0[p] > 0)) p++;
@@ -397,7 +397,7 @@ typedef bool (*layer)(const gn_particles *q, size_t p, const double centre[3]);
 /* All of a layer comes off: each of it by itself, far from all others. */
 static void take_off(gn_world *w, layer of, const double centre[3]) {
     gn_particles *q = &w->dem.particles;
-    gn_contacts *bonds = &w->dem.bonds;
+    gn_contacts *bonds = &w->dem.bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++)
         if (of(q, (size_t)bonds->i[c], centre) || of(q, (size_t)bonds->j[c], centre))
             bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;

@@ -294,7 +294,7 @@ static void what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle(void **sta
             "bond_tension_limit: 1e3, bond_shear_limit: 1e3}]\nlaw: {stiffness: uniform}\n"
             "bonds: {}\ntime: {end: 1}\nrun: {threads: 1}\n");
         gn_world *w = world_of("%s", t.s);
-        assert_int_equal(w->dem.bonds.soa.count, 12);
+        assert_int_equal(w->dem.bonds.contacts.soa.count, 12);
         for (int k = 0; k < 8; k++) assert_int_equal(w->dem.loose[k], 0);
         assert_int_equal(w->dem.loose[8], !group);
         assert_int_equal(w->dem.loose[9], 1);
@@ -326,7 +326,7 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
                     "1e3}]\nlaw: {stiffness: uniform}\nbonds: {}\ntime: {end: 1}\n"
                     "run: {threads: 1}\n%s\n",
                     floor);
-                assert_int_equal(w->dem.bonds.soa.count, 1);
+                assert_int_equal(w->dem.bonds.contacts.soa.count, 1);
                 double contact = pi * sqrt(mass_of(w, 0) / 5e5);
                 double steps = passive ? 3.2 : 5.0;
                 if (stiff)
@@ -423,7 +423,7 @@ static void what_comes_apart_between_lists_is_resolved_at_once(void **state) {
         "walls:\n- {name: a, point: [-1e-3, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
         "- {name: b, point: [4.96e-3, 0, 0], normal: [-1, 0, 0], stiffness: 1e5}\n"
         "time: {end: 1}\nrun: {threads: 1}\n");
-    const int64_t all = (int64_t)w->dem.bonds.soa.count, lists = w->dem.verlet.rebuilds;
+    const int64_t all = (int64_t)w->dem.bonds.contacts.soa.count, lists = w->dem.verlet.rebuilds;
     double contact = pi * sqrt(mass_of(w, 0) / 2e5);
     assert_true(w->dem.resolution.step == INFINITY && w->ctx.dt > 0.11 * contact);
     for (int k = 0; k < 400 && w->dem.broken_tension + w->dem.broken_shear < all; k++)
