@@ -71,7 +71,7 @@ run: {threads: 1}
 
 def first_of(scene):
     said = expect(gneiss("plan", scene), 0, r"").stdout
-    said = said[said.index("conversion, with the body in equilibrium"):]
+    said = said[said.index("conversion, by a trial run"):]
     found = re.search(r"\n  first +at ([\d.e+-]+) s", said)
     return float(found.group(1)) if found else None, said
 
@@ -81,36 +81,34 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     stages = "time: {end: 50 ms}\nstages: [{name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}, end: {%s}}, {name: pull, elements: {motions: {drawn: {motion: {vx: 0.5 mm/s}}}}, end: {time: 15 ms}}]\n"
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms"))
     assert abs(first - 15e-3) < 0.02 * 10e-3 and "in stage 'pull'" in said, said
-    assert re.search(r"stage rest +from 0 s to 0.005 s\n +stage pull +from 0.005 s to 0.02 s\n", said), said
-    assert re.search(r"steps +\d+.* to t = 0.02 s, \d+ of them with elements alone", said), said
+    assert re.search(r"steps +\d+.* to t = 0.0149\d+ s, \d+ of them with elements alone", said), said
     first, said = first_of(write_scene(folder, DRAWN + stages % "unbalanced: 0.01"))
-    assert re.search(r"stage rest +from 0 s to \S+ s, a guess: it waits for equilibrium", said), said
+    assert "one that waits for equilibrium was assumed to last twenty transit times" in said, said
     assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
-    assert re.search(r"stage rest +from 0 s to 0.005 s at the latest: it may end earlier", said), said
+    assert abs(first - 15e-3) < 0.02 * 10e-3 and "was assumed" not in said, said
 
 
 # Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
 @fact
 def plan_says_where_waves_come_first(folder):
-    for speed, fast in (("0.5 mm/s", False), ("0.2 m/s", True)):
+    for speed, first_time in (("0.5 mm/s", 10e-3), ("0.2 m/s", 0.0126e-3)):
         first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", speed) + "time: {end: 15 ms}\n"))
-        period = float(re.search(r"slowest period (\S+) s", said).group(1))
-        assert abs(period - 2 * 0.12 / 1754.1) < 0.05 * period, said
-        assert ("they may reach a limit earlier, at another time and place" in said) == fast, said
-    # A pulse so short that at rest nothing would come of it.
+        assert abs(first - first_time) < 0.02 * first_time, said
+    # A pulse so short that nothing would come of it in equilibrium.
     pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
     first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
-    assert first is None and "waves, which may reach a limit that is not reached in equilibrium" in said, said
+    assert first < 0.1e-3, said
     # A load that stays, of 0.6 MPa: within 1 us it doubles at the end that is held.
     drawn = "    - {name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, motion: {vx: 0.5 mm/s, vy: 0}}\n"
     assert drawn in DRAWN
     for rise, fast in ((1e-6, True), (1e-2, False)):
         load = "  loads: [{name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, force: {fx: [[0, 0], [%g, 9600]]}}]\n" % rise
         first, said = first_of(write_scene(folder, DRAWN.replace(drawn, load) + "time: {end: 15 ms}\n"))
-        within = float(re.search(r"the load rises within (\S+) s", said).group(1))
-        assert first is None and abs(within - rise) < 0.1 * rise, said
-        assert ("waves, which may reach a limit that is not reached in equilibrium" in said) == fast, said
+        assert (first is not None) == fast, said
+        if not fast:
+            most = float(re.search(r"first +none in \d+ steps, to 0.015 s: (\S+) of a limit at most; the step below is that after", said).group(1))
+            assert abs(most - 0.6) < 0.03, said
 
 
 @fact
