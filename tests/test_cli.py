@@ -688,7 +688,7 @@ def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
 
 @fact
 def one_slip_is_one_error(folder):
-    # What depends on the word that is wrong is not held against the scene as well.
+    # Errors that follow from the wrong word are not reported as well.
     for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
                      ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
                      ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),

@@ -1,4 +1,4 @@
-"""What the program says of zones that particles and elements share, and how they are drawn. Speaks TAP."""
+"""Messages of the program about zones that particles and elements share, and their pictures. Speaks TAP."""
 from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -120,7 +120,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # Of a fixed zone: the end of the elements stands on the wall, particles do not.
+    # In a fixed zone the end of the elements stands on the wall, particles do not.
     zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
     said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout
     assert "wall 'base' touches 20 nodes of elements: elements have no contact with walls" in said, said
@@ -532,7 +532,7 @@ def warnings_of(out):
 
 @fact
 def particles_with_another_mass_than_elements_leave_them_are_warned_of(folder):
-    """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
+    """Nine columns have shares of 0, 1/8 .. 1 in the zone: 4.5 columns, where elements leave 4."""
     scene = write_scene(folder, ZONE)
     for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
                                    (("materials[0].density=12000",), 4.5 / 4 * 12000 / 9931, True)):

@@ -1,4 +1,4 @@
-"""What `./do` says and builds, in a root of its own with a build folder whose program is a stub. Speaks TAP."""
+"""Output and builds of `./do`, in a root of its own with a build folder whose program is a stub. Speaks TAP."""
 import select
 
 from program import *  # noqa: F403

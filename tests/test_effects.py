@@ -1,4 +1,4 @@
-"""What `gneiss plan` says could be switched off changes nothing: the same positions, bit for bit."""
+"""An effect that `gneiss plan` reports as unnecessary changes nothing when it is off: the same positions, bit for bit."""
 import os
 import re
 import sys
@@ -31,7 +31,7 @@ CASES = (("rotation", {}, {"ROTATION": "off"}),
          ("mass_scaling", {"MORE": "mass_scaling: {factor: 1}"}, {"MORE": "step: auto"}),
          ("energy", {"OUTPUT": "energy: on"}, {}),
          ("orientation", {"OUTPUT": "energy: off, orientation: on"}, {}))
-# What carries an effect that changes something.
+# Scenes in which an effect changes something.
 NEEDED = (("rotation", {"MATERIAL": FRICTION}), ("friction", {"MATERIAL": FRICTION}),
           ("rotation", {"SETS": "sets: [{name: s, select: {all: true}, initial_spin: [0, 0, 1]}]\n"}),
           ("contact_damping", {"DAMPING": "damping: {contact: {restitution: 0.9}}\n"}),

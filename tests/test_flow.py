@@ -102,7 +102,7 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 @fact
 def every_column_of_the_history_has_numbers(folder):
-    """What comes and goes has no average strain, in a scene of sources alone or beside others."""
+    """Particles that come and go have no average strain, in a scene of sources alone or beside others."""
     alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
     alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
     run(write_scene(folder, alone), os.path.join(folder, "alone"))

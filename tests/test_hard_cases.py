@@ -276,7 +276,7 @@ def a_file_size_limit_at_the_start_is_an_error(folder):
     assert not os.listdir(folder), os.listdir(folder)
 
 
-# --- energy that nobody put in -----------------------------------------------------------------------------
+# --- energy without a source -------------------------------------------------------------------------------
 
 def warnings(folder):
     return {w["name"]: w["text"] for w in summary(folder)["warnings"]}

@@ -83,7 +83,7 @@ def a_stage_that_ends_by_held_waits_for_the_pressure_and_has_it(folder):
 
 @fact
 def a_membrane_of_the_first_stage_is_one_of_the_scene(folder):
-    """The same bits, also beside one of the scene that a stage says again."""
+    """Both give the same bits, also beside a membrane of the scene that a stage repeats."""
     membrane = {"pressure": [[0, "0.1 MPa"], ["1 ms", "0.2 MPa"]], "ramp": "0.3 ms"}
     end = [stage("all", {"time": "1 ms"})]
     plain = block([], membrane=membrane, time={"end": "1 ms"})

@@ -277,7 +277,7 @@ def a_plan_has_rows_enough_for_its_peak(folder):
 def loading_that_is_too_fast_shows_in_the_budget_of_the_run(folder):
     _, fast = budget(folder)
     speed = fast["speed"]
-    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and told.
+    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and reported.
     assert 0.03 < speed < 0.08, speed
     assert any("velocity" in note and "beyond" in note for note in fast["peak_stress"]["notes"]), fast["peak_stress"]["notes"]
 

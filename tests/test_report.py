@@ -223,7 +223,7 @@ def curves_of_a_test_are_those_of_the_last_stage(folder):
         assert np.allclose(y * grown, rows - (rows[0] if name in ("volumetric_strain", "lateral_strain", "dilation") else 0)), name
 
 
-# Of each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
+# For each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
 TRIAXIAL = {
     "columns": {"volumetric_strain": 0.004, "lateral_strain": -0.006},
     "readings": {"axial_strength": (250e6, "Pa"), "confinement": (10e6, "Pa"), "crack_initiation_stress": (110e6, "Pa"),
@@ -676,7 +676,7 @@ def walls_are_where_they_have_come_to(folder):
 
 
 def seen(scene, size, dimension=3, **given):
-    """What the pictures know of grains in a box of such a size."""
+    """The data of the pictures for grains in a box of this size."""
     rng = np.random.default_rng(1)
     results = report.Results.__new__(report.Results)
     position = rng.uniform(0, 1, (400, 3)) * size

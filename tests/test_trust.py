@@ -1,4 +1,4 @@
-"""Files that were damaged, changed or made by somebody else: each is refused or computed again, and named. Speaks TAP."""
+"""Files that were damaged, changed or made by another program: each is refused or computed again, and named. Speaks TAP."""
 import csv
 import glob
 import random

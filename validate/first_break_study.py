@@ -139,7 +139,7 @@ def kinetic_ratio(done):
 
 
 def rest_ratio(rest, done):
-    """The same of the run from rest in the same time, over the same energy."""
+    """The kinetic energy of the run from rest in the same time, over the same energy."""
     t, k = rest.history["time"], rest.history["energy_kinetic"]
     steady = done.history["energy_kinetic"][np.argmax(done.history["time"] >= done.start["start"] * (1 - 1e-9))]
     before = t < done.start["start"]

@@ -81,7 +81,7 @@ def beside_large(m, large, v, spin, dt, steps, gap, pull):
 
 
 def ours(m, two, v, spin, dt, steps, gap, **more):
-    """Of every step: time, position, velocity, spin of the first sphere, overlap."""
+    """For every step: time, position, velocity, spin of the first sphere, overlap."""
     rows = []
     with own.World(scene(m, two, v, spin, dt, gap, **more)) as world:
         for k in range(steps):
@@ -149,7 +149,7 @@ def in_liggghts(job, damped):
 
 
 def in_others(jobs):
-    """Of each job velocity and spin of the first sphere: in YADE, in LIGGGHTS, and there without its tangential dashpot."""
+    """For each job velocity and spin of the first sphere: in YADE, in LIGGGHTS, and there without its tangential dashpot."""
     ends = [rows[-1][4:10] for rows in in_yade(jobs)]
     return [(end, in_liggghts(job, True), in_liggghts(job, False)) for end, job in zip(ends, jobs)]
 
@@ -228,7 +228,7 @@ def oblique():
     return lines
 
 
-# Of Kharaz, Gorham and Salman 2001 (Powder Technology 120, 281-291), as others have read them off its figures (Lethe's example of
+# From Kharaz, Gorham and Salman 2001 (Powder Technology 120, 281-291), as others have read them off its figures (Lethe's example of
 # this experiment): angle of incidence, reading.
 KHARAZ = {"v_t'/v_t": [(1.84, 0.793), (3.70, 0.745), (9.50, 0.673), (20.0, 0.597), (30.1, 0.688), (39.4, 0.771), (49.7, 0.848), (60.0, 0.901)],
           "spin, rad/s": [(6.14, 136), (11.0, 266), (21.3, 578), (31.2, 613), (39.1, 595), (50.3, 453), (60.3, 382)],

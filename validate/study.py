@@ -1,4 +1,4 @@
-"""What the studies share: runs of the program, kept and reused, and tables between markers of a document.
+"""Shared by the studies: runs of the program, kept and reused, and tables between markers of a document.
 
 A run goes to runs/studies/<name>. It is done again when its settings changed, when it is not there, or with
 --fresh. The program is build/gneiss, or what the environment variable GNEISS names. With --kept nothing is run: tables have the rows
@@ -52,7 +52,7 @@ class Missing(Exception):
 
 
 def if_there(make, *arguments, **named):
-    """What make(...) returns; None where a run that it needs is not there (with --kept)."""
+    """The result of make(...); None where a run that it needs is not there (with --kept)."""
     try:
         return make(*arguments, **named)
     except Missing as gone:

@@ -43,7 +43,7 @@ def between(one):
 
 
 def have_met(one):
-    """What is between the notches bears little and goes because neither zone has room there; beside one notch alone some of it stays."""
+    """The material between the notches carries little and converts because neither zone has room there; beside one notch alone some of it stays."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"

@@ -81,7 +81,7 @@ def corner_of_segments(folder):
 
 
 def falls_off(one):
-    """What was pressed, 1/2 (m g)^2/k, is next to nothing: the energy is that of the fall."""
+    """The elastic energy at the start, 1/2 (m g)^2/k, is negligible: the energy is that of the fall."""
     v, d = one.field("particles/velocity")[0], one.field("particles/displacement")[0]
     v = v + np.array([0, -WEIGHT, 0]) * 0.5 * one.summary["time"] / one.summary["steps"]
     rows, weight = one.history, math.pi * 1e-6 * DENSITY * WEIGHT
