@@ -30,7 +30,7 @@ CORNER = {"ids": [0, 1, 2]}
 
 
 @fact
-def what_comes_off_is_no_strain_of_what_is_left(folder):
+def detached_particles_do_not_count_as_strain_of_the_rest(folder):
     """Three discs of a corner, which fly off or leave the model: nothing loads the rest. (Was 20 % where they fly on, 8 % where they were
     taken out: the strain that their last place made.)"""
     for name, more in (("flies", {}), ("goes", {"domain": BEYOND})):

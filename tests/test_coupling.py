@@ -492,7 +492,7 @@ def pulse(stress):
 
 
 @fact
-def what_ends_before_its_second_row_leaves_a_ledger_that_closes(folder):
+def the_ledger_closes_when_a_run_ends_before_its_second_row(folder):
     """The step is lowered while elements vibrate, and conversion has to leave its box before the ledger is read again: what that takes is
     not set against what was read at the start."""
     scene = {"dimension": 2, "materials": [{"name": "c", "density": 2400, "contact_modulus": 22.4e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e8,
@@ -679,7 +679,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
 
 
 @fact
-def what_zones_take_stands_in_the_profile(folder):
+def time_of_zones_is_in_the_profile(folder):
     """Nodes that particles follow, forces handed over; nothing without zones."""
     scene = write_scene(folder, ZONE)
     for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
@@ -693,7 +693,7 @@ def what_zones_take_stands_in_the_profile(folder):
 
 
 @fact
-def what_a_zone_returns_is_a_reading_of_the_end(folder):
+def energy_returned_by_a_zone_is_a_reading(folder):
     """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
     read = []
     for rows in (400, 7):
@@ -719,7 +719,7 @@ def what_a_zone_returns_is_a_reading_of_the_end(folder):
 
 
 @fact
-def what_is_pressed_converts_by_its_shear(folder):
+def elements_under_compression_convert_by_shear(folder):
     """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
     cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")

@@ -61,7 +61,7 @@ def positions(folder, name, changes):
 
 
 @fact
-def what_could_be_switched_off_changes_no_bit(folder):
+def effects_reported_as_unnecessary_change_no_bit(folder):
     for k, (name, carried, without) in enumerate(CASES):
         assert name in could_go(folder, carried), (name, carried)
         assert name not in could_go(folder, without), (name, without)
@@ -78,7 +78,7 @@ def held_spins_could_be_switched_off_to_rounding(folder):
 
 
 @fact
-def what_changes_something_is_not_named(folder):
+def needed_effects_are_not_reported_as_unnecessary(folder):
     for name, carried in NEEDED:
         assert name not in could_go(folder, carried), (name, carried)
 

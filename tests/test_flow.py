@@ -70,7 +70,7 @@ def snapshots_have_as_many_points_as_there_were_rows(folder):
 
 
 @fact
-def what_came_is_there_or_has_gone_in_every_row(folder):
+def particles_balance_sources_and_sinks_in_every_row(folder):
     h = history(reference())
     came, went, there = h["source_rain_number"], h["sink_edge_number"], h["particles"]
     with results(reference()) as file:

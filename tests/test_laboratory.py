@@ -117,7 +117,7 @@ def a_brazilian_stress_is_two_p_over_pi_d_t(folder):
 
 
 @fact
-def a_disc_has_its_extent_for_what_the_scene_does_not_say(folder):
+def sizes_of_a_disc_default_to_its_extent(folder):
     out = run_scene(folder, disc(3, 150, time={"end": 2e-4}))
     rows, area = history(out), None
     with results(out) as file:
@@ -283,7 +283,7 @@ def the_initial_load_of_the_ends_is_no_strength(folder):
 
 
 @fact
-def what_wobbles_before_a_shear_test_shears_ends_nothing(folder):
+def oscillation_before_shearing_does_not_end_a_shear_test(folder):
     """Bonds break while the normal stress comes, and the stress that rings meanwhile falls: nothing is sheared yet."""
     grain = {**ROCK, "density": 2650, "kratio": 2, "shear_strength": "20 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
     given = scene(2, specimen={"rectangle": {"width": 0.06, "height": 0.04}, "particles": 300, "packing": {"size_ratio": 3}}, materials=[grain],
@@ -651,7 +651,7 @@ def tips_and_edges_hold_the_membrane(folder):
 
 
 @fact
-def a_membrane_that_goes_takes_its_work_back(folder):
+def a_membrane_that_is_removed_returns_its_work(folder):
     """0, 10, 0 MPa: (before, more was lost than the box had stored)."""
     given = under_pressure({"box": {"size": [0.01, 0.012, 0.016]}}, 3, {"pressure": [[0, 0], ["0.5 ms", "10 MPa"], ["1 ms", 0]]},
                            damping={"background": {"model": "nonviscous_vector", "coefficient": 0.3}})
@@ -823,7 +823,7 @@ def confinement_makes_a_specimen_stronger(folder):
 
 
 @fact
-def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
+def particles_below_a_detached_one_carry_its_membrane(folder):
     """Particles under one that was detached carry its patch, so that the surface stays covered. The bits are the same on two threads, after a stop
     between two looks and on the plain instruction set."""
     given = triaxial(1e5, time={"end": 3e-3, "stop": "none"})
@@ -889,7 +889,7 @@ def a_force_of_a_stage_acts_beside_the_membrane(folder):
 
 
 @fact
-def what_is_let_go_or_was_never_held_comes_off_as_what_breaks_does(folder):
+def unbonded_particles_detach_from_a_membrane_as_broken_ones_do(folder):
     """Pulled away by more than a radius: it is not pressed any more, and the pressure is on what remains."""
     away = {"motion": {"vx": -20.0, "vy": 0.0}}
     stages = [{"name": "a", "end": {"time": 5e-5}}, {"name": "b", "sets": {"some": away}, "end": {"time": 3e-4}}]
@@ -1455,7 +1455,7 @@ def simple_shear_asks_for_a_box_that_is_open_along_the_normal(folder):
 # --- wrong use ------------------------------------------------------------------------------------------
 
 @fact
-def what_a_kind_has_no_use_for_is_refused(folder):
+def keys_that_a_test_kind_does_not_take_are_refused(folder):
     for test, pattern in (({"area": 1.0}, "test.area: expected in tests of the kind compression, tension, triaxial, biaxial, oedometer and shear, found brazilian"),
                           ({"span": 0.1}, "test.span: expected in tests of the kind bending, found brazilian"),
                           ({"thickness": 0.1}, "test.thickness: expected 1 m in a 2D scene, found 0.1 m"),
@@ -1662,7 +1662,7 @@ def halves(gap):
 
 
 @fact
-def what_is_sheared_is_what_the_ends_leave_free(folder):
+def the_sheared_height_is_that_between_the_ends(folder):
     """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A length that is free is not doubted."""
     def said(test=None, **more):
         given = bonded(test={**ends("shear", "low", "up"), "axis": "x", "normal": "y", **(test or {})}, **more)
@@ -1724,7 +1724,7 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 
 @fact
-def what_is_found_before_the_first_step_of_stages_has_its_place_in_the_file(folder):
+def errors_before_the_first_step_of_stages_name_their_line(folder):
     """And not in the text that the scene of a stage is read from: of what a stage changes that of the stage, of all else its own."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
@@ -1948,7 +1948,7 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
 
 
 @fact
-def it_is_said_where_the_area_of_a_test_comes_from(folder):
+def the_source_of_the_area_of_a_test_is_reported(folder):
     """In simple shear it is the section of the box, whatever the ends leave between them; for a disc and a beam it is what makes a stress of a force."""
     for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
                                        ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):

@@ -132,7 +132,7 @@ def confinements_of_a_test_go_to_the_stage_that_confines(folder):
 
 
 @fact
-def what_of_a_membrane_cannot_change_is_refused(folder):
+def changes_of_a_membrane_that_stages_cannot_make_are_refused(folder):
     confine = stage("b", {"held": 0.01}, membrane={"pressure": "1 MPa"})
     first = stage("a", {"time": "1 ms"})
     for stages, more, pattern in (

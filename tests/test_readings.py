@@ -59,7 +59,7 @@ def the_forces_of_two_supports_add_up(folder):
 
 
 @fact
-def an_end_that_leaves_out_a_support_is_said_to_be_out_of_balance(folder):
+def an_end_without_a_support_is_reported_as_unbalanced(folder):
     """Half of the load on one end: its difference is two thirds of the mean."""
     out, done = run_scene(folder, bending("left"), "--quiet")
     assert abs(summary(out)["readings"]["end_imbalance"] - 2 / 3) < 0.05
@@ -231,7 +231,7 @@ def without_a_test_every_reading_is_absent_for_that(folder):
 
 
 @fact
-def a_peak_off_few_rows_is_said_with_where_it_may_have_been(folder):
+def a_peak_from_few_rows_is_reported_with_its_range(folder):
     """A brittle block with the same bits, read off many rows and off few."""
     peaks = {}
     for rows in (300, 6, 3):
@@ -418,7 +418,7 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
 
 
 @fact
-def a_gap_to_unbonded_grains_that_counts_as_strain_is_said(folder):
+def a_gap_to_unbonded_grains_that_counts_as_strain_is_reported(folder):
     """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it from contact."""
     height = 30e-3
     for gap, said in ((0.5e-3, "strain counts from the start"), (5e-3, "strain counts from contact")):

@@ -325,7 +325,7 @@ def results_of_another_scene_are_not_overwritten(folder):
 
 
 @fact
-def files_of_somebody_else_are_replaced_only_by_force(folder):
+def foreign_files_are_replaced_only_by_force(folder):
     names = ("summary.json", "report.html", "bonds.hdf.series", "particles_0000000000.hdf", "failed_bodies_0000000012.hdf")
     for name in names:
         out = os.path.join(folder, name + " of others")

@@ -167,7 +167,7 @@ static void walls_that_elements_pass_are_known_before(void **state) {
     assert_int_equal(platen.behind + platen.touching, 0);
 }
 
-static void foreseeing_leaves_a_world_as_it_was(void **state) {
+static void predicting_conversions_leaves_a_world_unchanged(void **state) {
     (void)state;
     const block s = bar("", "");
     gn_world *w = block_of(&s), *other = block_of(&s);
@@ -185,7 +185,7 @@ static void foreseeing_leaves_a_world_as_it_was(void **state) {
     world_end(other);
 }
 
-static void what_nothing_loads_never_converts(void **state) {
+static void an_unloaded_body_never_converts(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
     gn_foreseen f = foreseen_of(w);
@@ -221,7 +221,7 @@ static block beam(bool space, int finer, const char *couple) {
 }
 
 /* Below the limit to the end: where it would be is known all the same. */
-static void what_stays_below_its_limit_is_said_to(void **state) {
+static void a_limit_that_is_never_reached_is_reported(void **state) {
     (void)state;
     block s = beam(false, 1, "");
     s.convert = "stress: 1e15, every: 10";
@@ -283,9 +283,9 @@ int main(void) {
         cmocka_unit_test(a_stage_that_waits_for_rest_is_taken_for_over),
         cmocka_unit_test(waves_are_as_long_as_the_bar_has_them),
         cmocka_unit_test(walls_that_elements_pass_are_known_before),
-        cmocka_unit_test(foreseeing_leaves_a_world_as_it_was),
-        cmocka_unit_test(what_nothing_loads_never_converts),
-        cmocka_unit_test(what_stays_below_its_limit_is_said_to),
+        cmocka_unit_test(predicting_conversions_leaves_a_world_unchanged),
+        cmocka_unit_test(an_unloaded_body_never_converts),
+        cmocka_unit_test(a_limit_that_is_never_reached_is_reported),
         cmocka_unit_test(the_step_of_a_run_is_the_predicted_one),
         cmocka_unit_test(the_step_of_slaved_spins_is_the_predicted_one),
     };
