@@ -199,7 +199,7 @@ class Maker:
         else:
             self.scene["elements"]["loads"] = [{"group": free, "traction": {"t" + AXES[d.choice((0, 0, 1))]: self.ramp(self.strain * self.young)}}]
 
-    # A block, elements first; its particles sleep.
+    # A block, elements first; its particles are dormant.
     def conversion(self):
         d, s = self.d, self.s
         fine = d.choice((1, 2, 2) if self.dim == 2 else (1, 2))

@@ -568,7 +568,7 @@ static double sum_of(const gneiss_world *w, const char *name, size_t *count) {
     "output: {history_rows: 20, snapshots: 0, checkpoint: off}\n"                                  \
     "run: {threads: 1}\n"
 
-/* A strip that is pulled: elements go, particles wake; the same once it was saved. */
+/* A strip in tension: elements convert, particles become active; a saved world gives the same. */
 static void elements_that_convert_are_counted(void **state) {
     (void)state;
     static const char strip[] =

@@ -932,7 +932,7 @@ def a_membrane_below_its_pressure_is_warned_of(folder):
 
 @fact
 def a_box_that_a_servo_shrinks_to_nothing_is_a_run_that_went_bad(folder):
-    """Soft grains do not bear the stress; a box that is too narrow from the start is an error of the scene, and a rate has its own place."""
+    """Soft grains do not carry the stress; a box that is too narrow from the start is an error of the scene, and a rate has its own place."""
     grains = [[2.2e-3 * i + 1e-3, 2.2e-3 * j + 1e-3, 2.2e-3 * k + 1e-3, 1e-3] for i in range(6) for j in range(6) for k in range(6)]
     scene = {"specimen": {"particles": grains}, "law": {"stiffness": "harmonic"}, "time": {"end": 0.5},
              "materials": [{"name": "m", "density": 2650, "contact_modulus": 1e5, "kratio": 3, "friction": 0, "tensile_strength": 1, "shear_strength": 1}],

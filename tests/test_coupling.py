@@ -412,7 +412,7 @@ def check_warns_of_a_zone_wider_than_the_body(folder):
     assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
 
 
-# A notched beam that bears until the crack, and what converts around it, comes to the load.
+# A notched beam that carries load until the crack, with the conversions around it, reaches the load.
 BENT = """dimension: 2
 specimen:
   group: 1
@@ -484,7 +484,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/elements"][-1] == 15 * 4 * 2
-        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles sleep
+        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles are dormant
 
 
 def pulse(stress):

@@ -299,7 +299,7 @@ static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(vo
     world_end(w);
 }
 
-/* Thrown up and down through a plane, through which another one falls. */
+/* A grain flies up and down through a plane, through which another one falls. */
 static void a_plane_that_counts_takes_nothing(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -692,7 +692,7 @@ static void the_examples_begin(void **state) {
 }
 
 /* penetration.yaml with fewer and larger grains, in less time: the sphere stands while they come,
- * falls freely, and rests in the bed, deeper than its surface, which bears it. */
+ * falls freely, and rests in the bed, deeper than its surface, which supports it. */
 static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     (void)state;
     const gn_override smaller[] = {{"run.threads", "1"},

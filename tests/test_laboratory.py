@@ -1012,7 +1012,7 @@ def a_surface_of_particles_follows_what_breaks(folder):
 
 @fact
 def a_hollow_body_is_pressed_on_its_own_surface(folder):
-    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free bears the pressure, inside as
+    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free carries the pressure, inside as
     outside. Two bodies have each their own."""
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(9) for j in range(9)]
     ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 3e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 3e-3)]
@@ -1400,7 +1400,7 @@ def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
 
 @fact
 def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_box(folder):
-    """The layer is led along the plane alone, so the normal stress is what the lower one bears; nothing else presses."""
+    """The layer is led along the plane alone, so the normal stress is that on the lower one; there is no other load."""
     given = glued({"kind": "hexagonal", "cells": [5, 4]}, [0.01, 1], ramp(0), 2, "x", "y", {"wz": 0}, time={"end": 0.02},
                   walls=[{"name": "plate", "point": [0, 2e-3 + 7 * np.sqrt(3) * 1e-3], "normal": [0, -1], "stiffness": "1 MN/m",
                           "servo": {"stress": 1e5, "max_velocity": 0.5}}])

@@ -352,8 +352,8 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
 
 /* A specimen that gives way long before half of its largest stress: it has 100 Pa a strain up to
  * `from` Pa, and half of that up to the peak at 100 Pa; across the axis it moves by 0.1 of its
- * axial strain, then by 0.45, and bears 0.2 and then 0.4 of the axial stress where its sides stand.
- * From `from` on `column` grows. */
+ * axial strain, then by 0.45, and carries 0.2 and then 0.4 of the axial stress where its sides
+ * stand. From `from` on `column` grows. */
 typedef struct weakening {
     double from;
     const char *column;

@@ -1,4 +1,4 @@
-/* Which particles bear a membrane, and how patches follow where grains have shifted by themselves.
+/* Particles that support a membrane, and patches that follow where single grains have shifted.
  */
 #include "world_helpers.h"
 

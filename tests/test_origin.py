@@ -302,7 +302,7 @@ def a_packing_file_far_away_runs_from_there(folder):
 
 @fact
 def an_oblique_wall_may_be_given_by_a_point_far_along_it(folder):
-    # The wall overlaps the particle by 7.4e-6 m at the start and throws it.
+    # The wall overlaps the particle by 7.4e-6 m at the start and expels it.
     def scene(place, point):
         made = ball(place)
         made["sets"] = []

@@ -353,8 +353,8 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
     }
 }
 
-/* A bond that is stretched and sheared bears nothing once it is dissolved: that is no sliding. The
- * normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
+/* A bond that is stretched and sheared carries nothing once it is dissolved: that is no sliding.
+ * The normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
 static void dissolving_a_bond_is_no_friction(void **state) {
     (void)state;
     gn_run *run =

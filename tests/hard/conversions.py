@@ -10,7 +10,7 @@ SOLID = [{"young": STIFF, "poisson": 0, "density": HEAVY}]
 
 
 def drawn(folder, notches, box=None, end=5e-5, **changes):
-    """48 x 12 mm of cells of 2 mm, drawn along x; notches of a cell, two deep, from below at these columns. Discs of 1 mm sleep in it."""
+    """48 x 12 mm of cells of 2 mm, drawn along x; notches of a cell, two deep, from below at these columns. Discs of 1 mm are dormant in it."""
     nodes, triangles = grid(24, 6, lambda i, j: (2e-3 * i, 2e-3 * j))
     gone = {24 * j + i for i in notches for j in (0, 1)}
     msh(folder, nodes, [t for k, t in enumerate(triangles) if k // 2 not in gone])
@@ -90,7 +90,7 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle are gone; the bar bears what elements alone do, of which four over the height are some percent too stiff."""
+    """The lower edges of the middle are gone; the bar carries what elements alone do, of which four over the height are some percent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]
