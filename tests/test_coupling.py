@@ -290,11 +290,11 @@ def dormant_particles_are_drawn_at_their_elements(folder):
     stress = np.asarray(read.particle("stress"), float)[asleep][:, 0]
     assert np.mean(np.abs(stress)) > 1e3
     assert len(Section(read, mesh, 1.0).shown) == awake
-    assert "asleep are left out" in plot_together(read, os.path.join(folder, "together.svg"))
+    assert "Dormant particles are left out" in plot_together(read, os.path.join(folder, "together.svg"))
     assert f"to {awake} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
     rows = {label: value[0] for label, value in count_rows(read)}
-    assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
-    assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    assert rows["active particles"] == f"{awake:,}".replace(",", " ") and "bonds of active particles" in rows, rows
+    assert f"({len(asleep) - awake} dormant)" in bodies_text(read)
     sizes = fragment_sizes(read)
     assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:

@@ -327,7 +327,7 @@ spring that nothing slips off gives back more there. From 20 degrees on velociti
              "of the normal force alone, here the whole of it: a difference of definition. Rows without a closed form do not slide throughout, or are by another definition. 8: r 0.5 m, 1000 times as\n"
              "stiff and dense, at rest: as 6 where it slides.\n")
     kept = PAGE.read_text().partition("\n## Cost\n") if PAGE.exists() else ("", "", "")
-    PAGE.write_text(text + kept[1] + kept[2])  # what was measured by hand stays
+    PAGE.write_text(study.prose(text) + kept[1] + kept[2])  # what was measured by hand stays
 
 
 if __name__ == "__main__":

@@ -286,7 +286,7 @@ def cost_table(found):
         elements = run_of_it.results("history/elements") if "alone" not in run_of_it.folder.name else [0]
         rows.append([name, summary["counts"]["particles"], f"{int(awake[0])} to {int(awake[-1])}", f"{int(elements[0])} to {int(elements[-1])}", summary["steps"],
                      f"{1e9 * summary['dt']:.0f}", f"{summary['seconds']['cpu']:.0f}", f"{100 * run_of_it.residual:.0e}"])
-    return study.table(["", "particles packed", "awake", "elements", "steps", "last step, ns", "s of a core", "residual, %"], rows)
+    return study.table(["", "particles packed", "active", "elements", "steps", "last step, ns", "s of a core", "residual, %"], rows)
 
 
 def estimate_table():

@@ -305,7 +305,7 @@ def shown(value):
 
 
 def guesses(rows):
-    yield "| scene | E foretold, GPa | found | strength foretold, MPa | found | scatter of strength by the law % | of the finer runs % |"
+    yield "| scene | E predicted, GPa | found | strength predicted, MPa | found | scatter of strength by the law % | of the finer runs % |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
     for row in rows:
         e, p = row["plan"]["estimate"], row["plan"]["proposed"]

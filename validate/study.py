@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from wrap import prose  # noqa: E402
 RUNS = Path(os.environ.get("GNEISS_STUDIES", ROOT / "runs" / "studies"))
 PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))
 LIBRARY = os.environ.get("GNEISS_LIBRARY", str(ROOT / "build" / "libgneiss.so"))
@@ -164,7 +166,7 @@ def put(document, name, text):
     if not pattern.search(whole):
         print(f"docs/evidence/{document} has no place for {name}:\n{text}\n")
         return
-    path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
+    path.write_text(pattern.sub(lambda m: m.group(1) + prose(text.rstrip()) + "\n" + m.group(2), whole))
 
 
 def put_table(document, name, head, rows, quick, missing=()):
@@ -191,4 +193,4 @@ def section(document, title, text):
     whole = path.read_text()
     head, found, rest = whole.partition(f"## {title}\n\n")
     rest = rest[rest.index("\n## ") + 1:] if "\n## " in rest else ""
-    path.write_text(head.rstrip() + f"\n\n## {title}\n\n{text.rstrip()}\n" + ("\n" + rest if rest else ""))
+    path.write_text(head.rstrip() + f"\n\n## {title}\n\n{prose(text.rstrip())}\n" + ("\n" + rest if rest else ""))
