@@ -250,8 +250,7 @@ static gneiss_status find_start(gn_world *world, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status print_all_but_memory(gn_world *world, gn_plan_growth *growth,
-                                          gneiss_error *error) {
+static gneiss_status print_all_but_memory(gn_world *world, double *coming, gneiss_error *error) {
     char text[32];
     double seconds;
     print_effects(world);
@@ -269,11 +268,9 @@ static gneiss_status print_all_but_memory(gn_world *world, gn_plan_growth *growt
     GN_TRY(find_start(world, error));
     if (world->ctx.scene.source_count) {
         gn_plan_flow flow;
-        const double first = world->ctx.dt;
         GN_TRY(gn_plan_flow_try(world, &flow, error));
         gn_print_plan_flow(world, &flow);
-        *growth = (gn_plan_growth){fmax(0.0, flow.most - (double)flow.present),
-                                   fmax(1.0, first / flow.step)};
+        *coming = fmax(0.0, flow.most - (double)flow.present);
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(world), per_step = 0.0;
@@ -302,9 +299,9 @@ static gneiss_status print_all_but_memory(gn_world *world, gn_plan_growth *growt
 }
 
 gneiss_status gn_print_plan(gn_world *world, gneiss_error *error) {
-    gn_plan_growth growth = {0.0, 1.0};
-    GN_TRY(print_all_but_memory(world, &growth, error));
-    gn_print_plan_memory(world, &growth);
+    double coming = 0.0;
+    GN_TRY(print_all_but_memory(world, &coming, error));
+    gn_print_plan_memory(world, coming);
     return GNEISS_OK;
 }
 

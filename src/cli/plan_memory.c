@@ -19,8 +19,8 @@ static double saved(const gn_record *record, const gn_soa *soa) {
 
 /* Bytes of the history: its columns, grown to a power of two of rows from columns of half that
  * length, whose place is lost, and once more where it stands in a file. */
-static double bytes_of_history(const gn_world *world, double growth) {
-    const double rows = growth * gn_run_rows_expected(world);
+static double bytes_of_history(const gn_world *world) {
+    const double rows = gn_run_rows_expected(world);
     gn_history columns;
     double bytes = 0.0, capacity = 256.0;
     while (capacity < rows) capacity *= 2.0;
@@ -44,9 +44,9 @@ static double bytes_of_failure(const gn_world *world) {
 /* Returns the bytes that a run holds beside the world when it writes. The numbers are those of the
  * fields of a snapshot, for each particle, contact and element, and of HDF5 itself, all measured.
  */
-static double bytes_of_writing(const gn_world *world, const gn_plan_growth *growth) {
+static double bytes_of_writing(const gn_world *world, double coming) {
     static const double particle = 280.0, contact = 240.0, shown = 420.0, element = 290.0,
-                        library = 4e6, listed = 3.0;
+                        library = 4e6, listed = 5.0;
     const gn_dem *d = &world->dem;
     const double particles = (double)d->particles.soa.count, contacts = (double)gn_lists_count(d);
     double file = saved(&gn_particle_record, &d->particles.soa) +
@@ -66,11 +66,11 @@ static double bytes_of_writing(const gn_world *world, const gn_plan_growth *grow
         particle + 2.0 * (double)gn_record_bytes(&gn_particle_record, world->ctx.effects) +
         listed * (contact +
                   2.0 * (double)gn_record_bytes(&gn_contact_record, d->pairs.contacts.soa.effects));
-    return file + arrays + library + bytes_of_history(world, growth->rows) +
-           bytes_of_failure(world) + growth->particles * come;
+    return file + arrays + library + bytes_of_history(world) + bytes_of_failure(world) +
+           coming * come;
 }
 
-void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth) {
+void gn_print_plan_memory(const gn_world *world, double coming) {
     gn_resident r;
     const double state =
         (double)gn_world_bytes(&world->ctx, &world->dem, &world->boundary, &world->solids);
@@ -83,7 +83,7 @@ void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth) {
                state / 1e6);
         return;
     }
-    const double writing = r.now + bytes_of_writing(world, growth);
+    const double writing = r.now + bytes_of_writing(world, coming);
     printf("memory\n  state            %.1f MB, in fields and the rows of their sums\n",
            state / 1e6);
     printf("  in all %.1f MB at the peak of a run: %.1f MB while it is set up, %.1f MB while it "

@@ -5,14 +5,8 @@
 #include "frame/parts.h"
 #include "world/world.h"
 
-/* Beyond what the world holds after its trial steps. */
-typedef struct gn_plan_growth {
-    double particles; /* that sources will let in */
-    double rows;      /* of the history, over those that are expected with the first step */
-} gn_plan_growth;
-
 /* Prints the memory of this process, called after the world was made and has taken its trial steps.
- */
-void gn_print_plan_memory(const gn_world *world, const gn_plan_growth *growth);
+ * `coming`: the number of particles that sources will let in after these. */
+void gn_print_plan_memory(const gn_world *world, double coming);
 
 #endif
