@@ -79,6 +79,7 @@ def rows_of_a_source_are_equal_times_apart_while_the_step_shrinks(folder):
     apart, steps = np.diff(rows["time"])[:-1], np.diff(rows["step"])
     assert apart.max() < 1.02 * apart.min() and steps.max() > 10 * steps.min(), (apart, steps)
     assert list(rows["step"]) == list(again["step"]), (rows["step"], again["step"])
+    assert not [name for name in rows if np.isnan(rows[name]).any() or name.startswith("strain")], list(rows)
 
 
 @fact
