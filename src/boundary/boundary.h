@@ -114,11 +114,9 @@ gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
 /* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
  * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids,
-                                      const gn_zones *zones, bool *more, gneiss_error *error);
+                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error);
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
 size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);

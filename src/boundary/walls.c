@@ -18,6 +18,7 @@
 #include "kernels/law.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "particles/law.h"
 #include "scene/facing.h"
 #include "scene/scene.h"

@@ -15,6 +15,7 @@
 #include "solids/elements.h"
 #include "timestep/body_paths.h"
 #include "timestep/collisions.h"
+#include "timestep/particle_limit.h"
 #include "timestep/timestep_private.h"
 #include "world/world.h"
 #include "zones/zone_state.h"

@@ -39,9 +39,8 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
 /* The factor, likewise, with which the springs of the particles are stable at `step`
  * (gn_step_masses): the springs that act or, with `listed`, all that the lists hold. */
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, bool listed, double step, const uint8_t *changed,
-                            double *factor, gneiss_error *error);
+                            const gn_boundary *boundary, bool listed, double step,
+                            const uint8_t *changed, double *factor, gneiss_error *error);
 /* After springs have come that ask for a smaller step than masses were raised for, of those that
  * act or of all that are listed: raises the masses of these particles [particles] and their
  * neighbours as far as their own blocks ask for more, at the velocities that they have (their

@@ -31,9 +31,11 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "solids/elements.h"
+#include "timestep/mass_scaling.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "zones/zones.h"
 
 #include <math.h>
