@@ -964,7 +964,7 @@ def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
 
 @fact
 def errors_caused_by_set_name_the_option(folder):
-    """Also where it shows only once the particles are there."""
+    """This holds also for errors that show only once the particles exist."""
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
                            ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),

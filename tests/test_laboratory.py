@@ -796,7 +796,7 @@ def a_membrane_goes_with_everything_else(folder):
 
 @fact
 def a_hydrostatic_test_gives_the_bulk_modulus(folder):
-    """That of mean pressure and loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
+    """The slope of mean pressure over loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
     out = run_scene(folder, cell(CELL, 300, membrane={"pressure": [[0, 0], [1e-3, PRESSURE]]}, time={"end": 1e-3}))
     read, rows = readings(out), history(out)
     assert abs(read["bulk_modulus"] / (rows["stress"][-1] / rows["volumetric_strain"][-1]) - 1) < 0.05, (read, absent(out))
@@ -1725,7 +1725,7 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 @fact
 def errors_before_the_first_step_of_stages_name_their_line(folder):
-    """And not in the text that the scene of a stage is read from: of what a stage changes that of the stage, of all else its own."""
+    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for keys that it changes, else the scene's."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
     said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr

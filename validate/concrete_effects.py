@@ -236,7 +236,7 @@ def bounded(copies):
 
 
 def judged(name, values, near):
-    """How the range over steps compares with that of as many steps that are nearly the same."""
+    """The range over steps beside that of as many steps that are nearly equal."""
     mean = np.mean(values)
     return (f"{name} steps have a range of {words.percent(np.ptp(values) / mean)}, where as many that are nearly the same have "
             f"{words.percent(RANGES[len(values)] * fits.scatter(near))}")

@@ -147,7 +147,7 @@ def rest_ratio(rest, done):
 
 
 def fractions():
-    """How near to the first break steps may begin, on rock-b."""
+    """The table of starts near the first break, on rock-b."""
     case, rows = CASES[1], []
     for fraction in (0.5, 0.8, 0.9, 0.95, 0.99):
         done = run(case, 0, True, fraction)

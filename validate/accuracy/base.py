@@ -54,7 +54,7 @@ def first_break(row):
 
 
 def power_of_strain(study, kind, c):
-    """How the strain at the peak goes with the number of particles, beside what uniform strain says of the same packings: the means are
+    """The strain at the peak over the number of particles, beside that by uniform strain of the same packings: the means are
     of three packings, loaded at four times the speed."""
     counts = [100, 200] if study.quick else [500, 1000, 2000, 4000]
     fast = c.motion(4 * c.closing)
