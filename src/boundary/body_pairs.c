@@ -4,13 +4,10 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
-#include "boundary/body_springs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/dashpot.h"
@@ -20,7 +17,6 @@
 #include "soa/field.h"
 #include "surfaces/convex.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -11,10 +11,10 @@
 
 #include "base/effects.h"
 #include "base/error.h"
-#include "boundary/body_springs.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
+#include "scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -75,5 +75,15 @@ typedef struct gn_body_overlap {
 } gn_body_overlap;
 gn_body_overlap gn_body_walls_overlap(const gn_step_context *ctx, const gn_boundary *boundary,
                                       size_t body, size_t wall);
+
+/* Walls and bodies are counted through, as by gn_scene_surface_at. */
+typedef struct gn_body_spring {
+    gn_touch_side side; /* stiffness 0: they do not meet; kratio 0: no tangential spring */
+    double damping;     /* of critical, of dashpots */
+} gn_body_spring;
+gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);
+
+/* Of critical, of any of these contacts. */
+double gn_body_damping_most(const gn_scene *scene);
 
 #endif

@@ -12,7 +12,6 @@
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "solids/elements.h"
-#include "timestep/collisions.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
 #include "zones/zone_state.h"

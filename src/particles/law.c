@@ -2,7 +2,7 @@
 #include "kernels/law.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "boundary/body_springs.h"
+#include "boundary/body_walls.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "neigh/pairs.h"

@@ -3,7 +3,7 @@
 #include "base/point.h"
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
-#include "laboratory/geometry.h"
+#include "laboratory/laboratory.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
 #include "run/run.h"

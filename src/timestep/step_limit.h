@@ -4,7 +4,9 @@
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "boundary/surface.h"
 #include "frame/parts.h"
+#include "particles/dem.h"
 #include "scene/scene.h"
 
 #include <stdbool.h>
@@ -34,7 +36,7 @@ gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneis
 gneiss_status gn_world_check_debris(gn_world *world, gneiss_error *error);
 /* Checks the step against all events that are possible until the new lists are made again. */
 gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
-/* Lowers an automatic step as bodies ask for that move far in it (body_paths.h). */
+/* Lowers an automatic step as bodies ask for that move far in it. */
 void gn_world_follow_bodies(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary);
 /* Writes the warning about a given step: it does not resolve collisions, or contacts that may form
  * need a smaller one. "": there is none. */
@@ -44,5 +46,54 @@ const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem,
 double gn_world_nonviscous_share(const gn_step_context *ctx);
 /* The share for a scene with these effects. */
 double gn_scene_nonviscous_share(const gn_scene *scene, gn_effects effects);
+
+/* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
+ * quarter of the smallest radius, and no body turns by more than a quarter of a
+ * radian, with bearings about some of its axes by 0.01. */
+void gn_bodies_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                      double *dt);
+
+/* Lowers *dt as far as walls ask for that leave particles which press them: such a wall goes at
+ * most a twentieth of the smallest radius. */
+void gn_walls_follow(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                     double *dt);
+
+/* s: as gn_bodies_follow, from the start on, where nothing else limits the step: for the fastest
+ * that bodies are driven at any time, and a hundredth of what is left of the run at most. INFINITY:
+ * no body moves. */
+double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary);
+
+/* That no spin, at the start or prescribed, moves a vertex faster than light, as velocities are
+ * bounded in scenes. */
+gneiss_status gn_bodies_check_speeds(const gn_step_context *ctx, const gn_boundary *boundary,
+                                     gneiss_error *error);
+
+/* The shortest contact that can begin before the lists are made again. */
+gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, const gn_solids *solids,
+                                   const gn_zones *zones, gn_resolution *resolution,
+                                   gneiss_error *error);
+/* Tells whether collisions are hardly damped. */
+bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem);
+/* Steps that a collision must last. */
+double gn_world_contact_steps(const gn_step_context *ctx);
+/* Names the two bodies of the shortest collision. */
+const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
+                               size_t size);
+
+/* *some: collisions are hardly damped (gn_world_rings), the step is automatic, and a particle has
+ * lost all of its bonds or all but one. */
+gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
+                             gneiss_error *error);
+
+void gn_dem_sum_masses(gn_dem *dem);
+
+/* Tells whether a surface gives way to particles; its largest inverse mass, 1/kg. */
+bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
+double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
+/* Names the free body whose contacts need steps a thousand times shorter than those of all other
+ * parts, because it is light or stiff. "": there is none. */
+const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
+                                const gn_boundary *boundary, char *text, size_t size);
 
 #endif
