@@ -45,12 +45,6 @@ bool gn_bodies_meet(const gn_step_context *ctx, const gn_boundary *boundary, siz
     return c && c[a].planes && c[b].planes && may_meet(ctx, boundary, a, b);
 }
 
-bool gn_body_meets_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
-    for (size_t m = 0; boundary->pairs.convex && m < ctx->scene.body_count; m++)
-        if (gn_bodies_meet(ctx, boundary, k, m)) return true;
-    return false;
-}
-
 bool gn_body_misses_bodies(const gn_step_context *ctx, const gn_boundary *boundary, size_t k) {
     const gn_convex *c = boundary->pairs.convex;
     for (size_t m = 0; c && !c[k].planes && m < ctx->scene.body_count; m++)

@@ -139,15 +139,9 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
 /* From the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, gn_overlap *overlap) {
-    const gn_wall_contacts *q = &boundary->contacts;
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < q->soa.count;) {
-        size_t count = 0;
-        if ((size_t)q->wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, c, 0.0, contacts, &count);
+    size_t row = 0, count;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, 0.0, contacts, &count)) {
         if (!count) continue;
         gn_overlap *o = &overlap[contacts[0].surface - boundary->surfaces];
         o->touching++;

@@ -90,6 +90,15 @@ void gn_facet_nearest(int corners, const double *const x[3], const double centre
         on_side(y[0], y[1], 0, 1, near);
 }
 
+void gn_facet_set_nearest(const gn_facet_set *set, int32_t facet, const double centre[3],
+                          gn_facet_near *near) {
+    const int32_t *corner = set->corner + set->corners * (int64_t)facet;
+    const double *x[3] = {0};
+    for (int k = 0; k < 3; k++) near->corner[k] = k < set->corners ? corner[k] : -1;
+    for (int k = 0; k < set->corners; k++) x[k] = set->pos + 4 * (int64_t)corner[k];
+    gn_facet_nearest(set->corners, x, centre, near);
+}
+
 void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item) {
     if (*count < GN_FACET_TOUCHES) {
         list[(*count)++] = *item;

@@ -93,6 +93,10 @@ typedef struct gn_facet_set {
     const double *pos;     /* [vertices][4] */
 } gn_facet_set;
 
+/* Sets the corners of a facet of the set, and the nearest point as gn_facet_nearest does. */
+void gn_facet_set_nearest(const gn_facet_set *set, int32_t facet, const double centre[3],
+                          gn_facet_near *near);
+
 gneiss_status gn_facet_tree_build(const gn_facet_set *set, gn_facet_tree *tree,
                                   gneiss_error *error);
 /* Updates the boxes after vertices moved. */

@@ -21,7 +21,7 @@
 
 static const char advice[] = "a smaller time.step or a slower motion can be followed";
 
-static double speed(const double v[3]) {
+static double length(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
 
@@ -105,7 +105,7 @@ static gneiss_status check_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, size_t k, gneiss_error *error) {
     const gn_rigid *b = &boundary->bodies[k];
     const double *v = b->velocity, *o = b->spin;
-    double path = ctx->dt * (speed(v) + speed(o) * b->reach);
+    double path = ctx->dt * (length(v) + length(o) * b->reach);
     if (path <= 0.5 * dem->radius_min) return GNEISS_OK;
     bool finite = isfinite(v[0] + v[1] + v[2]) && isfinite(o[0] + o[1] + o[2]);
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
@@ -174,10 +174,6 @@ static double largest_value(const gn_table *t) {
     double most = 0.0;
     for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->value[k]));
     return most;
-}
-
-static double length(const double v[3]) {
-    return sqrt(gn_dot3(v, v));
 }
 
 static double change(const double now[3], const double past[3]) {
