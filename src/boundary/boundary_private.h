@@ -19,12 +19,6 @@
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
                              const gn_boundary *boundary, const gn_solids *solids,
                              const gn_zones *zones, size_t row, const double n[3]);
-/* Acceleration, m/s2, with which the spring of a coupling zone opens the gap of a row along n. kn,
- * N/m, is the stiffness of the contact; the result is 0 if the step does not resolve both springs
- * together. */
-double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, double kn, size_t row, const double n[3]);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);

@@ -508,7 +508,7 @@ static void summary_step(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_limit", w->ctx.stable);
     gn_json_number(j, "dt_limit_sharp",
                    gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones));
-    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones));
+    gn_json_number(j, "dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids));
     gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 

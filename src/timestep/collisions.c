@@ -367,9 +367,8 @@ static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
-               share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both hold it at once */
+        const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+                     share = share_with(dem, t, p, kn, def->passive);
         meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }

@@ -13,13 +13,12 @@
 
 /* s: limit of all parts together, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles);
+                       const gn_solids *solids, double particles);
 /* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
  */
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones);
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);

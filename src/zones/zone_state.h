@@ -63,9 +63,6 @@ typedef struct gn_conversion_parts {
 
 /* Doubles alone, as checkpoints hold it. */
 typedef struct gn_zone_state {
-    double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
-    double rate[2];   /* 1/s: what these take of the steps of particles and elements */
-    double turned;    /* what slaved spins add, of the square of the particles' frequency */
     double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
     double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                        * the last measured instant */

@@ -31,12 +31,8 @@ typedef struct gn_coupled {
     double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
-    double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     gn_whole_limit whole;     /* as it was when last looked for */
-    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N and N m of the
-     * dashpot; [nodes of ties] scratch. */
-    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], (*twist)[3], *sum;
 } gn_coupled;
 
 void gn_coupled_free(gn_coupled *coupled); /* NULL: nothing to do */
@@ -53,30 +49,14 @@ gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn
 /* Their masses alone. */
 gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zones *zones,
                                gneiss_error *error);
-/* The particles of zones are where nodes are now, with their velocities; constraint, not springs.
+/* The particles of zones are where nodes are now, with their velocities.
  */
 void gn_coupled_follow(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                        gn_zones *zones);
-/* At the start, when nodes have begun to move: the same, of those that nodes move, springs or not.
+/* At the start, when nodes have begun to move: the same, of those that nodes move.
  */
 void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
                       gn_zones *zones);
-
-/* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
- * the step (zone_penalty.c). Without springs nothing is done. */
-void gn_coupled_stiffen(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
-                        gn_zones *zones);
-/* N/m, of the spring that holds a particle of a zone; 0: none does. */
-double gn_penalty_stiffness(const gn_step_context *ctx, const gn_dem *dem, const gn_zones *zones,
-                            size_t particle);
-/* m/s2, with which that spring and its dashpot move it against n, at the present places. */
-double gn_penalty_opens(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                        const gn_zones *zones, size_t particle, const double n[3]);
-/* What slaved spins take of the step (world->couple.turned), of the places of now; `more`: and that
- * is more than before (zone_spins.c). */
-gneiss_status gn_coupled_turn_faster(const gn_step_context *ctx, const gn_dem *dem,
-                                     const gn_solids *solids, gn_zones *zones, bool *more,
-                                     gneiss_error *error);
 
 /* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
  * pressure form, nor where the scene trusts bounds alone. */
