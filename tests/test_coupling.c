@@ -89,8 +89,9 @@ static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
     const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;
     double sum = 0.0;
-    for (size_t b = 0; b < w->dem.bonds.soa.count; b++) {
-        size_t i = 4 * (size_t)w->dem.bonds.i[b], j = 4 * (size_t)w->dem.bonds.j[b];
+    for (size_t b = 0; b < w->dem.bonds.contacts.soa.count; b++) {
+        size_t i = 4 * (size_t)w->dem.bonds.contacts.i[b],
+               j = 4 * (size_t)w->dem.bonds.contacts.j[b];
         double length = q->start[j] - q->start[i];
         if (fabs(length) < 0.5 * spacing || fmax(q->start[i], q->start[j]) > end) continue;
         double grown = (q->pos[j] - q->start[j] - back * q->vel[j]) -
@@ -395,10 +396,10 @@ static void a_zone_is_measured(void **state) {
     assert_near(m->density[0], density, 0.01 * density);
     assert_true(m->returned < 1e-4);
     assert_int_equal(gn_coupled_broken(&w->dem), 0);
-    for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
-        if (tied_by_zone(w, (size_t)w->dem.bonds.i[c]) &&
-            tied_by_zone(w, (size_t)w->dem.bonds.j[c])) {
-            w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
+    for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++)
+        if (tied_by_zone(w, (size_t)w->dem.bonds.contacts.i[c]) &&
+            tied_by_zone(w, (size_t)w->dem.bonds.contacts.j[c])) {
+            w->dem.bonds.contacts.cause[c] = GN_BROKEN_TENSION;
             break;
         }
     assert_int_equal(gn_coupled_broken(&w->dem), 1);

@@ -1,4 +1,4 @@
-"""What the program says of zones that particles and elements share, and how they are drawn. Speaks TAP."""
+"""Messages of the program about zones that particles and elements share, and their pictures. Speaks TAP."""
 from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -118,7 +118,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # Of a fixed zone: the end of the elements stands on the wall, particles do not.
+    # In a fixed zone the end of the elements stands on the wall, particles do not.
     zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
     said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout
     assert "wall 'base' touches 20 nodes of elements: elements have no contact with walls" in said, said
@@ -288,11 +288,11 @@ def dormant_particles_are_drawn_at_their_elements(folder):
     stress = np.asarray(read.particle("stress"), float)[asleep][:, 0]
     assert np.mean(np.abs(stress)) > 1e3
     assert len(Section(read, mesh, 1.0).shown) == awake
-    assert "asleep are left out" in plot_together(read, os.path.join(folder, "together.svg"))
+    assert "Dormant particles are left out" in plot_together(read, os.path.join(folder, "together.svg"))
     assert f"to {awake} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
     rows = {label: value[0] for label, value in count_rows(read)}
-    assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
-    assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    assert rows["active particles"] == f"{awake:,}".replace(",", " ") and "bonds of active particles" in rows, rows
+    assert f"({len(asleep) - awake} dormant)" in bodies_text(read)
     sizes = fragment_sizes(read)
     assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
@@ -409,7 +409,7 @@ def check_warns_of_a_zone_wider_than_the_body(folder):
     assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
 
 
-# A notched beam that bears until the crack, and what converts around it, comes to the load.
+# A notched beam that carries load until the crack, with the conversions around it, reaches the load.
 BENT = """dimension: 2
 specimen:
   group: 1
@@ -481,7 +481,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/elements"][-1] == 15 * 4 * 2
-        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles sleep
+        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles are dormant
 
 
 def pulse(stress):
@@ -489,7 +489,7 @@ def pulse(stress):
 
 
 @fact
-def what_ends_before_its_second_row_leaves_a_ledger_that_closes(folder):
+def the_ledger_closes_when_a_run_ends_before_its_second_row(folder):
     """The step is lowered while elements vibrate, and conversion has to leave its box before the ledger is read again: what that takes is
     not set against what was read at the start."""
     scene = {"dimension": 2, "materials": [{"name": "c", "density": 2400, "contact_modulus": 22.4e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e8,
@@ -529,7 +529,7 @@ def warnings_of(out):
 
 @fact
 def particles_with_another_mass_than_elements_leave_them_are_warned_of(folder):
-    """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
+    """Nine columns have shares of 0, 1/8 .. 1 in the zone: 4.5 columns, where elements leave 4."""
     scene = write_scene(folder, ZONE)
     for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
                                    (("materials[0].density=12000",), 4.5 / 4 * 12000 / 9931, True)):
@@ -675,7 +675,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
 
 
 @fact
-def what_zones_take_stands_in_the_profile(folder):
+def time_of_zones_is_in_the_profile(folder):
     """Nodes that particles follow, forces handed over; nothing without zones."""
     scene = write_scene(folder, ZONE)
     for name, settings in (("lumped", ()), ("consistent", ("--set", "couple.constraint=consistent"))):
@@ -689,7 +689,7 @@ def what_zones_take_stands_in_the_profile(folder):
 
 
 @fact
-def what_a_zone_returns_is_a_reading_of_the_end(folder):
+def energy_returned_by_a_zone_is_a_reading(folder):
     """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
     read = []
     for rows in (400, 7):
@@ -715,7 +715,7 @@ def what_a_zone_returns_is_a_reading_of_the_end(folder):
 
 
 @fact
-def what_is_pressed_converts_by_its_shear(folder):
+def elements_under_compression_convert_by_shear(folder):
     """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
     cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")

@@ -229,8 +229,7 @@ gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
     gn_near_settle(ctx, dem);
     a.dimension = (int)ctx->scene.dimension;
     a.particles = &dem->particles;
-    a.bonds = &dem->bonds;
-    a.pairs = &dem->pairs;
+    for (int l = 0; l < GN_LIST_COUNT; l++) a.list[l] = &dem->list[l].contacts;
     a.wall_contacts = ctx->effects & GN_FX_WALLS ? &boundary->contacts : NULL;
     a.wall_count = ctx->scene.wall_count;
     a.wall_normals = boundary->wall_normals;

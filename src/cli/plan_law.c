@@ -23,7 +23,7 @@ static void print_range(const char *name, const double *column, const gn_contact
 static void print_area(const gn_world *world, const gn_area_check *check) {
     bool polyhedron = world->ctx.scene.stiffness == GN_STIFFNESS_POLYHEDRON;
     int d = (int)world->ctx.scene.dimension;
-    print_range("section A", world->dem.bonds.area, &world->dem.bonds,
+    print_range("section A", world->dem.bonds.contacts.area, &world->dem.bonds.contacts,
                 d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
@@ -62,7 +62,7 @@ static void print_body(const gn_world *world, const gn_area_check *check) {
 static const double gamma_most = 3.0;
 
 gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
-    const gn_contacts *b = &world->dem.bonds;
+    const gn_contacts *b = &world->dem.bonds.contacts;
     size_t n = b->soa.count;
     gn_area_check check;
     if (!n) return GNEISS_OK;

@@ -38,7 +38,7 @@ static double bytes_of_failure(const gn_world *world) {
     const gn_test_descriptor *test = gn_scene_test(&world->ctx.scene);
     const bool crushed = test->prism && test->sign < 0 && !test->sides_stand;
     const bool fails = crushed || test->confined || test->disc || test->sheared;
-    return fails ? share * broken * (double)world->dem.bonds.soa.count : 0.0;
+    return fails ? share * broken * (double)world->dem.bonds.contacts.soa.count : 0.0;
 }
 
 /* Returns the bytes that a run holds beside the world when it writes. The numbers are those of the
@@ -48,11 +48,10 @@ static double bytes_of_writing(const gn_world *world, const gn_plan_growth *grow
     static const double particle = 280.0, contact = 240.0, shown = 420.0, element = 290.0,
                         library = 4e6, listed = 3.0;
     const gn_dem *d = &world->dem;
-    const double particles = (double)d->particles.soa.count,
-                 contacts = (double)(d->bonds.soa.count + d->pairs.soa.count);
+    const double particles = (double)d->particles.soa.count, contacts = (double)gn_lists_count(d);
     double file = saved(&gn_particle_record, &d->particles.soa) +
-                  saved(&gn_contact_record, &d->bonds.soa) +
-                  saved(&gn_contact_record, &d->pairs.soa) +
+                  saved(&gn_contact_record, &d->bonds.contacts.soa) +
+                  saved(&gn_contact_record, &d->pairs.contacts.soa) +
                   saved(&gn_wall_contact_record, &world->boundary.contacts.soa);
     double arrays = fmax(particle * particles, contact * contacts);
     if (world->ctx.scene.contact_rows == GN_SWITCH_ON)
@@ -65,8 +64,8 @@ static double bytes_of_writing(const gn_world *world, const gn_plan_growth *grow
     }
     const double come =
         particle + 2.0 * (double)gn_record_bytes(&gn_particle_record, world->ctx.effects) +
-        listed *
-            (contact + 2.0 * (double)gn_record_bytes(&gn_contact_record, d->pairs.soa.effects));
+        listed * (contact +
+                  2.0 * (double)gn_record_bytes(&gn_contact_record, d->pairs.contacts.soa.effects));
     return file + arrays + library + bytes_of_history(world, growth->rows) +
            bytes_of_failure(world) + growth->particles * come;
 }

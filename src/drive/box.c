@@ -57,7 +57,7 @@ void gn_box_sum_stress(const gn_step_context *ctx, const gn_dem *dem, const gn_c
 /* Sum of f_a l_a over all contacts: the mean stress times the volume, tension positive. */
 static double strained_by(const gn_dem *dem, int a) {
     const gn_dem_sums *s = &dem->done;
-    return s->bonds.stress[4 * a] + s->pairs.stress[4 * a];
+    return s->contacts.stress[4 * a];
 }
 
 /* The servo asks for a strain of which the contacts would make up the missing stress, times a

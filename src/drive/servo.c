@@ -30,8 +30,8 @@ static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_con
 void gn_servo_answers(const gn_step_context *ctx, const gn_dem *dem, bool all, size_t count,
                       const double (*n)[3], double *spring, double *dashpot) {
     for (size_t a = 0; a < count; a++) spring[a] = dashpot[a] = 0.0;
-    add_list(ctx, dem, &dem->bonds, all, count, n, spring, dashpot);
-    add_list(ctx, dem, &dem->pairs, all, count, n, spring, dashpot);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        add_list(ctx, dem, &dem->list[l].contacts, all, count, n, spring, dashpot);
 }
 
 double gn_servo_answer(double share, double uniform) {

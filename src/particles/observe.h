@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "particles/contact_lists.h"
 #include "soa/records.h"
 
 #include <stddef.h>
@@ -18,7 +19,7 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
 /* The lists with the forces of the present positions in their rows (velocities and tangential
  * forces of the last step): for output. The world is not changed; the copies are the caller's. */
 typedef struct gn_observed {
-    gn_contacts bonds, pairs;
+    gn_contacts list[GN_LIST_COUNT];
 } gn_observed;
 gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_periodic_box *box, gn_observed *observed,

@@ -42,7 +42,7 @@
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
                                  const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
-    const size_t count = w->dem.bonds.soa.count;
+    const size_t count = w->dem.bonds.contacts.soa.count;
     const gn_output_source bonds = gn_output_bonds(v);
     gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
@@ -602,7 +602,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_observed seen;
     GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
+    size_t contacts = 0;
+    for (int l = 0; l < GN_LIST_COUNT; l++) contacts += touching(&seen.list[l]);
     gn_observed_free(&seen);
     char hash[24], path[GN_PATH_SIZE + 32];
     snprintf(

@@ -136,7 +136,7 @@ gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
 /* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
 gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
 
-void gn_dem_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
+void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion);
 
 /* Moves the particles that an exchange had wait. */

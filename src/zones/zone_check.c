@@ -282,7 +282,7 @@ static void add_bonds(const gn_step_context *ctx, const gn_dem *dem, const gn_so
                       const gn_zones *zones, size_t zone, gn_zone_figures *f, zone_sums *sums) {
     const gn_coupled *c = zones->coupled;
     const gn_particles *q = &dem->particles;
-    const gn_contacts *bonds = &dem->bonds;
+    const gn_contacts *bonds = &dem->bonds.contacts;
     double n[3];
     gn_zone_direction(&ctx->scene.couple.zones[zone], (int)ctx->scene.dimension, n);
     for (size_t s = 0; s < bonds->soa.count; s++) {
@@ -388,7 +388,7 @@ bool gn_zone_is_off(const gn_zone_figures *f) {
 }
 
 size_t gn_coupled_broken(const gn_dem *dem) {
-    const gn_contacts *bonds = &dem->bonds;
+    const gn_contacts *bonds = &dem->bonds.contacts;
     const double *blend = dem->particles.blend;
     size_t count = 0;
     for (size_t c = 0; blend && bonds->cause && c < bonds->soa.count; c++)
