@@ -17,19 +17,16 @@
  * forces of the instant and is valid once those of all pairs are known. The share of a rigid body
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             const gn_zones *zones, size_t row, const double n[3]);
+                             const gn_boundary *boundary, size_t row, const double n[3]);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool first,
-                                    gneiss_error *error);
+                                    bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
-                           gn_contact_sums *sums);
+                           size_t begin, size_t end, gn_contact_sums *sums);
 /* Adds to `force` the normal force of a wall contact by the linear law, as far as it follows from
  * positions and velocities alone. */
 void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -53,15 +50,13 @@ double gn_surfaces_travel(gn_boundary *boundary, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums);
 /* Adds to `force` the normal forces of the contacts that gn_surface_contacts_work computes, and
  * returns the first row behind them. Contacts that share their stiffness with one of the normal
  * `but` are left out; NULL: none is. */
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids,
-                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          const gn_boundary *boundary, size_t begin, size_t end, const double *but,
                           double force[3]);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);

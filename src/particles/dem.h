@@ -204,8 +204,8 @@ gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
  * for such a step. */
 gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
-                                     const gn_zones *zones, double step, double *of_bound,
-                                     double *added, gneiss_error *error);
+                                     double step, double *of_bound, double *added,
+                                     gneiss_error *error);
 /* What added mass has of the kinetic energy, with the velocities of the last half step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 /* Without particles: empty records, so that nothing else needs to know. */
@@ -235,8 +235,7 @@ void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
  * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const uint8_t *slips, double rate,
+                           const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
@@ -260,8 +259,8 @@ gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss
 /* Whether the step is so short that the sums of what is near settle it, without a look at
  * what has changed. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error);
+                               const gn_boundary *boundary, const gn_solids *solids, bool *far,
+                               gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
 gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
