@@ -119,7 +119,7 @@ static inline void convert(gn_world *w, double from, double to, double low, doub
     if (convert_box(w, a, b, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
-static inline bool is_awake(const gn_world *w, size_t p) {
+static inline bool is_active(const gn_world *w, size_t p) {
     return w->dem.particles.vel[4 * p + 3] > 0.0;
 }
 

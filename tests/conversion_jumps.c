@@ -39,7 +39,7 @@ int main(int count, char **argument) {
         const size_t elements = gn_conversion_elements(&w.solids);
         const bool may = w.ctx.step > 0 && w.ctx.step % every == 0;
         const double before = may ? fastest(&w) : 0.0, booked = w.ledger.energy.conversion;
-        if (may) status = gn_conversion_look(&w, &error);
+        if (may) status = gn_conversion_check_limits(&w, &error);
         if (status == GNEISS_OK && gn_conversion_elements(&w.solids) != elements) {
             const double held = there(&w.ledger.reading), after = fastest(&w);
             if (count > 2)

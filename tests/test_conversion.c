@@ -19,7 +19,7 @@ static void assert_rigid(const gn_world *w) {
     size_t free = 0, tied = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         double u[3] = {0}, v[3] = {0};
-        if (!is_awake(w, p)) continue;
+        if (!is_active(w, p)) continue;
         move_rigidly(q->start + 4 * p, turned, u, v);
         *(is_tied(w, p) ? &tied : &free) += 1;
         for (size_t a = 0; a < 3; a++) {
@@ -103,7 +103,7 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     size_t asleep = 0, mixed = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_asleep(&w->dem, p)) continue;
+        if (!gn_is_dormant(&w->dem, p)) continue;
         asleep++;
         mixed += !w->dem.still[p / GN_PARTICLE_BLOCK];
         for (size_t a = 0; a < 3; a++) {
@@ -115,8 +115,8 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     assert_int_equal(asleep + gn_world_present(&w->dem), q->soa.count);
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++)
-            assert_false(gn_is_asleep(&w->dem, (size_t)lists[l]->i[c]) ||
-                         gn_is_asleep(&w->dem, (size_t)lists[l]->j[c]));
+            assert_false(gn_is_dormant(&w->dem, (size_t)lists[l]->i[c]) ||
+                         gn_is_dormant(&w->dem, (size_t)lists[l]->j[c]));
     world_end(w);
 }
 

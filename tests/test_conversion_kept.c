@@ -372,7 +372,7 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
     const size_t elements = gn_conversion_elements(&w->solids);
     const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
     assert_int_equal(convert_box(w, between[0], between[1], &error), GNEISS_OK);
-    assert_true(gn_conversion_was_thin(&w->outcome) && !gn_conversion_left_box(&w->outcome));
+    assert_true(gn_conversion_lacked_mass(&w->outcome) && !gn_conversion_ended_at_box(&w->outcome));
     assert_true(gn_conversion_elements(&w->solids) == elements &&
                 gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash);
     assert_false(gn_conversion_begun(&w->solids));
@@ -481,7 +481,7 @@ static void motions_that_only_record_are_named(void **state) {
             assert_true((k == 0) == (said[0] != '\0'));
             assert_int_equal(convert_box(w, low, high, &error), GNEISS_OK);
             print_message("# %s\n", w->outcome.halt);
-            assert_true((k == 0) == gn_conversion_met_watched(&w->outcome));
+            assert_true((k == 0) == gn_conversion_reached_watched(&w->outcome));
             assert_true((k == 0) ==
                         (strstr(w->outcome.halt,
                                 "nodes of motion 'gauge', which is only watched") != NULL));
@@ -496,11 +496,11 @@ static void places_that_are_looked_at_stay_as_they_were(void **state) {
     const double thin[] = {0.3e-3, 1.2e-3, 3e-3};
     for (int k = 0; k < 3; k++) {
         gneiss_error error = {0};
-        gn_conversion_places_seen seen;
+        gn_conversion_places_checked seen;
         const block fine = {.cells = {5, 4, 0}, .finer = 8, .thin = thin[k]};
         gn_world *w = block_of(&fine);
         const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
-        assert_int_equal(gn_conversion_see_places(w, &seen, &error), GNEISS_OK);
+        assert_int_equal(gn_conversion_check_places(w, &seen, &error), GNEISS_OK);
         print_message("# zone of %g m: %zu places, at %zu others go along, %zu cannot\n", thin[k],
                       seen.looked, seen.along, seen.too_few);
         assert_true(seen.looked >= 50 && seen.looked <= 100);

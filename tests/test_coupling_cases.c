@@ -280,12 +280,12 @@ static double momentum_of_elements(const gn_world *w) {
 }
 
 static void fly_on(gn_world *w, size_t wanted, int most) {
-    for (int k = 0; k < most && gn_coupled_lost(&w->ctx, &w->zones) < wanted; k += 50) {
+    for (int k = 0; k < most && gn_coupled_removed_count(&w->ctx, &w->zones) < wanted; k += 50) {
         run_steps(w, 50);
         gn_energy e = measured_step(w);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
     }
-    assert_int_equal(gn_coupled_lost(&w->ctx, &w->zones), wanted);
+    assert_int_equal(gn_coupled_removed_count(&w->ctx, &w->zones), wanted);
 }
 
 /* Nodes give up the mass that they carried: what is left at last is their own, and the books are
@@ -329,9 +329,9 @@ static void a_zone_that_has_lost_particles_resumes_with_the_same_bits(void **sta
         for (int r = 0; r < 2; r++) {
             gn_world *w = &all[r]->world;
             set_fields(w, fly, &speed);
-            for (int n = 0; n < 100000 && gn_coupled_lost(&w->ctx, &w->zones) < 8; n += 10)
+            for (int n = 0; n < 100000 && gn_coupled_removed_count(&w->ctx, &w->zones) < 8; n += 10)
                 run_steps(w, 10);
-            assert_in_range(gn_coupled_lost(&w->ctx, &w->zones), 8, 19);
+            assert_in_range(gn_coupled_removed_count(&w->ctx, &w->zones), 8, 19);
         }
         if (gn_checkpoint_write(all[0], path, &error) != GNEISS_OK ||
             gn_checkpoint_load(path, NULL, 0, all[2], &error) != GNEISS_OK)

@@ -323,7 +323,7 @@ static double moved_by(gn_world *w, size_t k, int axis) {
     q->load[k][axis] = 1.0;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memset(gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]), 0, 3 * sizeof(double));
-    gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
+    gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
     for (int a = 0; a < q->ties.corners; a++) {
         const size_t node = (size_t)q->ties.tie[k].node[a];
@@ -344,7 +344,7 @@ static void particles_of_zones_give_way_as_their_nodes_do(void **state) {
         double *inverse = calloc(n, sizeof *inverse), least = INFINITY, most = 0.0;
         run_steps(w, 1);
         for (size_t p = 0; p < n; p++) inverse[p] = w->dem.particles.vel[4 * p + 3];
-        gn_coupled_give(&w->ctx, &w->dem, &w->solids, &w->zones, inverse);
+        gn_coupled_inverse_masses(&w->ctx, &w->dem, &w->solids, &w->zones, inverse);
         for (size_t t = 0; t < q->ties.count; t++) {
             const size_t p = (size_t)q->place[t];
             const double part = moved_by(w, t, (int)(t % 2)) / inverse[p];

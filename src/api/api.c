@@ -361,7 +361,7 @@ gneiss_status gneiss_world_element_counts(const gneiss_world *world, gneiss_elem
     const gn_world *w = &world->run.world;
     const gn_element_totals t = gn_elements_totals(&w->solids);
     *counts = (gneiss_element_counts){(int64_t)t.nodes, (int64_t)t.elements,
-                                      (int64_t)gn_conversion_asleep(&w->dem)};
+                                      (int64_t)gn_conversion_dormant_count(&w->dem)};
     return GNEISS_OK;
 }
 

@@ -67,8 +67,7 @@ static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t c = 0; c < q->soa.count; c++) {
         if ((size_t)q->wall[c] < ctx->scene.wall_count) continue;
         const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
-        group g = {ctx, dem,   boundary, s,   body_of(boundary, s), (size_t)q->i[c],
-                   c,   c + 1};
+        group g = {ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[c], c, c + 1};
         gn_facet_near near;
         double centre[3];
         gn_surface_centre(dem, boundary, s, g.particle, centre);
@@ -373,8 +372,7 @@ static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
     while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
-    return (group){ctx,   dem,  boundary, s,   body_of(boundary, s), (size_t)q->i[begin],
-                   begin, past};
+    return (group){ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[begin], begin, past};
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add

@@ -41,10 +41,10 @@ typedef struct trial {
 static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
     gn_resolution collision;
     GN_TRY(gn_conversion_limit(world, &t->all, error));
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
                                                 &world->solids, &world->zones, &collision, error);
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     t->collision = collision.step;
     return status;
 }
@@ -221,7 +221,7 @@ static cost cost_of(const trial *t) {
 static void print_dormant(const gn_world *world, const trial *t) {
     printf("dormant particles\n  dormant          %zu, with %zu stored bonds; the step above is "
            "that of the elements alone\n",
-           gn_conversion_asleep(&world->dem), world->dem.prepared.soa.count);
+           gn_conversion_dormant_count(&world->dem), world->dem.prepared.soa.count);
     if (t->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them without elements, rigorous bound %.6g s\n",
                t->all.sharp, t->all.bound);
@@ -316,9 +316,9 @@ static void warn_of_looks(const gn_world *world, int *warnings) {
 }
 
 static void print_places(gn_world *world, int *warnings) {
-    gn_conversion_places_seen seen;
+    gn_conversion_places_checked seen;
     if (gn_conversion_begun(&world->solids) ||
-        gn_conversion_see_places(world, &seen, NULL) != GNEISS_OK)
+        gn_conversion_check_places(world, &seen, NULL) != GNEISS_OK)
         return;
     printf("  places           %zu checked", seen.looked);
     if (seen.along)

@@ -83,7 +83,7 @@ static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
 }
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return dem->particles.vel[4 * p + 3] > 0.0 || gn_is_asleep(dem, p);
+    return dem->particles.vel[4 * p + 3] > 0.0 || gn_is_dormant(dem, p);
 }
 
 static void mark_removed(gn_dem *dem, gn_gauge *gauge) {

@@ -9,7 +9,7 @@
 #include <string.h>
 
 static void warn_of_lost(const gn_run *run, gn_warnings *list) {
-    size_t count = gn_coupled_lost(&run->world.ctx, &run->world.zones);
+    size_t count = gn_coupled_removed_count(&run->world.ctx, &run->world.zones);
     if (!count) return;
     gn_warning *to = gn_warnings_add(list, "zones_lost");
     snprintf(to->text, sizeof to->text,
@@ -162,8 +162,9 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
         "some particles had no support and were not moved",
         "couple.convert.relax_iterations were used up",
         "contacts close and open, and no step reduces the energy further"};
-    const double times[] = {r->broke, r->loose, r->tired,
-                            r->missed - r->broke - r->loose - r->tired};
+    const double times[] = {r->stopped_by_bond_failure, r->unsupported, r->hit_iteration_limit,
+                            r->missed - r->stopped_by_bond_failure - r->unsupported -
+                                r->hit_iteration_limit};
     if (!(r->missed > 0.0)) return;
     gn_warning *to = gn_warnings_add(list, "relaxation");
     int used = snprintf(to->text, sizeof to->text,

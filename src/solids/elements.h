@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What particles do to the surface (element_contact.c). */
+/* Contacts of particles with the surface (element_contact.c). */
 typedef struct gn_element_contact {
     int32_t *corner;       /* of facets, by places of nodes */
     const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */

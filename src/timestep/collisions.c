@@ -141,7 +141,7 @@ static void free_ties(ties *t) {
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
-    gn_coupled_give(ctx, dem, solids, zones, inverse);
+    gn_coupled_inverse_masses(ctx, dem, solids, zones, inverse);
 }
 
 static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,

@@ -93,7 +93,7 @@ static int32_t pushed_by(const gn_step_context *ctx, const gn_dem *dem, size_t p
     return -1;
 }
 
-/* The same of a motion. */
+/* Returns the set whose motion drives a particle; -1: none does. */
 static int32_t moved_by(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
@@ -105,7 +105,8 @@ static int32_t moved_by(const gn_step_context *ctx, const gn_dem *dem, size_t p)
     return -1;
 }
 
-/* What is done to particles of zones is done to nodes; they may be held where nodes are held. */
+/* Loads and motions of particles of zones belong to nodes; particles may be held where nodes are
+ * held. */
 static gneiss_status check_free(const gn_step_context *ctx, const gn_dem *dem, const gn_tie *tie,
                                 gneiss_error *error) {
     const size_t p = (size_t)tie->id;
@@ -311,8 +312,8 @@ static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled 
     }
 }
 
-void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_solids *solids, gn_coupled *q) {
+void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(solids);
 #pragma omp parallel for schedule(static) num_threads(gn_coupled_team(ctx, dem, q->ties.nodes))
     for (size_t n = 0; n < q->ties.nodes; n++) {
@@ -327,14 +328,14 @@ void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
 GN_HOOK(act) {
     gn_coupled *q = w->zones.coupled;
     const int width = gn_row_width(w->ctx.scene.dimension == 3, w->ctx.effects & GN_FX_ROTATION);
-    if (q->before) gn_masses_remember(&w->solids, q);
+    if (q->before) gn_masses_store(&w->solids, q);
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(gn_coupled_team(&w->ctx, &w->dem, q->ties.count))
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
         if (q->place[k] >= 0) take(&w->ctx, &w->dem, width, (size_t)q->place[k], q->load[k]);
     }
-    gn_coupled_hand_to_nodes(&w->ctx, &w->dem, &w->solids, q);
+    gn_coupled_add_to_nodes(&w->ctx, &w->dem, &w->solids, q);
     if (q->before) gn_masses_correct(&w->ctx, &w->solids, q);
     return GNEISS_OK;
 }
@@ -407,7 +408,7 @@ void gn_coupled_begin(const gn_step_context *ctx, gn_dem *dem, const gn_solids *
     }
 }
 
-/* What is kept of the particles' largest speed is that of all. */
+/* The stored largest speed is that of all particles. */
 GN_HOOK(elements_moved) {
     gn_dem *d = &w->dem;
     gn_coupled *q = w->zones.coupled;
@@ -499,8 +500,8 @@ static double carried_energy(const gn_solids *solids, const gn_coupled *q) {
     return sum;
 }
 
-void gn_coupled_leave(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
+void gn_coupled_remove(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                       gn_zones *zones, gn_ledger *ledger, const int32_t *gone) {
     gn_coupled *q = ctx->scene.has_couple ? zones->coupled : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(solids);
@@ -524,8 +525,8 @@ void gn_coupled_leave(const gn_step_context *ctx, const gn_dem *dem, const gn_so
     if (lumped) ledger->energy.removed += before - carried_energy(solids, q);
 }
 
-gneiss_status gn_coupled_again(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
-                               gn_zones *zones, gneiss_error *error) {
+gneiss_status gn_coupled_recreate(const gn_step_context *ctx, gn_dem *dem, const gn_solids *solids,
+                                  gn_zones *zones, gneiss_error *error) {
     gn_coupled *q = NULL;
     gneiss_status status = find(ctx, dem, solids, &q, error);
     if (status != GNEISS_OK) {
@@ -547,7 +548,7 @@ gneiss_status gn_coupled_weigh(const gn_dem *dem, const gn_solids *solids, gn_zo
     return GNEISS_OK;
 }
 
-/* --- who is in it --- */
+/* --- membership --- */
 
 const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id) {
     size_t low = 0, high = q->ties.count;

@@ -1,4 +1,4 @@
-/* What the files of zones share. */
+/* Declarations that the files of zones share. */
 #ifndef GN_ZONES_ZONES_PRIVATE_H
 #define GN_ZONES_ZONES_PRIVATE_H
 
@@ -29,13 +29,13 @@ gneiss_status gn_zones_check(const gn_step_context *ctx, const gn_dem *dem, cons
 void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
-void gn_coupled_hand_to_nodes(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_solids *solids, gn_coupled *q);
+void gn_coupled_add_to_nodes(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                             gn_coupled *q);
 
 /* Consistent masses (zone_masses.c): velocities before the motion; loads that make the lump
  * move as they do; after it, what they have of kinetic energy and lose to damping beyond the lump.
  */
-void gn_masses_remember(const gn_solids *solids, gn_coupled *q);
+void gn_masses_store(const gn_solids *solids, gn_coupled *q);
 void gn_masses_correct(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 void gn_masses_book(const gn_step_context *ctx, const gn_solids *solids, gn_coupled *q);
 
