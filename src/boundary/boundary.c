@@ -18,8 +18,8 @@
 #include "particles/lists.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "surfaces/facet_tree.h"
-#include "timestep/body_paths.h"
+#include "surfaces/facet.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -90,10 +90,9 @@ static gneiss_status ready_sums(gn_dem *dem, gn_boundary *boundary, gneiss_error
 }
 
 gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones, bool first,
-                                  gneiss_error *error) {
+                                  bool first, gneiss_error *error) {
     GN_TRY(ready_sums(dem, boundary, error));
-    GN_TRY(gn_wall_contacts_find(ctx, dem, boundary, solids, zones, first, error));
+    GN_TRY(gn_wall_contacts_find(ctx, dem, boundary, first, error));
     GN_TRY(gn_body_walls_find(ctx, dem, boundary, first, error));
     return gn_body_pairs_find(ctx, dem, boundary, first, error);
 }
@@ -132,13 +131,12 @@ double gn_boundary_travel(const gn_step_context *ctx, gn_boundary *boundary, boo
 
 /* --- step --- */
 
-bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                      const gn_solids *solids, const gn_zones *zones, size_t block, size_t first,
-                      size_t last) {
+bool gn_boundary_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t block,
+                      size_t first, size_t last) {
     gn_boundary *b = boundary;
     size_t begin = (size_t)b->first[first], end = (size_t)b->first[last];
     b->sums[block] = (gn_contact_sums){0};
-    gn_wall_contacts_work(ctx, dem, boundary, solids, zones, begin, end, &b->sums[block]);
+    gn_wall_contacts_work(ctx, dem, boundary, begin, end, &b->sums[block]);
     return begin < end;
 }
 

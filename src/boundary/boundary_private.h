@@ -7,35 +7,29 @@
 #include "frame/parts.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "soa/records.h"
+#include "surfaces/facet.h"
+#include "surfaces/patch.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* Acceleration, m/s2, with which all loads of a particle except the contact of a row open the gap
- * of that contact along n, the unit vector into the wall or surface (crossing.c). It uses the
+ * of that contact along n, the unit vector into the wall or surface (contact_rows.c). It uses the
  * forces of the instant and is valid once those of all pairs are known. The share of a rigid body
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             const gn_zones *zones, size_t row, const double n[3]);
-/* Acceleration, m/s2, with which the spring of a coupling zone opens the gap of a row along n. kn,
- * N/m, is the stiffness of the contact; the result is 0 if the step does not resolve both springs
- * together. */
-double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, double kn, size_t row, const double n[3]);
+                             const gn_boundary *boundary, size_t row, const double n[3]);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool first,
-                                    gneiss_error *error);
+                                    bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
-                           gn_contact_sums *sums);
+                           size_t begin, size_t end, gn_contact_sums *sums);
 /* Adds to `force` the normal force of a wall contact by the linear law, as far as it follows from
  * positions and velocities alone. */
 void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -59,15 +53,13 @@ double gn_surfaces_travel(gn_boundary *boundary, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums);
 /* Adds to `force` the normal forces of the contacts that gn_surface_contacts_work computes, and
  * returns the first row behind them. Contacts that share their stiffness with one of the normal
  * `but` are left out; NULL: none is. */
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids,
-                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          const gn_boundary *boundary, size_t begin, size_t end, const double *but,
                           double force[3]);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);
@@ -97,5 +89,35 @@ void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *bo
 void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger);
+
+/* A contact of the last step. */
+typedef struct gn_touch_memory {
+    size_t row;
+    double n[3], fd, closeness;
+    double part;              /* of the stiffness that it had */
+    double shear[3], roll[3]; /* where the contacts have them */
+    bool taken, still;        /* still: shear and roll are 0 in every contact */
+} gn_touch_memory;
+
+/* Takes the histories out of the rows and empties them. `old` has room for one more than
+ * GN_SURFACE_CONTACTS, where what is beyond them goes. */
+size_t gn_touch_recall(gn_wall_contacts *rows, size_t begin, size_t end, gn_touch_memory *old);
+
+/* Which contact of the last step a contact goes on from: the pairs whose normals agree best, one
+ * after the other. -1: none within 60 degrees. */
+void gn_touch_match(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                    size_t count, int *from);
+
+/* Turns a force with the normal: the shortest rotation from one unit vector to the other. */
+void gn_touch_follow(const double from[3], const double to[3], double force[3]);
+
+/* Pressure over many facets: before[contacts], what each goes on from, turned to its normal. What
+ * was handed over is marked as taken. */
+void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                        size_t count, gn_touch_memory *before);
+
+/* One contact of those that were not taken and had about one direction, which are marked then;
+ * false: there is none. */
+bool gn_touch_gather(gn_touch_memory *old, size_t count, gn_touch_memory *sum);
 
 #endif

@@ -3,13 +3,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_contacts.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/law.h"
@@ -19,7 +16,6 @@
 #include "soa/records.h"
 #include "solids/element_bodies.h"
 #include "surfaces/facet.h"
-#include "surfaces/facet_tree.h"
 #include "surfaces/patch.h"
 
 #include <math.h>
@@ -39,8 +35,6 @@ typedef struct group {
     const gn_surface *s;
     const gn_rigid *body;
     size_t particle, begin, end;
-    const gn_solids *solids; /* for forces alone; else NULL */
-    const gn_zones *zones;
 } group;
 
 static int32_t facet_of(const group *g, size_t row) {
@@ -48,30 +42,21 @@ static int32_t facet_of(const group *g, size_t row) {
 }
 
 static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
-    const gn_facet_set *f = &g->s->facets;
-    const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, row);
-    const double *x[3] = {0};
-    *near = (gn_facet_near){.corner = {-1, -1, -1}, .row = row};
-    for (int k = 0; k < f->corners; k++) {
-        near->corner[k] = corner[k];
-        x[k] = f->pos + 4 * (int64_t)corner[k];
-    }
-    gn_facet_nearest(f->corners, x, centre, near);
+    *near = (gn_facet_near){.row = row};
+    gn_facet_set_nearest(&g->s->facets, facet_of(g, row), centre, near);
 }
 
 /* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
  * which to push it. SIZE_MAX: none. */
 static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones) {
+                           const gn_boundary *boundary) {
     const gn_wall_contacts *q = &boundary->contacts;
     size_t found = SIZE_MAX;
 #pragma omp parallel for schedule(dynamic, 1024) num_threads(ctx->threads) reduction(min : found)
     for (size_t c = 0; c < q->soa.count; c++) {
         if ((size_t)q->wall[c] < ctx->scene.wall_count) continue;
         const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
-        group g = {ctx, dem,   boundary, s,   body_of(boundary, s), (size_t)q->i[c],
-                   c,   c + 1, NULL,     NULL};
+        group g = {ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[c], c, c + 1};
         gn_facet_near near;
         double centre[3];
         gn_surface_centre(dem, boundary, s, g.particle, centre);
@@ -83,10 +68,9 @@ static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error) {
+                                        const gn_boundary *boundary, gneiss_error *error) {
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
-    size_t row = row_on_facet(ctx, dem, boundary, solids, zones);
+    size_t row = row_on_facet(ctx, dem, boundary);
     if (row == SIZE_MAX) return GNEISS_OK;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     const char *name = s->body >= 0 ? ctx->scene.bodies[s->body].name : NULL;
@@ -291,8 +275,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     s.inverse_mass /= k->part;
     s.body_inverse_mass /= mass_share(g, k);
     if (q->roll) take_roll(g, roll, couple, &s);
-    double total = gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, own, &s,
-                                  q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, own, &s, q->fd ? &fd : NULL,
+                                  q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
         force[a] = total * s.n[a] + t[a];
         q->row[8 * own + a] = force[a];
@@ -352,9 +336,8 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
     s.body_inverse_mass /= is_patch(g) && m->part > 1.0 ? 1.0 / m->part : m->part;
-    double total =
-        gn_touch_force(g->ctx, g->dem, g->boundary, g->solids, g->zones, &law, m->row, &s,
-                       q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
+    double total = gn_touch_force(g->ctx, g->dem, g->boundary, &law, m->row, &s,
+                                  q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
     double *row = q->row + 8 * near.row;
     size_t stride = q->soa.capacity;
@@ -372,14 +355,13 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
 
 /* The group that begins with a row, up to `end`. */
 static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                      const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end) {
+                      size_t begin, size_t end) {
     const gn_wall_contacts *q = &boundary->contacts;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, begin);
     int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
     while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
-    return (group){ctx,   dem,  boundary, s,   body_of(boundary, s), (size_t)q->i[begin],
-                   begin, past, NULL,     NULL};
+    return (group){ctx, dem, boundary, s, body_of(boundary, s), (size_t)q->i[begin], begin, past};
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add
@@ -412,10 +394,9 @@ static size_t singles_near(const group *g, double skin, gn_facet_near *near,
 }
 
 size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary, const gn_solids *solids,
-                              const gn_zones *zones, size_t begin, double skin,
+                              const gn_boundary *boundary, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count) {
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, boundary->contacts.soa.count);
+    group g = group_at(ctx, dem, boundary, begin, boundary->contacts.soa.count);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
     *count = skin > 0.0 ? singles_near(&g, skin, near, now) : contacts_of(&g, near, now);
@@ -434,17 +415,21 @@ size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
     return g.end;
 }
 
+bool gn_surface_contacts_next(const gn_step_context *ctx, const gn_dem *dem,
+                              const gn_boundary *boundary, size_t *row, double skin,
+                              gn_surface_contact *contacts, size_t *count) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    while (*row < q->soa.count && (size_t)q->wall[*row] < ctx->scene.wall_count) (*row)++;
+    if (*row == q->soa.count) return false;
+    *row = gn_surface_contacts_at(ctx, dem, boundary, *row, skin, contacts, count);
+    return true;
+}
+
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error) {
+                                        const gn_boundary *boundary, gneiss_error *error) {
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < boundary->contacts.soa.count;) {
-        size_t count = 0;
-        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, 0.0, found, &count);
+    size_t row = 0, count;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, 0.0, found, &count)) {
         if (count < GN_PATCH_FACETS) continue;
         return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                        "particle %d: expected fewer than %d facets of the elements in it at once, "
@@ -465,13 +450,10 @@ static void work_on_patch(const group *g, gn_wall_contacts *rows, const gn_facet
 }
 
 size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, size_t begin, size_t end,
+                                gn_boundary *boundary, size_t begin, size_t end,
                                 gn_contact_sums *sums) {
     gn_wall_contacts *rows = &boundary->contacts;
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
-    g.solids = solids;
-    g.zones = zones;
+    group g = group_at(ctx, dem, boundary, begin, end);
     gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
@@ -492,10 +474,9 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids,
-                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          const gn_boundary *boundary, size_t begin, size_t end, const double *but,
                           double force[3]) {
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
+    group g = group_at(ctx, dem, boundary, begin, end);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
     const gn_touch_step step = gn_touch_step_of(ctx, dem);
@@ -526,14 +507,11 @@ static void load_body(gn_rigid *b, const double touch[3], const double force[3])
 
 static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
                           const double force[3]) {
-    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
-    const double *x[3] = {0};
     gn_facet_near near;
-    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
-    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    gn_facet_set_nearest(&s->facets, facet, touch, &near);
     for (int c = 0; c < s->facets.corners; c++)
         for (int a = 0; a < 3; a++)
-            s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
+            s->force[4 * (int64_t)near.corner[c] + a] -= near.weight[c] * force[a];
 }
 
 void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary, size_t row,
@@ -550,16 +528,13 @@ void gn_surface_velocity(const gn_step_context *ctx, const gn_boundary *boundary
         for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
         return;
     }
-    int32_t facet = q->wall[row] - (int32_t)ctx->scene.wall_count - s->first;
-    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
-    const double *x[3] = {0};
     gn_facet_near near;
-    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
-    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    gn_facet_set_nearest(&s->facets, q->wall[row] - (int32_t)ctx->scene.wall_count - s->first,
+                         touch, &near);
     v[0] = v[1] = v[2] = 0.0;
     for (int c = 0; c < s->facets.corners; c++)
         for (int a = 0; a < 3; a++)
-            v[a] += near.weight[c] * s->velocity[4 * (int64_t)corner[c] + a];
+            v[a] += near.weight[c] * s->velocity[4 * (int64_t)near.corner[c] + a];
 }
 
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary) {

@@ -1,5 +1,4 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
-#include "boundary/walls.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -18,6 +17,7 @@
 #include "kernels/law.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "particles/law.h"
 #include "scene/facing.h"
 #include "scene/scene.h"
@@ -135,8 +135,7 @@ static gneiss_status count_rows(const gn_step_context *ctx, gn_dem *dem, gn_boun
 }
 
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool first,
-                                    gneiss_error *error) {
+                                    bool first, gneiss_error *error) {
     size_t n = dem->particles.soa.count, count = 0;
     if (!(ctx->effects & GN_FX_WALLS)) return GNEISS_OK;
     if (!boundary->first) boundary->first = gn_alloc_array(n + 2, sizeof *boundary->first);
@@ -159,7 +158,7 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
     gn_soa_destroy(&gn_wall_contact_record, &old);
     boundary->contacts = now;
     for (size_t k = 0; k < ctx->scene.wall_count; k++) boundary->walls[k].travel = 0.0;
-    return gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error);
+    return gn_surfaces_check_centres(ctx, dem, boundary, error);
 }
 
 /* What moves along the normal; the gap and the arm of the contact force are given back as well. */
@@ -205,8 +204,7 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
     return true;
 }
 
-static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                         const gn_solids *solids, const gn_zones *zones, size_t c,
+static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t c,
                          gn_contact_sums *sums) {
     gn_wall_contacts *q = &boundary->contacts;
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
@@ -225,9 +223,8 @@ static void wall_contact(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
         const double *spin = dem->particles.spin + 4 * (int64_t)q->i[c];
         for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
     }
-    double total =
-        gn_touch_force(ctx, dem, boundary, solids, zones, &law, c, &s, q->fd ? q->fd + c : NULL,
-                       q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
+    double total = gn_touch_force(ctx, dem, boundary, &law, c, &s, q->fd ? q->fd + c : NULL,
+                                  q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
         row[a] = total * s.n[a] + t[a];
@@ -249,13 +246,12 @@ void gn_wall_presses(const gn_step_context *ctx, const gn_dem *dem, const gn_bou
 }
 
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                           const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end,
-                           gn_contact_sums *sums) {
+                           size_t begin, size_t end, gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
         if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count)
-            wall_contact(ctx, dem, boundary, solids, zones, c++, sums);
+            wall_contact(ctx, dem, boundary, c++, sums);
         else
-            c = gn_surface_contacts_work(ctx, dem, boundary, solids, zones, c, end, sums);
+            c = gn_surface_contacts_work(ctx, dem, boundary, c, end, sums);
     }
 }
 

@@ -4,9 +4,8 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "boundary/body_walls.h"
+#include "boundary/boundary.h"
 #include "boundary/overlap.h"
-#include "boundary/self_intersection.h"
-#include "boundary/walls.h"
 #include "cli/idle.h"
 #include "cli/plan_convert.h"
 #include "cli/plan_couple.h"
@@ -19,16 +18,12 @@
 #include "cli/progress.h"
 #include "conversion/conversion.h"
 #include "laboratory/ends.h"
-#include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
-#include "laboratory/section.h"
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
 #include "scene/stops.h"
-#include "timestep/collisions.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "world/scale.h"
 
 #include <math.h>
@@ -487,8 +482,8 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
+    gneiss_status status =
+        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
     if (status == GNEISS_OK) status = print_bodies(world, overlaps, warnings, error);
     char text[GNEISS_MESSAGE_SIZE];
     if (status == GNEISS_OK && gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary,
@@ -660,11 +655,11 @@ gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error
     *warnings = 0;
     char doubts[GNEISS_MESSAGE_SIZE];
     print_origin(world);
-    gn_conversion_turn_over(
+    gn_conversion_swap_dormant(
         &world->ctx, &world->dem); /* dormant particles are described in their released state */
     gneiss_status status =
         world->ctx.scene.has_specimen ? check_particles(world, warnings, error) : GNEISS_OK;
-    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gn_conversion_swap_dormant(&world->ctx, &world->dem);
     GN_TRY(status);
     if (gn_scale_doubts(&world->ctx, &world->dem, &world->boundary, &world->solids, doubts,
                         sizeof doubts)) {

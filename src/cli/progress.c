@@ -11,7 +11,6 @@
 #include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>
@@ -137,7 +136,7 @@ static void print_limits(const gn_world *world) {
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s",
                gn_world_sharp_limit(&world->ctx, &world->dem, &world->solids, &world->zones),
-               gn_world_bound(&world->ctx, &world->dem, &world->solids, &world->zones));
+               gn_world_bound(&world->ctx, &world->dem, &world->solids));
     if (world->ctx.scene.has_specimen && world->dem.limit.literature < INFINITY)
         printf(", one-spring estimate of the literature %.4g s", world->dem.limit.literature);
     printf(")\n");
@@ -163,8 +162,8 @@ static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
+    gneiss_status status =
+        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
     for (size_t k = 0; status == GNEISS_OK && k < world->boundary.surface_count; k++)
         if (k < world->ctx.scene.body_count)
             warn_of_inside("inside body", world->ctx.scene.bodies[k].name, overlaps[k].inside);

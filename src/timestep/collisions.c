@@ -3,17 +3,14 @@
  * that no dashpot calms get more. What was bonded keeps its step, but for four cases: half as many
  * steps where it meets a wall that is stiffer than its bonds, or where bonds that soften open and
  * close undamped, all of them once it has come apart, and of debris that is wedged (debris.c). */
-#include "timestep/collisions.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/dashpot.h"
@@ -23,7 +20,6 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "timestep/timestep_private.h"
 #include "zones/zones.h"
 
@@ -141,7 +137,7 @@ static void free_ties(ties *t) {
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
-    gn_coupled_give(ctx, dem, solids, zones, inverse);
+    gn_coupled_inverse_masses(ctx, dem, solids, zones, inverse);
 }
 
 static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
@@ -336,8 +332,7 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
 
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
 static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const ties *t, size_t c, fastest *f) {
+                           const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
     double inverse = inverse_mass(ctx, dem, p), kn = surface_spring(ctx, dem, p, s).kn;
@@ -348,8 +343,7 @@ static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
-                               &many);
+    c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
         double square = kn * (inverse + give(dem, boundary, &found[m]));
         meet(f, square, share, dem, p, surface_number(ctx, boundary, s));
@@ -358,18 +352,17 @@ static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, const ties *t, fastest *f) {
+                       const ties *t, fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
-            c = meet_surface(ctx, dem, boundary, solids, zones, t, c, f);
+            c = meet_surface(ctx, dem, boundary, t, c, f);
             continue;
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
-               share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both hold it at once */
+        const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+                     share = share_with(dem, t, p, kn, def->passive);
         meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
@@ -422,7 +415,7 @@ static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
         meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
             meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        meet_walls(ctx, dem, boundary, solids, zones, &t, f);
+        meet_walls(ctx, dem, boundary, &t, f);
         meet_bodies(ctx, boundary, f);
     }
     gn_free(crowd);

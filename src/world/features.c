@@ -4,15 +4,12 @@
 #include "base/memory.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
-#include "laboratory/control.h"
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"
 #include "particles/dem.h"
 #include "particles/events.h"
 #include "sched/hold.h"
-#include "timestep/debris.h"
-#include "timestep/depth.h"
 #include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
@@ -86,7 +83,7 @@ static bool converts(const gn_world *w) {
 }
 
 GN_HOOK(convert) {
-    return gn_conversion_look(w, error);
+    return gn_conversion_check_limits(w, error);
 }
 
 const gn_feature gn_feature_conversion = {
@@ -160,7 +157,7 @@ static bool has_specimen(const gn_world *w) {
 
 GN_HOOK(look_at_depth) {
     if (!w->ctx.measure) return GNEISS_OK;
-    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
+    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, error);
 }
 
 const gn_feature gn_feature_depth = {
@@ -230,7 +227,7 @@ static bool has_membrane(const gn_world *w) {
 }
 
 GN_HOOK(press) {
-    return gn_membrane_press(&w->ctx, &w->dem, error);
+    return gn_membrane_apply(&w->ctx, &w->dem, error);
 }
 
 const gn_feature gn_feature_membrane = {

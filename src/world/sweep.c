@@ -8,6 +8,7 @@
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "sched/deal.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <omp.h>
@@ -68,18 +69,11 @@ static void move(void *context, size_t block) {
         return;
     }
     if (w->ctx.effects & GN_FX_WALLS &&
-        gn_boundary_work(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, block, first, last))
+        gn_boundary_work(&w->ctx, &w->dem, &w->boundary, block, first, last))
         book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);
-}
-
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
-    gn_deal_list lists[GN_LIST_COUNT];
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
-    return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 
 void gn_dem_sweep(gn_world *w, const gn_contact_args contacts[GN_LIST_COUNT],

@@ -13,11 +13,8 @@
 #include "frame/step_context.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
-#include "laboratory/control.h"
 #include "laboratory/ends.h"
-#include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
-#include "laboratory/section.h"
 #include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
 #include "membrane/membrane.h"
@@ -34,6 +31,7 @@
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -264,7 +262,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_flow_arrive(&w->ctx, &w->dem, &w->boundary, &w->ledger, true, error));
     GN_TRY(gn_dem_arrange(w, error));
     GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_membrane_bear(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_membrane_update_bearers(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     return check_some_left(&w->ctx, &w->dem, error);
 }
 

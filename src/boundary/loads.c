@@ -1,13 +1,13 @@
 /* What acts on every particle, for output: the sums that motion_template.c works with, in plain C.
  */
-#include "particles/loads.h"
+#include "boundary/loads.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "soa/field.h"
 #include "soa/records.h"
