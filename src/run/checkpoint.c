@@ -298,8 +298,9 @@ static bool spacing_is_good(const gn_run *run) {
     const gn_kept *k = &run->kept;
     return run->history_halvings >= 0 &&
            run->history_halvings <= gn_row_halvings(run->history_interval) &&
-           run->history_begin >= 0 && k->halvings >= 0 && k->halvings <= GN_SNAPSHOT_HALVINGS &&
-           k->part >= 0 && k->part < (1 << GN_SNAPSHOT_HALVINGS) && k->base >= 0 && k->due >= 0 &&
+           run->history_begin >= 0 && run->history_end_row >= 0 && run->history_end_row <= 1 &&
+           k->halvings >= 0 && k->halvings <= GN_SNAPSHOT_HALVINGS && k->part >= 0 &&
+           k->part < (1 << GN_SNAPSHOT_HALVINGS) && k->base >= 0 && k->due >= 0 &&
            k->due <= (GN_KEPT_PEAK | GN_KEPT_HALF | GN_KEPT_REGULAR);
 }
 

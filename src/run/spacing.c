@@ -108,7 +108,7 @@ bool gn_run_has_end_row(const gn_run *run) {
 }
 
 gneiss_status gn_run_drop_end_row(gn_run *run, gneiss_error *error) {
-    if (!run->history_end_row || run->finished) return GNEISS_OK;
+    if (!run->history_end_row || run->finished || !run->history.row_count) return GNEISS_OK;
     run->history_end_row = 0;
     run->history.row_count--;
     return gn_run_note_looks(run, error);
