@@ -18,8 +18,8 @@
 #include "particles/lists.h"
 #include "soa/field.h"
 #include "soa/records.h"
-#include "surfaces/facet_tree.h"
-#include "timestep/body_paths.h"
+#include "surfaces/facet.h"
+#include "timestep/step_limit.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -174,7 +174,7 @@ void gn_boundary_measure(const gn_step_context *ctx, const gn_boundary *boundary
     ledger->rotational += rotation;
 }
 
-/* Along what is free. */
+/* Adds the balance of a body along its free directions. */
 static void add_body(const gn_step_context *ctx, const gn_rigid *b, gn_balance *balance) {
     double resultant[3] = {0}, weight[3] = {0}, pressed[3] = {0};
     bool is_free = false;

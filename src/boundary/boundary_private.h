@@ -7,13 +7,16 @@
 #include "frame/parts.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "soa/records.h"
+#include "surfaces/facet.h"
+#include "surfaces/patch.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 /* Acceleration, m/s2, with which all loads of a particle except the contact of a row open the gap
- * of that contact along n, the unit vector into the wall or surface (crossing.c). It uses the
+ * of that contact along n, the unit vector into the wall or surface (contact_rows.c). It uses the
  * forces of the instant and is valid once those of all pairs are known. The share of a rigid body
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
@@ -94,5 +97,35 @@ void gn_walls_sum(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *bo
 void gn_walls_move(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
 void gn_walls_book(const gn_step_context *ctx, const gn_boundary *boundary, double dt,
                    gn_energy *ledger);
+
+/* A contact of the last step. */
+typedef struct gn_touch_memory {
+    size_t row;
+    double n[3], fd, closeness;
+    double part;              /* part of the stiffness that it had */
+    double shear[3], roll[3]; /* if the contacts have them */
+    bool taken, still;        /* still: shear and roll are 0 in every contact */
+} gn_touch_memory;
+
+/* Moves the histories out of the rows. `old` has room for one more than GN_SURFACE_CONTACTS, for
+ * those beyond them. */
+size_t gn_touch_recall(gn_wall_contacts *rows, size_t begin, size_t end, gn_touch_memory *old);
+
+/* Finds the contact of the last step that each contact continues: pairs with the best agreement of
+ * normals first. -1: none within 60 degrees. */
+void gn_touch_match(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                    size_t count, int *from);
+
+/* Rotates a force with the normal, by the shortest rotation from one unit vector to the other. */
+void gn_touch_follow(const double from[3], const double to[3], double force[3]);
+
+/* Pressure over many facets: gives the history of each contact, before[contacts], rotated to its
+ * normal. Transferred histories are marked as taken. */
+void gn_touch_hand_over(const gn_facet_contact *now, size_t contacts, gn_touch_memory *old,
+                        size_t count, gn_touch_memory *before);
+
+/* Sums the histories that were not taken and have about one direction, and marks them; false: there
+ * are none. */
+bool gn_touch_gather(gn_touch_memory *old, size_t count, gn_touch_memory *sum);
 
 #endif

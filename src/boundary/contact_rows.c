@@ -1,15 +1,18 @@
-/* Rows of contacts with walls and surfaces as the last step left them. */
+/* Rows of contacts with walls and surfaces as the last step left them, and loads beside a contact
+ * that closes or opens within a step: the force with which the works of such a contact close
+ * depends on the path of the next step. */
 #include "boundary/contact_rows.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
+#include "kernels/partials.h"
 #include "particles/dem.h"
 #include "scene/sides.h"
 #include "soa/records.h"
+#include "zones/zones.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,7 +37,7 @@ gn_row_side gn_row_side_of(const gn_step_context *ctx, const gn_dem *dem,
     return s;
 }
 
-/* As gn_touch_hertz counts them. */
+/* Place of the side of a row, as gn_touch_hertz numbers them. */
 static size_t place_of(const gn_step_context *ctx, const gn_boundary *boundary, size_t c) {
     size_t wall = (size_t)boundary->contacts.wall[c], bodies = ctx->scene.body_count;
     if (wall < ctx->scene.wall_count) return wall;
@@ -48,8 +51,8 @@ static double square_of(const double *column, size_t c, size_t stride) {
     return sum;
 }
 
-/* The normal force is another one at the same overlap, the others are carried over. Of the work in
- * the path that follows half is booked with the force that was there, half with the new one. */
+/* The normal force changes at the same overlap, the others are kept. Half of the work of the next
+ * path is booked with the old force, half with the new one. */
 static double gain_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                       size_t c, const gn_row_side *s, const gn_hertz_pair *before) {
     const gn_wall_contacts *k = &boundary->contacts;
@@ -81,4 +84,78 @@ double gn_touches_gain(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                            &before[material * sides + place_of(ctx, boundary, c)]);
     }
     return sum;
+}
+
+/* Adds the partial sums of a list on a particle. */
+static void add_rows(const gn_partials *list, size_t particle, int axes, double force[3]) {
+    const size_t block = particle / GN_PARTICLE_BLOCK;
+    if (!list->blocks) return;
+    for (int32_t k = list->start[block]; k < list->start[block + 1]; k++) {
+        if ((size_t)list->share[k].particle != particle) continue;
+        const size_t at = (size_t)list->share[k].row * (size_t)list->width;
+        for (int a = 0; a < axes; a++)
+            force[a] +=
+                list->row_f ? (double)list->row_f[at + (size_t)a] : list->row[at + (size_t)a];
+    }
+}
+
+/* Adds the forces of the other walls and surfaces on the particle of a row along their normals.
+ * Contacts of nearly the normal n on the same surface share the particle's mass with the row. */
+static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                        size_t row, const double n[3], double force[3]) {
+    const gn_wall_contacts *q = &boundary->contacts;
+    const size_t walls = ctx->scene.wall_count, end = (size_t)boundary->first[q->i[row] + 1];
+    const gn_surface *own =
+        (size_t)q->wall[row] < walls ? NULL : gn_surface_of_row(ctx, boundary, row);
+    for (size_t c = (size_t)boundary->first[q->i[row]]; c < end;) {
+        if ((size_t)q->wall[c] >= walls) {
+            bool same = gn_surface_of_row(ctx, boundary, c) == own;
+            c = gn_surface_presses(ctx, dem, boundary, c, end, same ? n : NULL, force);
+        } else {
+            if (c != row) gn_wall_presses(ctx, dem, boundary, c, force);
+            c++;
+        }
+    }
+}
+
+/* Returns the body of a row, NULL: none. */
+static const gn_rigid *body_of_row(const gn_step_context *ctx, const gn_boundary *boundary,
+                                   size_t row) {
+    if ((size_t)boundary->contacts.wall[row] < ctx->scene.wall_count) return NULL;
+    const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
+    return s->body >= 0 ? &boundary->bodies[s->body] : NULL;
+}
+
+double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                             const gn_boundary *boundary, size_t row, const double n[3]) {
+    const gn_particles *q = &dem->particles;
+    const gn_wall_contacts *list = &boundary->contacts;
+    const size_t p = (size_t)list->i[row];
+    const int32_t slot = dem->prescribed.count ? q->slot[p] : -1;
+    const double inverse = q->vel[4 * p + 3], own = gn_own_share(q, p);
+    const double *gravity = ctx->scene.gravity;
+    double force[3] = {0, 0, 0}, sum = 0.0;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        add_rows(&dem->list[l].partials, p, (int)ctx->scene.dimension, force);
+    add_touches(ctx, dem, boundary, row, n, force);
+    const gn_rigid *body = body_of_row(ctx, boundary, row);
+    for (int a = 0; a < 3; a++) {
+        bool held = slot >= 0 && dem->prescribed.mask[slot] >> a & 1;
+        if (q->applied) force[a] += q->applied[4 * p + (size_t)a];
+        if (!held && inverse > 0.0) sum -= (inverse * force[a] + own * gravity[a]) * n[a];
+        if (body && body->inverse_mass[a] > 0.0) sum += gravity[a] * n[a];
+    }
+    return sum;
+}
+
+/* Three steps per half wave of both springs, as for a contact alone (law_linear.c): with fewer, the
+ * predicted acceleration grew until particles were ejected. */
+double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, const gn_solids *solids,
+                            const gn_zones *zones, double kn, size_t row, const double n[3]) {
+    const size_t p = (size_t)boundary->contacts.i[row];
+    const double held = gn_penalty_stiffness(ctx, dem, zones, p),
+                 inverse = dem->particles.vel[4 * p + 3];
+    if (!(held > 0.0) || (kn + held) * inverse * ctx->dt_past * ctx->dt_past > 1.0) return 0.0;
+    return gn_penalty_opens(ctx, dem, solids, zones, p, n);
 }

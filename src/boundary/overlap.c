@@ -2,19 +2,21 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/point.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
+#include "pack/domain.h"
 #include "particles/bonds.h"
 #include "particles/dem.h"
 #include "scene/acts.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/body_shape.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,7 +25,7 @@
 
 /* --- closed surfaces --- */
 
-/* What two facets share: an edge; in the plane a point, twice. */
+/* Common edge of two facets; in the plane a point, twice. */
 typedef struct rim {
     int32_t low, high;
 } rim;
@@ -43,7 +45,7 @@ static void fill_rims(const gn_facet_set *s, rim *rims) {
     }
 }
 
-/* Every edge belongs to an even number of facets. */
+/* A surface is closed if every edge belongs to an even number of facets. */
 static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error *error) {
     const size_t count = (size_t)s->corners * s->count;
     rim *rims = gn_alloc_array(count + 1, sizeof *rims);
@@ -83,7 +85,7 @@ static bool crosses_triangle(const gn_facet_set *s, int32_t facet, const double 
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && gn_dot3(side[1], q) / size > 0.0;
 }
 
-/* Along y in the plane; a corner belongs to one of the two segments that share it. */
+/* The ray runs along y in the plane; a corner belongs to one of the two segments that share it. */
 static bool crosses_segment(const gn_facet_set *s, int32_t facet, const double from[3]) {
     const double *x = corner_of(s, facet, 0), *y = corner_of(s, facet, 1);
     if ((x[0] > from[0]) == (y[0] > from[0])) return false;
@@ -104,7 +106,7 @@ static bool line_meets_box(const gn_facet_box *box, const double from[3]) {
     return box->lower[0] <= from[0] && from[0] <= box->upper[0] && from[1] <= box->upper[1];
 }
 
-/* Facets of the box with number `at`, and of those in it, that the ray crosses. */
+/* Counts the facets of box `at` and of the boxes in it that the ray crosses. */
 static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
     const gn_facet_box *box = &s->tree.box[at];
     bool space = s->facets.corners == 3;
@@ -134,18 +136,12 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
 
 /* --- touching --- */
 
-/* From the lists, which hold every particle near a surface. */
+/* Reads touches from the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
                             const gn_boundary *boundary, gn_overlap *overlap) {
-    const gn_wall_contacts *q = &boundary->contacts;
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < q->soa.count;) {
-        size_t count = 0;
-        if ((size_t)q->wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, c, 0.0, contacts, &count);
+    size_t row = 0, count;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, 0.0, contacts, &count)) {
         if (!count) continue;
         gn_overlap *o = &overlap[contacts[0].surface - boundary->surfaces];
         o->touching++;
@@ -180,7 +176,7 @@ gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_
     return o;
 }
 
-/* Share of the smallest radius: less is what a packing or the weight of a few layers leaves. */
+/* Share of the smallest radius: packings or the weight of a few layers leave smaller overlaps. */
 static const double bursting = 0.02;
 
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
@@ -190,7 +186,7 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
     const size_t walls = s->wall_count, bodies = s->body_count;
     const char *name = NULL, *kind = "";
     double deepest = bursting * dem->radius_min;
-    /* Particles of another run may rest on what carries them. */
+    /* Particles of another run may rest on their supports. */
     if (!s->has_specimen || *s->specimen.from ||
         gn_stored_matters(ctx, dem, gn_contacts_stored(ctx, dem, box)))
         return false;
@@ -211,4 +207,62 @@ bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                  "or passive: true of a wall, avoids it",
                  kind, name, deepest, deepest / dem->radius_min);
     return name;
+}
+
+/* The volume of a surface that intersects itself is not the enclosed one: common parts would count
+ * twice. */
+
+/* A polygon may repeat a point, as where it closes: one node. */
+static void join_repeated(const gn_body_shape *shape, const double *node, int32_t *corner) {
+    for (size_t f = 0; f < shape->facets; f++) {
+        const size_t next = f + 1 < shape->facets ? f + 1 : 0;
+        const int32_t end = corner[2 * f + 1], start = corner[2 * next];
+        const double *a = node + 3 * (size_t)end, *b = node + 3 * (size_t)start;
+        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) corner[2 * f + 1] = start;
+    }
+}
+
+gneiss_status gn_body_check_cuts(const gn_scene *s, size_t index, const gn_body_shape *shape,
+                                 gneiss_error *error) {
+    const size_t corners = (size_t)s->dimension, count = corners * shape->facets;
+    const gn_body_def *def = &s->bodies[index];
+    const double *o = s->origin;
+    char path[32], place[GN_POINT_SIZE], from[GN_POINT_SIZE + 40] = "";
+    if (!gn_body_mass_is_from_surface(def)) return GNEISS_OK;
+    double *node = gn_alloc_array(shape->vertices + 1, 3 * sizeof *node);
+    int32_t *corner = gn_alloc_array(count + 1, sizeof *corner);
+    gneiss_status status = node && corner ? GNEISS_OK
+                                          : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                                    "no memory for %zu facets", shape->facets);
+    for (size_t v = 0; status == GNEISS_OK && v < shape->vertices; v++)
+        memcpy(node + 3 * v, shape->vertex + 4 * v, 3 * sizeof *node);
+    if (status == GNEISS_OK) {
+        memcpy(corner, shape->corner, count * sizeof *corner);
+        if (corners == 2) join_repeated(shape, node, corner);
+        status = gn_domain_check_cuts(node, shape->vertices, corner, shape->facets, (int)corners,
+                                      corners == 2 ? "polygon" : "surface", error);
+    }
+    gn_free(node);
+    gn_free(corner);
+    if (status != GNEISS_ERROR_INPUT || !error) return status;
+    snprintf(path, sizeof path, "bodies[%zu]", index);
+    if (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0)
+        snprintf(from, sizeof from, "(places are from the origin %s m) ",
+                 gn_point_text(o, (const double[3]){0, 0, 0}, place));
+    char said[GNEISS_MESSAGE_SIZE];
+    memcpy(said, error->message, sizeof said);
+    return gn_fail(error, status,
+                   "%s (%s): %s%.1200s: the mass of a free body is that of what it encloses, and "
+                   "what parts have in common would count twice; unite the parts, or give mass, "
+                   "inertia and reference",
+                   gn_scene_at(s, def->where, path).text, def->name, from, said);
+}
+
+size_t gn_body_cavities(const gn_scene *s, size_t index) {
+    gn_body_shape shape;
+    if (!s->bodies[index].surface[0] || !gn_body_mass_is_from_surface(&s->bodies[index])) return 0;
+    if (gn_body_shape_make(s, index, &shape, NULL) != GNEISS_OK) return 0;
+    const size_t cavities = shape.cavities;
+    gn_body_shape_free(&shape);
+    return cavities;
 }

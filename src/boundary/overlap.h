@@ -1,10 +1,12 @@
-/* How particles lie on the walls and surfaces of the world: what `gneiss check` says of them, and a
- * run of those that begin on the wrong side. */
+/* Overlaps of particles with walls and surfaces, for `gneiss check` and for warnings at the start
+ * of a run; and surfaces of bodies that intersect themselves. */
 #ifndef GN_BOUNDARY_OVERLAP_H
 #define GN_BOUNDARY_OVERLAP_H
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "scene/scene.h"
+#include "surfaces/body_shape.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +29,15 @@ gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_
 bool gn_overlap_bursts(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                        const gn_periodic_box *box, const gn_overlap *overlap, char *text,
                        size_t size);
+
+/* Returns GNEISS_ERROR_INPUT with the place if the surface of a body whose mass follows from it
+ * (gn_body_mass_is_from_surface) intersects itself. Other bodies may. */
+gneiss_status gn_body_check_cuts(const gn_scene *scene, size_t index, const gn_body_shape *shape,
+                                 gneiss_error *error);
+
+/* Returns the number of closed parts of the surface of such a body that lie in others and count as
+ * cavities, whatever the direction of their normals in the file, which is read anew; 0 also if it
+ * cannot be read. */
+size_t gn_body_cavities(const gn_scene *scene, size_t index);
 
 #endif

@@ -47,7 +47,7 @@ double gn_servo_answer(double share, double uniform);
 /* The speed of the step. Where its bound cuts it nothing is added, so that nothing winds up. */
 double gn_servo_speed(gn_servo_state *state, const gn_servo_look *look);
 
-/* The share of what is missing that a servo may make up in a step (walls.c). */
+/* Share of the missing force that a servo may make up in a step. */
 double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

@@ -1,19 +1,17 @@
-/* A stable step need not resolve a collision. What particles can meet that they were not bonded to
- * at the start has to be met in enough steps: of those contacts the shortest sets the step. Crowds
- * that no dashpot calms get more. What was bonded keeps its step, but for four cases: half as many
- * steps where it meets a wall that is stiffer than its bonds, or where bonds that soften open and
- * close undamped, all of them once it has come apart, and of debris that is wedged (debris.c). */
-#include "timestep/collisions.h"
+/* A stable step need not resolve a collision. Contacts of particles that were not bonded to each
+ * other at the start have to last a number of steps, and the shortest of them limits the step.
+ * Dense groups without dashpots need more steps. Bonded particles keep their step except in four
+ * cases: half of the steps on a wall that is stiffer than their bonds, or where softening bonds
+ * open and close undamped; all steps once the specimen has disintegrated, and for wedged debris
+ * (debris.c). */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/dashpot.h"
@@ -23,7 +21,6 @@
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "timestep/step_limit.h"
-#include "timestep/surface_limit.h"
 #include "timestep/timestep_private.h"
 #include "zones/zones.h"
 
@@ -41,8 +38,8 @@ static double radius(const gn_dem *dem, size_t p) {
     return dem->particles.pos[4 * p + 3];
 }
 
-/* Whether a particle sits in a pore: at least so many bonded ones as can hold it are nearer to it
- * than its radius. */
+/* Tells whether a particle sits in a pore: as many bonded ones as can hold it are closer than its
+ * radius. */
 static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
@@ -55,9 +52,9 @@ static bool in_pore(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     return near >= needed;
 }
 
-/* Without a bond at the start, unless its cohesive group is bonded for the greater part and it sits
- * in a pore: what fell short of a bond in a specimen is part of the specimen. (Pores are looked for
- * one by one: of more than MANY pairs all count as such.) */
+/* A particle without a bond at the start is loose, unless most of its cohesive group is bonded and
+ * it sits in a pore: a particle of a specimen that just missed its bonds belongs to it. (Pores are
+ * searched pair by pair; above MANY pairs all such particles count as part of the specimen.) */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const double MANY = 1e9;
     const gn_particles *q = &dem->particles;
@@ -90,7 +87,7 @@ static bool loose(const gn_dem *dem, size_t p) {
     return dem->loose[dem->particles.id[p]];
 }
 
-/* 1/kg; 0 of what cannot give way. One that is held along some axes only counts as free. */
+/* 1/kg; 0 of a particle that cannot move. One that is held along some axes only counts as free. */
 static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t p) {
     const gn_particles *q = &dem->particles;
     unsigned all = ctx->effects & GN_FX_SPACE ? 7 : 3;
@@ -99,25 +96,27 @@ static double inverse_mass(const gn_step_context *ctx, const gn_dem *dem, size_t
     return held ? 0.0 : q->vel[4 * p + 3];
 }
 
-/* What the bonds tell. */
+/* Properties of particles that follow from their bonds. */
 typedef struct ties {
     double *stiffest; /* N/m [particles]: of the bonds of each, broken or not; NULL: none */
-    double *inverse;  /* 1/kg [particles]: how each gives way */
-    bool apart;       /* most particles that had bonds have lost them all */
+    double *inverse;  /* 1/kg [particles]: inverse masses */
+    bool apart;       /* most particles with bonds have lost all of them */
     uint8_t *wedged;  /* [particles]: debris that has to be resolved; NULL: none */
-    double share;     /* of the steps that what is bonded has to last; 0: needs only be stable */
+    double share;     /* of the steps that contacts of bonded particles have to last; 0: stability
+                       * suffices */
 } ties;
 
-/* A damaged bond is softer where it pulls than where it pushes: within a body that holds, any of
- * them opens and closes like a contact at every swing. A part of a step is right up to (w dt)^2 of
- * 1/2, which half of the steps keep to (0.4); at the 0.9 of the limit that lattices take (1.4) the
- * energy of a body that swings on undamped was wrong by 2 to 15 %. Close packings have that many
- * steps by themselves. */
+/* A damaged bond is softer in tension than in compression: within an intact body any of them
+ * opens and closes like a contact at every oscillation. The partial step is accurate up to (w
+ * dt)^2 of 1/2, which half of the steps ensure (0.4); at 0.9 of the limit of lattices (1.4) the
+ * energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have that
+ * many steps anyway. */
 static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
     return ctx->effects & GN_FX_SOFTENING && gn_world_rings(ctx, dem) ? 0.5 : 0.0;
 }
 
-/* `adrift`: who has lost all bonds that it had, or all but one, on which it hangs. */
+/* Marks in `adrift` the particles that have lost all of their bonds, or all but one. Returns
+ * whether most have lost all. */
 static bool come_apart(const gn_dem *dem, const double *stiffest, uint8_t *adrift) {
     size_t had = 0, lost = 0;
     gn_bonds_left(dem, adrift);
@@ -135,9 +134,9 @@ static void free_ties(ties *t) {
     gn_free(t->wedged);
 }
 
-/* What is part of a zone gives way to others as its nodes do: by its own mass, of which it has
- * little at the zone's edge, contacts there would take steps that nothing moves in. Walls press it
- * with their whole stiffness, and where it meets them is found by its own mass. */
+/* A particle of a zone yields to others as its nodes do: with its own mass, which is small at the
+ * edge of the zone, contacts there would need vanishing steps. Walls act on it with their whole
+ * stiffness and are checked with its own mass. */
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
@@ -175,17 +174,17 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
     return status;
 }
 
-/* What has come apart is loose. Before that debris leave the step alone: a lower one changes the
- * energy of bonded vibrations that it hardly resolved (of a ledger that closed to 5 % it left one
- * that missed 25 %), while the collisions of few debris add little. */
+/* Particles of a disintegrated specimen are loose. Before that debris does not change the step: a
+ * lower one changes the energy of bonded vibrations that it hardly resolved (a ledger that closed
+ * to 5 % then missed 25 %), while collisions of few debris particles add little. */
 static bool at_large(const gn_dem *dem, const ties *t, size_t p) {
     return t->apart || loose(dem, p) || (t->wedged && t->wedged[p]);
 }
 
 /* --- the shortest contact --- */
 
-/* The contact that asks for the smallest step so far: its w^2, what share of the steps it has to
- * last, and of whom; second < 0: see gn_resolution. */
+/* The contact that needs the smallest step so far: its w^2, the share of the steps that it has to
+ * last, and its two ends; second < 0: see gn_resolution. */
 typedef struct fastest {
     double square, share;
     int64_t first, second;
@@ -219,16 +218,16 @@ static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f)
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
-/* Whether damping takes so little in a collision, at a restitution c of 0.95 or more, that the
- * errors of thousands add up. Non-viscous damping of coefficient a makes the force 1 + a times as
- * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
+/* Tells whether collisions are hardly damped: a restitution c of 0.95 or more, at which the errors
+ * of thousands of collisions add up. Non-viscous damping of coefficient a makes the force 1 + a
+ * times as large during approach and 1 - a during separation: c^2 = (1 - a)/(1 + a). */
 bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem) {
     bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
 
-/* Whether a contact may open or close while others of its particles press: its gap or overlap is no
- * more than what they move in a collision. */
+/* Tells whether a contact may open or close while other contacts of its particles press: its gap or
+ * overlap is at most their path during a collision. */
 static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
                     double square) {
     const double *a = dem->particles.pos + 4 * i, *b = dem->particles.pos + 4 * j;
@@ -237,9 +236,8 @@ static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, siz
     return fabs(gap) <= (sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(u, u))) * M_PI / sqrt(square);
 }
 
-/* Of each particle the sum of k/m over the contacts that rattle: d times the mean square of the
- * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
- */
+/* Sums k/m of each particle over the contacts that may open or close: the number of dimensions
+ * times the mean squared frequency with all of them closed. *sum NULL: collisions are damped. */
 static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
                                  double **sum, gneiss_error *error) {
     const gn_contacts *k = &dem->pairs.contacts;
@@ -258,10 +256,10 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
     return GNEISS_OK;
 }
 
-/* A contact that opens or closes gets its part of the step as if it were alone: the error is of the
- * third order in y = w dt, and in a crowd w is that of the crowd. Dense lattices without dashpots
- * missed 30 % of their energy after some thousand steps; so they miss 4 %, and three times as many
- * steps would be needed for 1 %. */
+/* A contact that opens or closes gets its part of the step as if it were alone: the error is of
+ * third order in y = w dt, where w is the frequency of the whole group. Dense lattices without
+ * dashpots missed 30 % of their energy after some thousand steps, and 4 % with this share; 1 %
+ * would need three times as many steps. */
 static double share_in(const gn_step_context *ctx, const double *crowd, size_t i, size_t j,
                        double square) {
     if (!crowd) return 1.0;
@@ -281,13 +279,13 @@ static void meet_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties
     }
 }
 
-/* What share of the steps a contact with a wall or a surface of this stiffness has to last. What is
- * bonded gives way by its bonds, whose frequencies bound the step: in a close packing a contact no
- * stiffer than one of them lasts some 7 of 0.9 of the limit, 3 if 4 times as stiff, 2.5 if 7 times,
- * and then the energy of a body that rattles was wrong by 0.6 and by 30 %. Half of the steps keep
- * it within 0.2 %. Platens (passive walls) are laid on and mostly stay: three steps are enough for
- * what comes off them once or touches them late; in two and a half a specimen that was pressed
- * gently blew up. */
+/* Returns the share of the steps that a contact with a wall or surface of this stiffness has to
+ * last. Bonded particles yield by their bonds, whose frequencies limit the step: in a close packing
+ * a contact no stiffer than one of them lasts some 7 steps of 0.9 of the limit, 3 if it is 4 times
+ * as stiff, 2.5 if 7 times, with errors of 0.6 and 30 % in the energy of a body that bounces. Half
+ * of the steps keep it within 0.2 %. Platens (passive walls) mostly stay in contact: three steps
+ * are enough for late or single contacts; with two and a half a gently loaded specimen became
+ * unstable. */
 static double share_with(const gn_dem *dem, const ties *t, size_t p, double stiffness,
                          bool platen) {
     if (at_large(dem, t, p)) return 1.0;
@@ -295,7 +293,7 @@ static double share_with(const gn_dem *dem, const ties *t, size_t p, double stif
     return bond > 0.0 && stiffness > bond ? (platen ? 0.32 : 0.5) : platen ? 0.0 : t->share;
 }
 
-/* 1/kg that a surface adds where a particle touches it. */
+/* Inverse mass, 1/kg, that a surface adds at the contact of a particle. */
 static double give(const gn_dem *dem, const gn_boundary *boundary, const gn_surface_contact *c) {
     const gn_surface *s = c->surface;
     double sum = 0.0, at[3], lever[3];
@@ -320,7 +318,7 @@ static int64_t surface_number(const gn_step_context *ctx, const gn_boundary *bou
     return -1 - (int64_t)ctx->scene.wall_count - (s - boundary->surfaces);
 }
 
-/* Stiffness of a contact with a wall or a surface before the lists are made again. */
+/* Largest stiffness of a contact with a wall or a surface before the lists are rebuilt. */
 static gn_law_spring wall_spring(const gn_step_context *ctx, const gn_dem *dem, size_t p,
                                  size_t wall) {
     gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
@@ -334,7 +332,8 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
                            gn_touch_reach(ctx, dem, p, 0.0));
 }
 
-/* The facets of one surface and one particle from row c; returns the row behind what was done. */
+/* Contacts of one particle with the facets of a surface, from row c; returns the row behind
+ * them. */
 static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
@@ -367,25 +366,25 @@ static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         size_t p = (size_t)k->i[c];
         double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
                share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both hold it at once */
+        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both springs act at once */
         meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
 
-/* The levers of a body that turns change while it is pressed, and the works of a step miss what the
- * springs hold by force times path times a quarter of the turn in it. What is pressed on its way
- * out at another spin than on its way in keeps some of that: with ten steps per contact the energy
- * of 18 in 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. Two bodies have
- * a bound that is twice to four times as high as what they show, but friction of two that slide and
- * turn lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
+/* The levers of a rotating body change while it is pressed, and the works of a step miss the energy
+ * of the springs by force times path times a quarter of the rotation. A body that separates with
+ * another spin than it approached with keeps some of that error: with ten steps per contact the
+ * energy of 18 of 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. The bound
+ * of two bodies is two to four times their frequency, but friction of two that slide and rotate
+ * lost 0.1 % with 1.5 times the steps: they get 2.5 times. */
 static double share_of_turning(const gn_boundary *boundary, size_t body) {
     const gn_rigid *b = &boundary->bodies[body];
     double give = b->inverse_inertia[0] + b->inverse_inertia[1] + b->inverse_inertia[2];
     return give > 0.0 ? 4.0 : 1.0;
 }
 
-/* Bodies on walls and on each other; their masses are not raised. */
+/* Contacts of bodies with walls and with each other; their masses are not raised. */
 static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
     for (size_t c = 0; !f->factor && c < boundary->body_contacts.soa.count;) {
         gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
@@ -449,10 +448,10 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
 
 /* --- what the scene holds --- */
 
-/* The smallest and the largest two of particles that are alike: material, loose, held. For a given
- * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, as every law
- * has to see to (gn_law.meeting). So the extremes of two classes have the extreme pair among them,
- * and two of each make it one of distinct particles. */
+/* The smallest two and the largest two particles of a class: material, loose, held. For a given
+ * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, which every
+ * law has to ensure (gn_law.meeting). So the extremes of two classes contain the extreme pair, and
+ * two of each make it a pair of distinct particles. */
 typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
@@ -544,7 +543,7 @@ static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn
         if (!held) fly_walls(ctx, dem, boundary, p, f);
     }
     fly_pairs(ctx, dem, classes, count, f);
-    /* All by itself: as if it met its like, so that there is a step. */
+    /* A single particle is taken with an equal one, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < dem->particles.soa.count; p++)
         f->normal =
             2.0 * gn_pair_spring(ctx, dem, (int32_t)p, (int32_t)p).kn * inverse_mass(ctx, dem, p);
@@ -573,7 +572,7 @@ const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, ch
     int64_t walls = (int64_t)ctx->scene.wall_count, bodies = (int64_t)ctx->scene.body_count,
             k = -1 - r->second;
     if (r->first < 0 && (-1 - r->first >= bodies || k < 0 || k >= walls + bodies))
-        snprintf(text, size, "nothing that has a name"); /* none, or from a file */
+        snprintf(text, size, "nothing that has a name"); /* none, or read from a file */
     else if (r->first < 0 && k >= walls)
         snprintf(text, size, "bodies '%.60s' and '%.60s'", ctx->scene.bodies[-1 - r->first].name,
                  ctx->scene.bodies[k - walls].name);

@@ -1,7 +1,7 @@
-/* The sharp limit of particles and elements as one system: Lanczos on the operator of both and of
- * what ties them. The unknowns are M^1/2 v of the particles that move by themselves and of the
- * nodes with all that they carry; particles of zones take N v, and hand N^T f back. With consistent
- * masses the metric is theirs, over the lump that scales the unknowns. */
+/* The sharp limit of particles and elements as one system, by Lanczos on the operator of both and
+ * of their coupling. The unknowns are M^1/2 v of the particles outside zones and of the nodes with
+ * all mass that they carry; particles of zones take N v and return N^T f. With consistent masses
+ * the metric is theirs, over the lump that scales the unknowns. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -17,7 +17,7 @@
 #include "particles/dem.h"
 #include "scene/scene.h"
 #include "soa/records.h"
-#include "timestep/particle_limit.h"
+#include "timestep/step_limit.h"
 #include "zones/zone_state.h"
 #include "zones/zones.h"
 #include "zones/zones_private.h"
@@ -34,11 +34,11 @@ typedef struct whole {
     gn_spring_operator pull;
     gn_fem_linear linear;
     size_t dim, dofs, own, count; /* own: unknowns of particles, which come first */
-    double *moved;                /* [own] what springs see */
-    double *moves;                /* [count] above 0 for what is an unknown */
+    double *moved;                /* [own] velocities of all particles */
+    double *moves;                /* [count] above 0: an unknown */
     double *mode;                 /* [count] the fastest one */
     gn_whole_limit *limit;        /* what comes out */
-    double (*gradient)[4][3];     /* [ties] slaved spins: of the present places */
+    double (*gradient)[4][3];     /* [ties] slaved spins: at the present positions */
 } whole;
 
 static void whole_free(whole *y) {
@@ -53,7 +53,7 @@ static void whole_free(whole *y) {
 
 /* --- between both --- */
 
-/* m/s of a corner of a tie. */
+/* Velocity component, m/s, of a corner of a tie. */
 static double corner_speed(const whole *y, const gn_tie *t, int a, size_t c, const double *x) {
     const size_t k = y->dim * (size_t)t->node[a] + c;
     return y->linear.scale[k] * x[y->own + k];
@@ -72,7 +72,7 @@ static void spin_of(const whole *y, size_t k, const double *x, double *spin) {
     memcpy(spin, sum + (y->dim == 3 ? 0 : 2), (y->dofs - y->dim) * sizeof *spin);
 }
 
-/* Where the nodes take the particles of zones. */
+/* Sets the velocities of particles of zones from those of the nodes. */
 static void follow(const whole *y, const double *x) {
     const gn_ties *ties = &y->q->ties;
     memcpy(y->moved, x, y->own * sizeof *x);
@@ -88,7 +88,7 @@ static void follow(const whole *y, const double *x) {
     }
 }
 
-/* N^T of what pulls at the particles of zones, and of what turns them. */
+/* Adds N^T of the forces and moments on particles of zones to the nodes. */
 static void hand_back(const whole *y, double *out) {
     const gn_ties *ties = &y->q->ties;
     for (size_t k = 0; k < ties->count; k++) {
@@ -186,7 +186,7 @@ static void metric(const void *context, const double *x, double *out) {
 
 /* --- making it --- */
 
-/* Masses of nodes; nothing is fixed but what cannot move. */
+/* Sets the masses of nodes; only components that cannot move are fixed. */
 static void set_masses(const whole *y) {
     gn_consistent *c = &y->q->consistent;
     const gn_fem_solid *b = gn_coupled_solid(y->solids);
@@ -201,7 +201,7 @@ static void set_masses(const whole *y) {
     }
 }
 
-/* Particles of zones have no unknowns but their springs, or free spins. */
+/* Particles of zones have no unknowns except with springs, or with free spins. */
 static void set_unknowns(const whole *y) {
     memcpy(y->moves, y->springs.scale, y->own * sizeof *y->moves);
     memcpy(y->moves + y->own, y->linear.scale, (y->count - y->own) * sizeof *y->moves);
@@ -240,7 +240,7 @@ static gneiss_status make(const gn_spectrum *spectrum, whole *y, gneiss_error *e
 
 /* --- what comes out --- */
 
-/* Whether a node has a particle. */
+/* Tells whether a node has a particle. */
 static bool carries(const gn_ties *t, int32_t node) {
     size_t low = 0, high = t->nodes;
     while (low < high) {
@@ -259,7 +259,7 @@ static double size2(const double *x, size_t count) {
     return sum;
 }
 
-/* Where the fastest mode moves most. */
+/* Finds the side, particle and node with the largest part of the fastest mode. */
 static void find_side(const whole *y, const double *mode, gn_whole_limit *limit) {
     const gn_particles *q = &y->dem->particles, *nodes = &gn_coupled_solid(y->solids)->nodes;
     double most[2] = {-1.0, -1.0};
@@ -315,7 +315,7 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
 }
 
 bool gn_coupled_has_limit(const gn_step_context *ctx, const gn_solids *solids) {
-    /* Where elements convert it would have to be found anew with each of them. */
+    /* With conversions it would have to be found anew at each of them. */
     return ctx->scene.has_couple && !gn_converts(ctx) && ctx->scene.estimate == GN_STEP_SHARP &&
            gn_coupled_solid(solids)->form == GN_FEM_DISPLACEMENT;
 }

@@ -1,20 +1,15 @@
-/* Debris that is wedged: a particle whose bonds have all broken, between others that it meets in
- * turns. A contact that opens or closes gets its part of the step as if it were alone
- * (gn_linear_cross). Where another one presses with F meanwhile, the path p of the next step is
- * another by F dt^2/m than that part was made for, and the works miss
- *
- *     dE = 1/4 s (1 - s) y^2 p F,   y = w dt,   1/24 y^2 p F in the mean over the share s,
- *
- * of the same sign whenever what presses is on the other side: it gains in every opening and every
- * closing, in a slot the faster the more it has. A light particle has the largest y of all (a
- * stable step allows 1.27 on either side), and hands what it gains on to the neighbours. At ten
- * steps a contact, y = 0.31, that is some 40 times less than at y = 1.
- *
- * Most debris flies free or lies still and costs nothing at the step as it is. So the ledger is
- * asked first: only where it misses more than TOLD of what has gone through while such a particle
- * collides with energy that can be the reason its contacts are resolved as those of loose particles
- * are. */
-#include "timestep/debris.h"
+/* Wedged debris: a particle whose bonds have all broken, between others that it touches in turn. A
+ * contact that opens or closes gets its part of the step as if it were alone (gn_linear_cross). If
+ * another contact presses with F meanwhile, the path p of the next step differs by F dt^2/m from
+ * the one for which that part was computed, and the works miss dE = 1/4 s (1 - s) y^2 p F with y =
+ * w dt, or 1/24 y^2 p F in the mean over the share s, always of the same sign if the other contact
+ * is on the opposite side: in a slot the energy grows at every opening and closing, the faster the
+ * larger it is. A light particle has the largest y of all (a stable step allows 1.27 on either
+ * side) and passes its gain on to the neighbours. At ten steps per contact, y = 0.31, the gain is
+ * some 40 times less than at y = 1. Most debris is in free flight or at rest and needs no smaller
+ * step. So the ledger is checked first: only if it misses more than LEDGER_ERROR of the throughput
+ * while such a particle collides with a relevant energy are its contacts resolved as those of loose
+ * particles. */
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -24,18 +19,19 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "soa/records.h"
-#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>
 
-static const double TOLD = 3e-5;
+static const double LEDGER_ERROR = 3e-5;
 
-/* Of what the bonds of the scene hold before they break: with less a particle is left alone. What
- * it may gain until it is looked at again is some tens of times its own energy. */
+/* Energy over that of all bonds at their strength below which a particle is ignored; until the next
+ * check it may grow by some tens of times. */
 static const double MATTERS = 1e-6;
 
-/* J: of normal springs at their strength, broken ones as well, so that the measure stays. */
+/* Energy, J, of normal springs at their strength, broken ones included, so that the measure stays
+ * constant. */
 static double held_at_most(const gn_dem *dem) {
     const gn_contacts *b = &dem->bonds.contacts;
     double sum = 0.0;
@@ -46,10 +42,10 @@ static double held_at_most(const gn_dem *dem) {
     return sum;
 }
 
-/* What is asked of a contact without a bond. */
+/* A contact without a bond. */
 typedef struct meeting {
-    bool near;     /* pressed, or open by no more than the two move in a collision */
-    double energy; /* J: kinetic, of one towards the other */
+    bool near;     /* closed, or open by no more than the path of the two in a collision */
+    double energy; /* J: kinetic energy of the relative motion */
 } meeting;
 
 static meeting meet(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts *k, size_t c) {
@@ -63,7 +59,7 @@ static meeting meet(const gn_step_context *ctx, const gn_dem *dem, const gn_cont
     return (meeting){gap <= M_PI * sqrt(speed2 / (kn * give)), 0.5 * speed2 / give};
 }
 
-/* What is near a particle. */
+/* Contacts near a particle. */
 typedef struct slot {
     int sides;     /* contacts that are near */
     double energy; /* J, the largest */
@@ -113,7 +109,8 @@ gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some
 
 bool gn_debris_told(const gn_ledger *ledger) {
     const gn_energy *e = &ledger->reading;
-    return fabs(gn_energy_residual(e)) * gn_energy_scale(e) > TOLD * gn_energy_throughput(e);
+    return fabs(gn_energy_residual(e)) * gn_energy_scale(e) >
+           LEDGER_ERROR * gn_energy_throughput(e);
 }
 
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,

@@ -1,21 +1,21 @@
-/* By Hertz's law a contact is the stiffer the further it is pressed. The step is chosen for the
- * overlap that is expected: one and a half of what there is, or that of a collision at the present
- * speeds, of the contact itself and of those beside it, whichever is most. Kernels count contacts
- * that are pressed further; then all are looked at again before the next step. What is expected of
- * a contact never falls: nor does an automatic step ever rise. */
+/* By Hertz's law the stiffness of a contact grows with its overlap. The step is chosen for an
+ * expected overlap: the largest of one and a half times the present one and that of a collision at
+ * the present speeds, of the contact itself and of its neighbours. Kernels count contacts that
+ * exceed it; then all are checked again before the next step. The expected overlap of a contact
+ * never falls, as an automatic step never rises. */
 #include "timestep/indentation.h"
 #include "base/error.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "particles/expected_overlap.h"
+#include "particles/law.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/records.h"
@@ -25,10 +25,10 @@
 
 #include <math.h>
 
-/* What is expected at least of an overlap that there is, and what is taken in hand besides. */
+/* Factor on the present overlap, and margin added to an expected overlap that grows. */
 static const double growth = 1.2, reserve = 1.25;
 
-/* m/s2, of the applied forces. */
+/* Largest acceleration, m/s2, by applied forces. */
 static double applied(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double most2 = 0.0;
@@ -73,7 +73,7 @@ static void keep_pairs(gn_dem *dem) {
     }
 }
 
-/* Of a particle and what it touches, which moves at `v` and counts as heavy. */
+/* Contact of a particle with an object that moves at `v` and counts as heavy. */
 static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
                  const double v[3], double overlap) {
     const double *own = dem->particles.vel + 4 * p;
@@ -84,7 +84,7 @@ static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_sid
         gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
 }
 
-/* Where the contact is. */
+/* Velocity of the surface at the contact. */
 static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
                              const gn_surface_contact *c, double v[3]) {
     const gn_surface *s = c->surface;
@@ -146,13 +146,13 @@ void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
 
 /* --- what is driven --- */
 
-/* Of a wall, a body or a set: where its velocity is prescribed, as it will be in the coming step
- * (at the middle of which tables are read); by how much that changes, and how fast it is then. */
+/* The prescribed motion of a wall, a body or a set in the coming step, at the middle of which
+ * tables are read: its speed, and its change of speed. */
 typedef struct drive {
     const gn_motion *motion;
     const char *name;
     const double *now; /* velocity in the last step; NULL: of the table then */
-    double reach;      /* m, that a spin moves */
+    double reach;      /* m, lever of a spin */
 } drive;
 
 static double speed_of(const gn_step_context *ctx, const drive *d, double *change) {
@@ -170,7 +170,7 @@ static double speed_of(const gn_step_context *ctx, const drive *d, double *chang
     return sqrt(gn_dot3(v, v)) + spin;
 }
 
-/* A servo may be as fast as it may be at once. */
+/* A servo may reach its largest velocity in one step. */
 static double speed_of_wall(const gn_step_context *ctx, const gn_boundary *boundary, size_t k,
                             double *change) {
     const gn_wall_def *def = &ctx->scene.walls[k];
@@ -192,8 +192,8 @@ static double speed_of_set(const gn_step_context *ctx, size_t k, double *change)
     return speed_of(ctx, &d, change);
 }
 
-/* By how much what becomes faster than it was looked at changes in the coming step, at most. What
- * slows down and comes back meets nothing at more than it was looked at. */
+/* Largest change of velocity in the coming step of anything that becomes faster than when it was
+ * last checked. A motion that slows down and returns is covered by the last check. */
 static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary) {
     const size_t count[] = {ctx->scene.wall_count, ctx->scene.body_count, ctx->scene.set_count};
     double gain = 0.0, *known = dem->driven;
@@ -209,7 +209,7 @@ static double driven_gain(const gn_step_context *ctx, gn_dem *dem, const gn_boun
     return gain;
 }
 
-/* A step that is long because nothing moves must not be the one in which something begins to. */
+/* A step that is long because nothing moves must not be the one in which a motion begins. */
 static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
     if (!w->dem.driven) return GNEISS_OK;
     w->dem.gain = driven_gain(&w->ctx, &w->dem, &w->boundary);
@@ -223,4 +223,113 @@ gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
     if (!w->dem.pressed) return GNEISS_OK;
     w->dem.pressed = false;
     return gn_world_check_lists(w, error);
+}
+
+/* Steps between two checks, each of which takes a third of the time of a step. */
+enum { LOOK_INTERVAL = 50 };
+
+/* Overlaps below this, m, are less than the largest known one. */
+static double known_overlap(const gn_dem *dem, double radius) {
+    return dem->depth.excess * GN_DEPTH_LOOSE * radius;
+}
+
+static void record(const gn_step_context *ctx, gn_dem *dem, double overlap, double radius, size_t p,
+                   double second) {
+    gn_depth *d = &dem->depth;
+    const double id = dem->particles.id[p];
+    bool loose = dem->loose[(size_t)id] || (second >= 0.0 && dem->loose[(size_t)second]);
+    double excess = overlap / radius / (loose ? GN_DEPTH_LOOSE : GN_DEPTH_BONDED);
+    if (!(excess > d->excess)) return;
+    *d = (gn_depth){excess,
+                    overlap / radius,
+                    overlap,
+                    ctx->time,
+                    second >= 0.0 ? fmin(id, second) : id,
+                    second >= 0.0 ? fmax(id, second) : second,
+                    d->looked};
+}
+
+static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *k = &dem->pairs.contacts;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        const double *a = q->pos + 4 * i, *b = q->pos + 4 * j;
+        const double radius = fmin(a[3], b[3]), most = a[3] + b[3] - known_overlap(dem, radius);
+        double d[3], d2 = gn_branch(ctx, a, b, d);
+        if (!(most > 0.0 && d2 < most * most)) continue;
+        if (!(gn_inverse_mass_along(dem, i, d) + gn_inverse_mass_along(dem, j, d) > 0.0)) continue;
+        /* Elements still represent their bond: the overlap is that of the packing, without
+         * force. */
+        if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
+        record(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
+    }
+}
+
+static size_t record_surface(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                             size_t row) {
+    const size_t p = (size_t)boundary->contacts.i[row];
+    const double radius = dem->particles.pos[4 * p + 3];
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    size_t count = 0;
+    row = gn_surface_contacts_at(ctx, dem, boundary, row, 0.0, found, &count);
+    for (size_t k = 0; k < count; k++) {
+        const gn_surface *s = found[k].surface;
+        const double overlap = -found[k].contact.overlap;
+        if (!(overlap > known_overlap(dem, radius))) continue;
+        if (!(gn_inverse_mass_along(dem, p, found[k].contact.n) > 0.0 ||
+              gn_surface_yields(boundary, s)))
+            continue;
+        record(ctx, dem, overlap, radius, p,
+               -1.0 - (double)ctx->scene.wall_count - (double)(s - boundary->surfaces));
+    }
+    return row;
+}
+
+static void record_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+    const gn_wall_contacts *k = &boundary->contacts;
+    for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
+        const size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
+        if (wall >= ctx->scene.wall_count) {
+            c = record_surface(ctx, dem, boundary, c);
+            continue;
+        }
+        const gn_wall *of = &boundary->walls[wall];
+        const double *x = dem->particles.pos + 4 * p;
+        const double overlap = x[3] + k->gap0[c] - gn_wall_distance(of, x);
+        if (overlap > known_overlap(dem, x[3]) && gn_inverse_mass_along(dem, p, of->normal) > 0.0)
+            record(ctx, dem, overlap, x[3], p, -1.0 - (double)wall);
+        c++;
+    }
+}
+
+gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            gneiss_error *error) {
+    GN_TRY(gn_loose_find(ctx, dem, error));
+    record_pairs(ctx, dem);
+    record_walls(ctx, dem, boundary);
+    dem->depth.looked = (double)ctx->step;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error) {
+    bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
+    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, error) : GNEISS_OK;
+}
+
+const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {
+    const gn_depth *d = &dem->depth;
+    const size_t walls = ctx->scene.wall_count,
+                 k = d->second < 0.0 ? (size_t)(-1.0 - d->second) : 0;
+    if (d->second >= 0.0)
+        snprintf(text, size, "particles %.0f and %.0f", d->first, d->second);
+    else if (k < walls)
+        snprintf(text, size, "particle %.0f and wall '%.60s'", d->first, ctx->scene.walls[k].name);
+    else if (k - walls < ctx->scene.body_count)
+        snprintf(text, size, "particle %.0f and body '%.60s'", d->first,
+                 ctx->scene.bodies[k - walls].name);
+    else
+        snprintf(text, size, "particle %.0f and the finite elements", d->first);
+    return text;
 }

@@ -1,4 +1,4 @@
-/* Expected overlap of Hertz contacts. */
+/* Expected overlap of Hertz contacts, and the largest overlap of contacts without a bond. */
 #ifndef GN_TIMESTEP_INDENTATION_H
 #define GN_TIMESTEP_INDENTATION_H
 
@@ -9,5 +9,22 @@
 
 /* Updates the expected overlaps and the step if a kernel has found a larger overlap. */
 gneiss_status gn_pressed_check(gn_world *world, gneiss_error *error);
+
+/* Overlap over radius from which Hertz's theory and any spring between hardly touching particles
+ * are misleading, for particles that were not bonded at the start. Bonded specimens are pressed
+ * further by platens and among debris without harm to their readings; beyond this value a particle
+ * is passing through. */
+#define GN_DEPTH_LOOSE  0.1
+#define GN_DEPTH_BONDED 0.5
+
+/* Updates world->dem.depth from the listed contacts at the present positions: when lists are made,
+ * and in measured steps some steps later. Contacts whose sides cannot move are left out. */
+gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            gneiss_error *error);
+gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error);
+
+/* Names the two sides of the contact. */
+const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size);
 
 #endif
