@@ -32,11 +32,15 @@ CLEAN = [
     "src/accuracy",
     "src/api",
     "src/base",
+    "src/boundary",
     "src/cli",
     "src/couple",
+    "src/drive",
     "src/fem",
+    "src/inflow",
     "src/io",
     "src/kernels",
+    "src/laboratory",
     "src/limit",
     "src/measure",
     "src/mesh",
@@ -51,6 +55,7 @@ CLEAN = [
     "src/surfaces",
     "src/sweep",
     "src/test_kinds",
+    "src/timestep",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
 GENERATED = {"docs/keys.md", "docs/quantities.md"}

@@ -112,7 +112,7 @@ typedef struct ties {
  * energy of a body that oscillates undamped was wrong by 2 to 15 %. Close packings have that
  * many steps anyway. */
 static double share_of_bonds(const gn_step_context *ctx, const gn_dem *dem) {
-    return ctx->effects & GN_FX_SOFTENING && gn_world_rings(ctx, dem) ? 0.5 : 0.0;
+    return ctx->effects & GN_FX_SOFTENING && gn_world_is_underdamped(ctx, dem) ? 0.5 : 0.0;
 }
 
 /* Marks in `adrift` the particles that have lost all of their bonds, or all but one. Returns
@@ -177,7 +177,7 @@ static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
 /* Particles of a disintegrated specimen are loose. Before that debris does not change the step: a
  * lower one changes the energy of bonded vibrations that it hardly resolved (a ledger that closed
  * to 5 % then missed 25 %), while collisions of few debris particles add little. */
-static bool at_large(const gn_dem *dem, const ties *t, size_t p) {
+static bool is_loose(const gn_dem *dem, const ties *t, size_t p) {
     return t->apart || loose(dem, p) || (t->wedged && t->wedged[p]);
 }
 
@@ -198,8 +198,8 @@ static void ask_mass(const fastest *f, const gn_dem *dem, size_t p, double squar
     f->factor[p] = fmax(f->factor[p], square / (f->most * q->own_share[p]));
 }
 
-static void meet(fastest *f, double square, double share, const gn_dem *dem, size_t p,
-                 int64_t second) {
+static void consider(fastest *f, double square, double share, const gn_dem *dem, size_t p,
+                     int64_t second) {
     if (f->factor) {
         ask_mass(f, dem, p, square * share * share);
         if (second >= 0) ask_mass(f, dem, (size_t)dem->index_of_id[second], square * share * share);
@@ -221,7 +221,7 @@ static gn_resolution resolution_of(const gn_step_context *ctx, const fastest *f)
 /* Tells whether collisions are hardly damped: a restitution c of 0.95 or more, at which the errors
  * of thousands of collisions add up. Non-viscous damping of coefficient a makes the force 1 + a
  * times as large during approach and 1 - a during separation: c^2 = (1 - a)/(1 + a). */
-bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem) {
+bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem) {
     bool active = ctx->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return dem->damping_least < 0.0163 && !(active && ctx->scene.background_coefficient > 0.051);
 }
@@ -242,7 +242,7 @@ static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, 
                                  double **sum, gneiss_error *error) {
     const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
-    if (!gn_world_rings(ctx, dem) || !k->soa.count) return GNEISS_OK;
+    if (!gn_world_is_underdamped(ctx, dem) || !k->soa.count) return GNEISS_OK;
     *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -267,15 +267,15 @@ static double share_in(const gn_step_context *ctx, const double *crowd, size_t i
     return square > 0.0 && together > square ? sqrt(together / square) : 1.0;
 }
 
-static void meet_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
-                       const gn_contacts *k, const double *crowd, fastest *f) {
+static void consider_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
+                           const gn_contacts *k, const double *crowd, fastest *f) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        bool free = !gn_contact_bonded(k, c) && (at_large(dem, t, i) || at_large(dem, t, j));
+        bool free = !gn_contact_bonded(k, c) && (is_loose(dem, t, i) || is_loose(dem, t, j));
         if (!free && t->share == 0.0) continue;
         double square = gn_contact_spring(dem, k, c).kn * (t->inverse[i] + t->inverse[j]);
         double share = free ? share_in(ctx, crowd, i, j, square) : t->share;
-        meet(f, square, share, dem, i, dem->particles.id[j]);
+        consider(f, square, share, dem, i, dem->particles.id[j]);
     }
 }
 
@@ -288,7 +288,7 @@ static void meet_pairs(const gn_step_context *ctx, const gn_dem *dem, const ties
  * unstable. */
 static double share_with(const gn_dem *dem, const ties *t, size_t p, double stiffness,
                          bool platen) {
-    if (at_large(dem, t, p)) return 1.0;
+    if (is_loose(dem, t, p)) return 1.0;
     double bond = t->stiffest ? t->stiffest[p] : 0.0;
     return bond > 0.0 && stiffness > bond ? (platen ? 0.32 : 0.5) : platen ? 0.0 : t->share;
 }
@@ -334,32 +334,33 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
 
 /* Contacts of one particle with the facets of a surface, from row c; returns the row behind
  * them. */
-static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
+static size_t consider_surface(const gn_step_context *ctx, const gn_dem *dem,
+                               const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
     double inverse = inverse_mass(ctx, dem, p), kn = surface_spring(ctx, dem, p, s).kn;
     double share = share_with(dem, t, p, kn, false);
     if (share == 0.0) return c + 1;
     if (!gn_surface_yields(boundary, s)) {
-        meet(f, kn * inverse, share, dem, p, surface_number(ctx, boundary, s));
+        consider(f, kn * inverse, share, dem, p, surface_number(ctx, boundary, s));
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
         double square = kn * (inverse + give(dem, boundary, &found[m]));
-        meet(f, square, share, dem, p, surface_number(ctx, boundary, s));
+        consider(f, square, share, dem, p, surface_number(ctx, boundary, s));
     }
     return c;
 }
 
-static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_zones *zones, const ties *t, fastest *f) {
+static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, const gn_zones *zones, const ties *t,
+                           fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
-            c = meet_surface(ctx, dem, boundary, t, c, f);
+            c = consider_surface(ctx, dem, boundary, t, c, f);
             continue;
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
@@ -367,7 +368,7 @@ static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
                share = share_with(dem, t, p, kn, def->passive);
         kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both springs act at once */
-        meet(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
+        consider(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
@@ -385,7 +386,7 @@ static double share_of_turning(const gn_boundary *boundary, size_t body) {
 }
 
 /* Contacts of bodies with walls and with each other; their masses are not raised. */
-static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
+static void consider_bodies(const gn_step_context *ctx, const gn_boundary *boundary, fastest *f) {
     for (size_t c = 0; !f->factor && c < boundary->body_contacts.soa.count;) {
         gn_body_wall k = gn_body_wall_at(ctx, boundary, c);
         double square = gn_body_walls_square(ctx, boundary, &c),
@@ -408,19 +409,19 @@ static void meet_bodies(const gn_step_context *ctx, const gn_boundary *boundary,
     }
 }
 
-static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, fastest *f, gneiss_error *error) {
+static gneiss_status consider_listed(const gn_step_context *ctx, const gn_dem *dem,
+                                     const gn_boundary *boundary, const gn_solids *solids,
+                                     const gn_zones *zones, fastest *f, gneiss_error *error) {
     double *crowd = NULL;
     ties t;
     GN_TRY(find_ties(ctx, dem, solids, zones, &t, error));
     gneiss_status status = find_crowds(ctx, dem, &t, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
+        consider_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
-            meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        meet_walls(ctx, dem, boundary, zones, &t, f);
-        meet_bodies(ctx, boundary, f);
+            consider_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
+        consider_walls(ctx, dem, boundary, zones, &t, f);
+        consider_bodies(ctx, boundary, f);
     }
     gn_free(crowd);
     free_ties(&t);
@@ -432,7 +433,7 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error) {
     fastest f = {0.0, 1.0, -1, -1, NULL, 0.0};
-    GN_TRY(meet_listed(ctx, dem, boundary, solids, zones, &f, error));
+    GN_TRY(consider_listed(ctx, dem, boundary, solids, zones, &f, error));
     *resolution = resolution_of(ctx, &f);
     return GNEISS_OK;
 }
@@ -443,7 +444,7 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
                                    gneiss_error *error) {
     double wave = M_PI / (gn_world_contact_steps(ctx) * step);
     fastest f = {0.0, 1.0, -1, -1, factor, wave * wave};
-    return meet_listed(ctx, dem, boundary, solids, zones, &f, error);
+    return consider_listed(ctx, dem, boundary, solids, zones, &f, error);
 }
 
 /* --- what the scene holds --- */
@@ -491,7 +492,8 @@ static double inverse_across(const gn_step_context *ctx, const gn_dem *dem, size
     return inverse_mass(ctx, dem, p) + (q->spin && !held ? r * r * q->spin[4 * p + 3] : 0.0);
 }
 
-static void fly_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j, flight *f) {
+static void flight_of_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                           flight *f) {
     gn_law_spring c = gn_pair_spring(ctx, dem, (int32_t)i, (int32_t)j);
     double square = c.kn * (inverse_mass(ctx, dem, i) + inverse_mass(ctx, dem, j));
     f->normal = fmax(f->normal, square);
@@ -499,26 +501,26 @@ static void fly_pair(const gn_step_context *ctx, const gn_dem *dem, size_t i, si
         f->shear =
             fmax(f->shear, c.kt * (inverse_across(ctx, dem, i) + inverse_across(ctx, dem, j)));
     if (loose(dem, i) || loose(dem, j))
-        meet(&f->resolved, square, 1.0, dem, i, dem->particles.id[j]);
+        consider(&f->resolved, square, 1.0, dem, i, dem->particles.id[j]);
 }
 
-static void fly_pairs(const gn_step_context *ctx, const gn_dem *dem, const extremes *classes,
-                      size_t count, flight *f) {
+static void flight_of_pairs(const gn_step_context *ctx, const gn_dem *dem, const extremes *classes,
+                            size_t count, flight *f) {
     for (size_t a = 0; a < count; a++)
         for (size_t b = a; b < count; b++)
             for (size_t i = 0; i < classes[a].count; i++)
                 for (size_t j = a == b ? i + 1 : 0; j < classes[b].count; j++)
-                    fly_pair(ctx, dem, classes[a].place[i], classes[b].place[j], f);
+                    flight_of_pair(ctx, dem, classes[a].place[i], classes[b].place[j], f);
 }
 
-static void fly_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                      size_t p, flight *f) {
+static void flight_of_walls(const gn_step_context *ctx, const gn_dem *dem,
+                            const gn_boundary *boundary, size_t p, flight *f) {
     double inverse = inverse_mass(ctx, dem, p);
     for (size_t k = 0; k < ctx->scene.wall_count; k++) {
         gn_law_spring c = wall_spring(ctx, dem, p, k);
         f->normal = fmax(f->normal, c.kn * inverse);
         f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
-        if (loose(dem, p)) meet(&f->resolved, c.kn * inverse, 1.0, dem, p, -1 - (int64_t)k);
+        if (loose(dem, p)) consider(&f->resolved, c.kn * inverse, 1.0, dem, p, -1 - (int64_t)k);
     }
     for (size_t k = 0; k < boundary->surface_count; k++) {
         const gn_surface *s = &boundary->surfaces[k];
@@ -527,12 +529,12 @@ static void fly_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
         f->normal = fmax(f->normal, square);
         f->shear = fmax(f->shear, c.kt * inverse_across(ctx, dem, p));
         if (loose(dem, p))
-            meet(&f->resolved, square, 1.0, dem, p, surface_number(ctx, boundary, s));
+            consider(&f->resolved, square, 1.0, dem, p, surface_number(ctx, boundary, s));
     }
 }
 
-static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                         flight *f, gneiss_error *error) {
+static gneiss_status find_flight(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, flight *f, gneiss_error *error) {
     size_t count = 4 * ctx->scene.material_count;
     extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
     if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
@@ -540,9 +542,9 @@ static gneiss_status fly(const gn_step_context *ctx, const gn_dem *dem, const gn
         if (dem->particles.vel[4 * p + 3] == 0.0) continue;
         size_t held = inverse_mass(ctx, dem, p) == 0.0, kind = 2 * held + loose(dem, p);
         keep_extremes(dem, &classes[4 * (size_t)dem->particles.material[p] + kind], p);
-        if (!held) fly_walls(ctx, dem, boundary, p, f);
+        if (!held) flight_of_walls(ctx, dem, boundary, p, f);
     }
-    fly_pairs(ctx, dem, classes, count, f);
+    flight_of_pairs(ctx, dem, classes, count, f);
     /* A single particle is taken with an equal one, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < dem->particles.soa.count; p++)
         f->normal =
@@ -557,7 +559,7 @@ gneiss_status gn_flight_limits(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, double *stable,
                                gn_resolution *resolution, gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
-    GN_TRY(fly(ctx, dem, boundary, &f, error));
+    GN_TRY(find_flight(ctx, dem, boundary, &f, error));
     double alpha = dem->damping_fraction / gn_world_nonviscous_share(ctx);
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
     *resolution = resolution_of(ctx, &f.resolved);

@@ -341,11 +341,11 @@ const char *gn_side_text(gn_side side) {
 }
 
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size) {
-    char who[64];
+    char place[64];
     if (limit->node >= 0)
-        snprintf(who, sizeof who, "node %d", limit->node);
+        snprintf(place, sizeof place, "node %d", limit->node);
     else
-        snprintf(who, sizeof who, "particle %d", limit->particle);
-    snprintf(text, size, "the %s, %s", gn_side_text(limit->side), who);
+        snprintf(place, sizeof place, "particle %d", limit->particle);
+    snprintf(text, size, "the %s, %s", gn_side_text(limit->side), place);
     return text;
 }

@@ -46,7 +46,7 @@ static void raise(gn_dem *dem, size_t p, double to) {
     if (to > *known) *known = reserve * to;
 }
 
-static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
+static void update_pairs(gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     const gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -74,8 +74,8 @@ static void keep_pairs(gn_dem *dem) {
 }
 
 /* Contact of a particle with an object that moves at `v` and counts as heavy. */
-static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
-                 const double v[3], double overlap) {
+static void consider(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_side *side,
+                     const double v[3], double overlap) {
     const double *own = dem->particles.vel + 4 * p;
     double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
     double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
@@ -103,8 +103,7 @@ static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
     for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
 }
 
-static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                              size_t row) {
+static size_t update_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, size_t row) {
     size_t count = 0, p = (size_t)boundary->contacts.i[row];
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
@@ -113,33 +112,33 @@ static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *bo
     row = gn_surface_contacts_at(ctx, dem, boundary, row, dem->verlet.skin, found, &count);
     for (size_t k = 0; k < count; k++) {
         surface_velocity(dem, boundary, &found[k], v);
-        meet(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
+        consider(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
     }
     return row;
 }
 
-static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+static void update_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
         if (wall >= ctx->scene.wall_count) {
-            c = look_at_surface(ctx, dem, boundary, c);
+            c = update_surface(ctx, dem, boundary, c);
             continue;
         }
         gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
         const double *x = dem->particles.pos + 4 * p;
         double gap = gn_wall_distance(&boundary->walls[wall], x) - x[3] - k->gap0[c];
-        meet(ctx, dem, p, &side, boundary->walls[wall].velocity, fmax(-gap, 0.0));
+        consider(ctx, dem, p, &side, boundary->walls[wall].velocity, fmax(-gap, 0.0));
         c++;
     }
 }
 
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     dem->push = applied(ctx, dem);
     for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, GN_OVERLAP_LEAST);
-    look_at_pairs(ctx, dem);
-    look_at_walls(ctx, dem, boundary);
+    update_pairs(ctx, dem);
+    update_walls(ctx, dem, boundary);
     keep_pairs(dem);
     gn_near_repack(ctx, dem);
 }
@@ -303,8 +302,8 @@ static void record_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *b
     }
 }
 
-gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            gneiss_error *error) {
+gneiss_status gn_depth_update(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                              gneiss_error *error) {
     GN_TRY(gn_loose_find(ctx, dem, error));
     record_pairs(ctx, dem);
     record_walls(ctx, dem, boundary);
@@ -312,10 +311,10 @@ gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary
     return GNEISS_OK;
 }
 
-gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  gneiss_error *error) {
+gneiss_status gn_depth_update_when_due(const gn_step_context *ctx, gn_dem *dem,
+                                       gn_boundary *boundary, gneiss_error *error) {
     bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
-    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, error) : GNEISS_OK;
+    return due && ctx->scene.has_specimen ? gn_depth_update(ctx, dem, boundary, error) : GNEISS_OK;
 }
 
 const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {

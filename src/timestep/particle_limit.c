@@ -269,8 +269,8 @@ static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
     uint8_t *others = NULL;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING))
         return ask(&w->ctx, &w->dem, &w->boundary, listed, q, error);
-    question who = {.step = q->step, .verdict = q->verdict, .others = &others};
-    gneiss_status status = ask(&w->ctx, &w->dem, &w->boundary, listed, &who, error);
+    question find_others = {.step = q->step, .verdict = q->verdict, .others = &others};
+    gneiss_status status = ask(&w->ctx, &w->dem, &w->boundary, listed, &find_others, error);
     if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
     gn_free(others);
     return status;

@@ -146,8 +146,9 @@ static gneiss_status limit_now(const gn_step_context *ctx, gn_dem *dem, const gn
 /* --- what is done about it --- */
 
 /* Names the particle, element or zone that sets the limit. */
-static const char *culprit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                           const gn_zones *zones, char *text, size_t size) {
+static const char *name_limiting_part(const gn_step_context *ctx, const gn_dem *dem,
+                                      const gn_solids *solids, const gn_zones *zones, char *text,
+                                      size_t size) {
     const gn_element_model *lead = gn_elements_lead(ctx, dem, solids, zones);
     const gn_whole_limit *whole = gn_coupled_whole(ctx, zones);
     if (whole) return gn_whole_culprit(whole, text, size);
@@ -207,7 +208,7 @@ static gneiss_status check_advance(const gn_step_context *ctx, const gn_dem *dem
         "step %lld, t = %.6g s: expected a time step that changes the time, found %.3g s "
         "(set by %s): stiffnesses and masses do not go together",
         (long long)ctx->step, ctx->time, ctx->dt,
-        culprit(ctx, dem, solids, zones, text, sizeof text));
+        name_limiting_part(ctx, dem, solids, zones, text, sizeof text));
 }
 
 static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
@@ -235,8 +236,9 @@ static gneiss_status react(gn_step_context *ctx, gn_dem *dem, const gn_boundary 
                    "set by %s%s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
                    gn_scene_at(&ctx->scene, ctx->scene.time_where, "time.step").text, limit,
-                   (long long)ctx->step, culprit(ctx, dem, solids, zones, text, sizeof text), bound,
-                   ctx->dt, ctx->dt / limit);
+                   (long long)ctx->step,
+                   name_limiting_part(ctx, dem, solids, zones, text, sizeof text), bound, ctx->dt,
+                   ctx->dt / limit);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -264,7 +266,7 @@ static gneiss_status resolve_listed(gn_step_context *ctx, gn_dem *dem, const gn_
     return check_advance(ctx, dem, solids, zones, error);
 }
 
-static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+static gneiss_status check_rotated(gn_world *w, gneiss_error *error) {
     bool due;
     GN_TRY(gn_dem_limit_turned(w, &due, error));
     if (!due) return GNEISS_OK;
@@ -313,9 +315,9 @@ static void follow_flight(gn_step_context *ctx, gn_dem *dem, const gn_boundary *
 }
 
 /* Particles alone do not hold the step with all listed contacts; with elements they may. */
-static gneiss_status look_at_whole(const gn_step_context *ctx, gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids,
-                                   gn_zones *zones, bool *fine, gneiss_error *error) {
+static gneiss_status check_whole(const gn_step_context *ctx, gn_dem *dem,
+                                 const gn_boundary *boundary, const gn_solids *solids,
+                                 gn_zones *zones, bool *fine, gneiss_error *error) {
     gn_whole_limit whole;
     if (!gn_coupled_has_limit(ctx, solids) || !(zones->state.whole > 0.0)) return GNEISS_OK;
     GN_TRY(gn_coupled_limit(ctx, dem, boundary, solids, zones, true, &whole, error));
@@ -329,9 +331,8 @@ static gneiss_status look_at_whole(const gn_step_context *ctx, gn_dem *dem,
 }
 
 /* Finds the limit anew after nodes have lost mass with removed particles. */
-static gneiss_status look_at_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                                     const gn_solids *solids, gn_zones *zones,
-                                     gneiss_error *error) {
+static gneiss_status check_lighter(gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
+                                   const gn_solids *solids, gn_zones *zones, gneiss_error *error) {
     if (!(zones->state.whole < 0.0)) return GNEISS_OK;
     zones->state.whole = 0.0;
     GN_TRY(limit_now(ctx, dem, boundary, solids, zones, &ctx->stable, error));
@@ -341,8 +342,8 @@ static gneiss_status look_at_lighter(gn_step_context *ctx, gn_dem *dem, const gn
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    GN_TRY(look_at_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
+    GN_TRY(check_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
     follow_flight(&w->ctx, &w->dem, &w->boundary);
     gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
@@ -350,10 +351,10 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
         GN_TRY(
             gn_dem_limit_far(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
     if (!full && *fine) return GNEISS_OK; /* the springs of the last check remain the reference */
-    GN_TRY(look_at_turned(w, error));
+    GN_TRY(check_rotated(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
     if (!*fine)
-        GN_TRY(look_at_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
+        GN_TRY(check_whole(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fine, error));
     /* Two hundredths below the limit, so that the next lists need not lower it again. */
     if (!*fine) lower(&w->ctx, &w->dem, 0.98 * w->dem.listed);
     return check_advance(&w->ctx, &w->dem, &w->solids, &w->zones, error);
@@ -385,7 +386,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
-    if (w->ctx.scene.has_specimen) gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
+    if (w->ctx.scene.has_specimen) gn_pressed_update(&w->ctx, &w->dem, &w->boundary);
     if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK)
         status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);
@@ -412,7 +413,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     return status;
 }
 
-static gneiss_status look_again(gn_world *w, gneiss_error *error) {
+static gneiss_status check_again(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status =
         resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
@@ -421,10 +422,10 @@ static gneiss_status look_again(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
-    if (!gn_debris_told(&w->ledger)) return GNEISS_OK;
-    w->dem.debris_told = true;
-    gneiss_status status = look_again(w, error);
-    w->dem.debris_told = false;
+    if (!gn_debris_exceeds_ledger(&w->ledger)) return GNEISS_OK;
+    w->dem.debris_reported = true;
+    gneiss_status status = check_again(w, error);
+    w->dem.debris_reported = false;
     return status;
 }
 
@@ -433,13 +434,13 @@ gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
  * on. */
 gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
     const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
-    if (now == broken_before || 2 * now < all || !gn_world_rings(&w->ctx, &w->dem))
+    if (now == broken_before || 2 * now < all || !gn_world_is_underdamped(&w->ctx, &w->dem))
         return GNEISS_OK;
     if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
-    return look_again(w, error);
+    return check_again(w, error);
 }
 
-gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {
+gneiss_status gn_world_update_reported_limit(gn_world *w, gneiss_error *error) {
     bool due;
     if (!w->ctx.scene.has_specimen || w->solids.count || w->ctx.effects & GN_FX_BONDS)
         return GNEISS_OK;
@@ -468,14 +469,14 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
 
 const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                   size_t size) {
-    char who[160];
+    char contact[160];
     *text = '\0';
     if (ctx->scene.step == 0.0) return text;
     if (ctx->dt > dem->resolution.step)
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 ctx->dt, gn_resolution_text(ctx, dem, who, sizeof who), dem->resolution.contact,
+                 ctx->dt, gn_resolution_text(ctx, dem, contact, sizeof contact), dem->resolution.contact,
                  dem->resolution.contact / ctx->dt, dem->resolution.contact / dem->resolution.step);
     else if (ctx->dt > dem->listed)
         snprintf(text, size,

@@ -29,7 +29,7 @@ double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_so
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
 /* Updates the limit of unbonded grains at the end of a run for the output, after the state has been
  * saved. The step is unchanged. */
-gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
+gneiss_status gn_world_update_reported_limit(gn_world *world, gneiss_error *error);
 /* Checks the step, as gn_world_check_step does, after a step in which bonds broke and the specimen
  * may have disintegrated. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
@@ -80,28 +80,29 @@ gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_zones *zones, gn_resolution *resolution,
                                    gneiss_error *error);
 /* Tells whether collisions are hardly damped. */
-bool gn_world_rings(const gn_step_context *ctx, const gn_dem *dem);
+bool gn_world_is_underdamped(const gn_step_context *ctx, const gn_dem *dem);
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_step_context *ctx);
 /* Names the two bodies of the shortest collision. */
 const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, char *text,
                                size_t size);
 
-/* Sets *some if collisions are hardly damped (gn_world_rings), the step is automatic, and a
- * particle has lost all of its bonds or all but one. */
+/* Sets *some if collisions are hardly damped (gn_world_is_underdamped), the step is automatic, and
+ * a particle has lost all of its bonds or all but one. */
 gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
                              gneiss_error *error);
 
-/* Raises masses, if the scene says so, from the step that the world has found without. */
+/* Raises masses, if the scene asks for it, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
-/* What it comes to for a step (s, safety included) with time.estimate: bound: the step over that of
- * the bound with own masses, and the added mass over the own one; INFINITY: others leave no room
- * for such a step. */
-gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                     const gn_boundary *boundary, const gn_solids *solids,
-                                     const gn_zones *zones, double step, double *of_bound,
-                                     double *added, gneiss_error *error);
-/* What added mass has of the kinetic energy, with the velocities of the last half step. */
+/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
+ * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
+ * room for such a step. */
+gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, double step, double *of_bound,
+                                    double *added, gneiss_error *error);
+/* Returns the share of added mass in the kinetic energy, with the velocities of the last half
+ * step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 
 /* Tells whether a surface yields to particles; its largest inverse mass, 1/kg. */
@@ -120,22 +121,23 @@ gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error);
 
-/* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
- * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
+/* Finds the displacements that bring the linearised system into equilibrium with `load`, see
+ * gn_equilibrium_solve. `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
-/* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
- * or, `full`, of all. *due: it has changed, or that of what they touch. */
+/* Finds the limit of the particles alone (particle_limit.c): of springs that have become active
+ * since the last check or, with `full`, of all. *due: it has changed, or that of the objects that
+ * they touch. */
 gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
-/* The same of what has turned since. */
+/* Finds it for contacts that have rotated since. */
 gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
-/* Whether the step of the world holds with all that is listed in touch; else dem.listed says what
- * would. `full`: looks at all of it. */
+/* Tells whether the step of the world holds with all listed contacts closed; else dem.listed is the
+ * step that would. `full`: checks all of them. */
 gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
-/* Whether the step is so short that the sums of what is near settle it, without a look at
- * what has changed. */
+/* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
+ * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error);

@@ -17,17 +17,17 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, double reach,
                                  gn_extra_spring **springs, size_t *count, gneiss_error *error);
 /* Finds the expected overlaps of the present contacts (indentation.c). */
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
+void gn_pressed_update(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
 /* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the ledger of a measured step misses more than debris may (debris.c). */
-bool gn_debris_told(const gn_ledger *ledger);
+bool gn_debris_exceeds_ledger(const gn_ledger *ledger);
 /* Adds up the intact bonds of each particle into left [particles], which holds zeros: 0, 1, or 2
  * for more. */
 void gn_bonds_left(const gn_dem *dem, uint8_t *left);
 /* Reduces the particles with one bond at most (`adrift` 1, [particles]) to those that are wedged
- * and store a relevant energy, if dem->debris_told. *any tells whether there are some; otherwise
- * `adrift` may be unchanged. */
+ * and store a relevant energy, if dem->debris_reported. *any tells whether there are some;
+ * otherwise `adrift` may be unchanged. */
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,
                              bool *any, gneiss_error *error);
 /* Raises `factor` [particles] to the factor of own masses at which `step` resolves the listed
