@@ -76,4 +76,8 @@ void gn_control_create(gn_step_context *ctx);
 /* Updates the control from the reading at intervals of steps, before the forces of a step. */
 void gn_control_update(gn_world *world);
 
+void gn_control_create(gn_step_context *ctx);
+/* Looks at the reading every so many steps; before the forces of a step. */
+void gn_control_look(gn_world *world);
+
 #endif

@@ -64,4 +64,12 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
 
+/* Calls `use` with the linearised system of the particles: of the springs that act or, with
+ * `listed`, of all that the lists hold. */
+typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
+                                       gneiss_error *error);
+gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error);
+
 #endif
