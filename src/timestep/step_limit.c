@@ -476,8 +476,9 @@ const char *gn_world_step_warning(const gn_step_context *ctx, const gn_dem *dem,
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 ctx->dt, gn_resolution_text(ctx, dem, contact, sizeof contact), dem->resolution.contact,
-                 dem->resolution.contact / ctx->dt, dem->resolution.contact / dem->resolution.step);
+                 ctx->dt, gn_resolution_text(ctx, dem, contact, sizeof contact),
+                 dem->resolution.contact, dem->resolution.contact / ctx->dt,
+                 dem->resolution.contact / dem->resolution.step);
     else if (ctx->dt > dem->listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
