@@ -34,6 +34,7 @@ CLEAN = [
     "src/base",
     "src/boundary",
     "src/cli",
+    "src/conversion",
     "src/couple",
     "src/drive",
     "src/fem",
@@ -43,6 +44,7 @@ CLEAN = [
     "src/laboratory",
     "src/limit",
     "src/measure",
+    "src/membrane",
     "src/mesh",
     "src/neigh",
     "src/pack",
@@ -51,11 +53,13 @@ CLEAN = [
     "src/scene",
     "src/sched",
     "src/soa",
+    "src/solids",
     "src/static",
     "src/surfaces",
     "src/sweep",
     "src/test_kinds",
     "src/timestep",
+    "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
 GENERATED = {"docs/keys.md", "docs/quantities.md"}

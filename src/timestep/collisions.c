@@ -140,7 +140,7 @@ static void free_ties(ties *t) {
 static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                          const gn_zones *zones, double *inverse) {
     for (size_t p = 0; p < dem->particles.soa.count; p++) inverse[p] = inverse_mass(ctx, dem, p);
-    gn_coupled_give(ctx, dem, solids, zones, inverse);
+    gn_coupled_inverse_masses(ctx, dem, solids, zones, inverse);
 }
 
 static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
@@ -355,8 +355,7 @@ static size_t consider_surface(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_zones *zones, const ties *t,
-                           fastest *f) {
+                           const gn_boundary *boundary, const ties *t, fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
@@ -365,9 +364,8 @@ static void consider_walls(const gn_step_context *ctx, const gn_dem *dem,
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
-               share = share_with(dem, t, p, kn, def->passive);
-        kn += gn_penalty_stiffness(ctx, dem, zones, p); /* both springs act at once */
+        const double kn = wall_spring(ctx, dem, p, (size_t)k->wall[c]).kn,
+                     share = share_with(dem, t, p, kn, def->passive);
         consider(f, kn * inverse_mass(ctx, dem, p), share, dem, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
@@ -420,7 +418,7 @@ static gneiss_status consider_listed(const gn_step_context *ctx, const gn_dem *d
         consider_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
             consider_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        consider_walls(ctx, dem, boundary, zones, &t, f);
+        consider_walls(ctx, dem, boundary, &t, f);
         consider_bodies(ctx, boundary, f);
     }
     gn_free(crowd);

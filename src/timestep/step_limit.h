@@ -6,8 +6,6 @@
 #include "base/error.h"
 #include "boundary/surface.h"
 #include "frame/parts.h"
-#include "limit/equilibrium.h"
-#include "limit/step_limits.h"
 #include "particles/dem.h"
 #include "scene/scene.h"
 
@@ -17,13 +15,12 @@
 
 /* Returns the limit of all parts together, s, from that of the particles alone (step_limit.c). */
 double gn_limit_of_all(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, double particles);
+                       const gn_solids *solids, double particles);
 /* Return the least of the limits, s, of the particles and of all bodies of elements, each alone and
  * undamped. */
 double gn_world_sharp_limit(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
                             const gn_zones *zones);
-double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                      const gn_zones *zones);
+double gn_world_bound(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids);
 /* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
@@ -70,10 +67,6 @@ double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
 gneiss_status gn_bodies_check_speeds(const gn_step_context *ctx, const gn_boundary *boundary,
                                      gneiss_error *error);
 
-/* That no particle went bad or too far in the step (paths.c). */
-gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, bool measure, gneiss_error *error);
-
 /* Finds the shortest contact that can begin before the lists are rebuilt. */
 gneiss_status gn_resolution_listed(const gn_step_context *ctx, const gn_dem *dem,
                                    const gn_boundary *boundary, const gn_solids *solids,
@@ -92,19 +85,6 @@ const char *gn_resolution_text(const gn_step_context *ctx, const gn_dem *dem, ch
 gneiss_status gn_debris_find(const gn_step_context *ctx, gn_dem *dem, bool *some,
                              gneiss_error *error);
 
-/* Raises masses, if the scene asks for it, from the step that the world has found without. */
-gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
-/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
- * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
- * room for such a step. */
-gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, double step, double *of_bound,
-                                    double *added, gneiss_error *error);
-/* Returns the share of added mass in the kinetic energy, with the velocities of the last half
- * step. */
-double gn_dem_added_kinetic(const gn_dem *dem);
-
 /* Tells whether a surface yields to particles; its largest inverse mass, 1/kg. */
 bool gn_surface_yields(const gn_boundary *boundary, const gn_surface *surface);
 double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
@@ -112,14 +92,6 @@ double gn_surface_give(const gn_boundary *boundary, const gn_surface *surface);
  * parts, because it is light or stiff. "": there is none. */
 const char *gn_world_light_body(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, char *text, size_t size);
-
-/* Calls `use` with the linearised system of the particles: of the springs that act or, with
- * `listed`, of all that the lists hold. */
-typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
-                                       gneiss_error *error);
-gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
-                                   void *context, gneiss_error *error);
 
 /* Finds the displacements that bring the linearised system into equilibrium with `load`, see
  * gn_equilibrium_solve. `slips`: see gn_spectrum, `rate`: gn_viscosity. */
@@ -139,8 +111,8 @@ gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss
 /* Tells whether the step is so short that row sums of the listed contacts prove it stable, without
  * a search for changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error);
+                               const gn_boundary *boundary, const gn_solids *solids, bool *far,
+                               gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
 gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
@@ -151,5 +123,22 @@ gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
                                     gneiss_error *error);
 /* Forgets what was found of lists and collisions. */
 void gn_dem_limit_anew(gn_dem *dem);
+
+/* Raises masses, if the scene asks for it, from the step that the world has found without. */
+gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
+/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
+ * of the bound with own masses, and the added mass over the own one; INFINITY: other parts leave no
+ * room for such a step. */
+gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    double step, double *of_bound, double *added,
+                                    gneiss_error *error);
+/* Returns the share of added mass in the kinetic energy, with the velocities of the last half
+ * step. */
+double gn_dem_added_kinetic(const gn_dem *dem);
+
+/* That no particle went bad or too far in the step (paths.c). */
+gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, bool measure, gneiss_error *error);
 
 #endif
