@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "cli/progress.h"
-#include "cli/shown.h"
 #include "io/files.h"
 #include "plan/rewrite.h"
 #include "plan/setting.h"
@@ -11,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-gneiss_status gn_plan_read_error(const char *text, double *wanted, gneiss_error *error) {
+/* Reads "5%", "5 %" or "0.05". */
+static gneiss_status read_error(const char *text, double *wanted, gneiss_error *error) {
     char *rest;
     *wanted = strtod(text, &rest);
     bool number = rest != text;
@@ -275,7 +275,7 @@ gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world,
     if (!plan) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gn_wanted wanted = {.reading = options->reading ? options->reading : "strength"};
     wanted.any_particles = options->any_particles;
-    gneiss_status status = gn_plan_read_error(options->error, &wanted.error, error);
+    gneiss_status status = read_error(options->error, &wanted.error, error);
     if (status == GNEISS_OK && !world->ctx.scene.has_specimen && !options->reading)
         wanted.reading = "stiffness";
     if (status == GNEISS_OK) status = gn_plan_make(world, &wanted, setup, plan, error);

@@ -4,20 +4,84 @@
 #include "base/point.h"
 #include "base/printable.h"
 #include "boundary/overlap.h"
-#include "cli/budget_show.h"
 #include "cli/line.h"
-#include "cli/plan_elements.h"
+#include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
-#include "cli/shown.h"
 #include "io/files.h"
 #include "plan/estimate.h"
+#include "run/budget.h"
+#include "run/run.h"
 #include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* ---- units of printed readings ---- */
+
+static gn_shown pressure(double value, bool modulus) {
+    static const gn_shown units[] = {{1e9, "GPa"}, {1e6, "MPa"}, {1e3, "kPa"}};
+    /* For rock, moduli and stresses of 0.5 GPa and 0.5 MPa are usual, and strengths of 200 MPa. */
+    for (size_t k = modulus ? 0 : 1; k < sizeof units / sizeof *units; k++)
+        if (fabs(value) >= 0.1 * units[k].factor) return units[k];
+    return (gn_shown){1.0, "Pa"};
+}
+
+static gn_shown shown_unit(const gn_readings *readings, const char *name, const char *unit,
+                           double value) {
+    if (strcmp(unit, "Pa") != 0) return (gn_shown){1.0, strcmp(unit, "1") == 0 ? "" : unit};
+    const bool modulus = strstr(name, "modulus") != NULL;
+    const double kin = modulus ? readings->young_modulus : readings->largest_stress;
+    return pressure(isfinite(kin) && kin != 0.0 ? kin : value, modulus);
+}
+
+double gn_two_digits(double value) {
+    if (!isfinite(value) || value == 0.0) return value;
+    const double unit = pow(10.0, floor(log10(fabs(value))) - 1.0);
+    return round(value / unit) * unit;
+}
+
+/* ---- output of the error budget at the end of a run ---- */
+
+static void print_one(const gn_readings *readings, const char *name, const char *unit, double value,
+                      const gn_error_causes *causes) {
+    char text[512];
+    const gn_shown shown = shown_unit(readings, name, unit, value);
+    printf("    %-22s %.4g%s%s +- %.6g %s\n", name, value / shown.factor, *shown.unit ? " " : "",
+           shown.unit, gn_two_digits(fabs(value) / shown.factor * gn_causes_total(causes)),
+           gn_budget_text(causes, value / shown.factor, text, sizeof text));
+}
+
+/* The causes that no sum includes are the same for most readings, and are printed once. */
+static void print_notes(const gn_budget *budget) {
+    const gn_error_causes *causes = &budget->of[GN_READING_peak_stress];
+    if (!causes->count) causes = &budget->of[GN_READING_young_modulus_average];
+    for (size_t k = 0; k < causes->note_count; k++) printf("    note: %s\n", causes->note[k]);
+}
+
+/* Prints a line for each reading with a budget; if there is a test but no budget, the reason. */
+static gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
+    const gn_readings *readings;
+    const gn_budget *budget;
+    if (!gn_scene_tested(&run->world.ctx.scene)) return GNEISS_OK;
+    GN_TRY(gn_run_readings(run, &readings, error));
+    GN_TRY(gn_run_budget(run, &budget, error));
+    if (budget->absent[0]) {
+        printf("  error budget           %10s   %s\n", "-", budget->absent);
+        return GNEISS_OK;
+    }
+    printf("  error budget, 95 of 100\n");
+#define X(name, unit, text)                                                                        \
+    if (budget->of[GN_READING_##name].count)                                                       \
+        print_one(readings, #name, unit, readings->name, &budget->of[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+    print_notes(budget);
+    return GNEISS_OK;
+}
 
 const char *gn_format_seconds(double seconds, char *text, size_t size) {
     if (!isfinite(seconds))
@@ -262,7 +326,7 @@ static void print_reading(const char *label, double value, const char *unit, con
 
 static void print_scaled(const gn_readings *readings, const char *label, const char *name,
                          const char *unit, double value, const char *note, const char *reason) {
-    const gn_shown shown = gn_shown_unit(readings, name, unit, value);
+    const gn_shown shown = shown_unit(readings, name, unit, value);
     print_reading(label, value / shown.factor, shown.unit, note, reason);
 }
 

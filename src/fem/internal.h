@@ -45,8 +45,6 @@ void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure);
 
 /* --- pressure form (pressure.c) --- */
 
-/* Returns the bulk modulus, Pa. */
-double gn_fem_bulk(const gn_elements *elements, size_t e);
 /* Returns the largest eigenvalue of the stabilising term over the lumped pressure mass of a single
  * element. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e);

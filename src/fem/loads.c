@@ -221,12 +221,6 @@ void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3])
 
 /* --- forces --- */
 
-void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]) {
-    for (size_t k = 0; k < set->count; k++)
-        for (int a = 0; a < solid->dimension; a++)
-            solid->nodes.applied[4 * (size_t)set->node[k] + (size_t)a] += force[a];
-}
-
 double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node) {
     const double *x = solid->mesh.node + 3 * (size_t)node[0];
     const double *y = solid->mesh.node + 3 * (size_t)node[1];

@@ -37,7 +37,8 @@ static double size2(const gn_elements *elements, size_t e) {
     return 2.0 * d / sum;
 }
 
-double gn_fem_bulk(const gn_elements *elements, size_t e) {
+/* Returns the bulk modulus, Pa. */
+static double bulk_modulus(const gn_elements *elements, size_t e) {
     return elements->lambda[e] + 2.0 / 3.0 * elements->mu[e];
 }
 
@@ -50,7 +51,7 @@ static void weigh(gn_fem_solid *solid) {
         double share = q->volume[e] / nodes;
         for (int a = 0; a < nodes; a++) {
             size_t n = (size_t)gn_elements_node(q, a)[e];
-            lumped[4 * n] += share / gn_fem_bulk(q, e);
+            lumped[4 * n] += share / bulk_modulus(q, e);
             lumped[4 * n + 1] += share * q->tau[e];
         }
     }
@@ -71,7 +72,7 @@ double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t e) {
                 a[d * i + k] += gi * (n <= d ? gn_elements_gradient(elements, n, k)[e] : rest[k]);
         }
     gn_eigen_symmetric(d, a, values, vectors);
-    return (d + 1) * gn_fem_bulk(elements, e) * elements->tau[e] * values[0];
+    return (d + 1) * bulk_modulus(elements, e) * elements->tau[e] * values[0];
 }
 
 /* Chooses the rate at which q does not change the bound of the time step. */

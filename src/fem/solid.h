@@ -188,8 +188,6 @@ void gn_fem_set_velocity(gn_fem_solid *solid, int32_t motion, const double veloc
 /* Computes the force that the prescription supplied at the start of the last step, N. */
 void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3]);
 
-/* Adds a force to every node of a set, N. */
-void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]);
 /* Adds a traction of fixed direction, Pa, on the facets of a group (lines in 2D), lumped to their
  * nodes. */
 gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],

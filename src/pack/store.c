@@ -119,8 +119,10 @@ static gneiss_status put_all(gn_h5 *file, const gn_scene *scene, const gn_pack_r
     return gn_pack_put_trace(file, result, error);
 }
 
-gneiss_status gn_pack_write(const char *path, const gn_scene *scene, const gn_pack_result *result,
-                            const gn_pack_quality *quality, gneiss_error *error) {
+/* Writes packing.h5 (docs/packing.md has its layout) completely or not at all. */
+static gneiss_status write_packing(const char *path, const gn_scene *scene,
+                                   const gn_pack_result *result, const gn_pack_quality *quality,
+                                   gneiss_error *error) {
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
     gneiss_status status = put_all(file, scene, result, quality, error);
@@ -170,5 +172,5 @@ gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,
     GN_TRY(gn_packing_write(path, (int)scene->dimension, &result->packing, header, error));
     GN_TRY(write_snapshot(directory, &result->packing, error));
     snprintf(path, sizeof path, "%s/packing.h5", directory);
-    return gn_pack_write(path, scene, result, quality, error);
+    return write_packing(path, scene, result, quality, error);
 }

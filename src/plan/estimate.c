@@ -1,6 +1,6 @@
 #include "plan/estimate.h"
 
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
 #include "base/memory.h"
 #include "scene/stops.h"
 

@@ -1,6 +1,6 @@
 #include "run/budget.h"
 
-#include "accuracy/covers.h"
+#include "accuracy/accuracy.h"
 
 #include <math.h>
 #include <stddef.h>
