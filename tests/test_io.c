@@ -1,6 +1,6 @@
 #include "io_helpers.h"
 
-#include "io/checkpoint_files.h"
+#include "io/listing.h"
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/packing.h"

@@ -20,7 +20,7 @@
 #include "measure/energy.h"
 #include "particles/dem.h"
 #include "particles/law.h"
-#include "scene/facing.h"
+#include "scene/acts.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/field.h"

@@ -18,7 +18,7 @@
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
-#include "scene/stops.h"
+#include "scene/stages.h"
 #include "timestep/collisions.h"
 #include "timestep/step_limit.h"
 #include "timestep/surface_limit.h"

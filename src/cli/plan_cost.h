@@ -1,4 +1,4 @@
-/* Measured time of a step. */
+/* Measured cost of a run: time of a step, memory, sources, conversions. */
 #ifndef GN_CLI_PLAN_COST_H
 #define GN_CLI_PLAN_COST_H
 

@@ -6,9 +6,6 @@
 #include "io/h5.h"
 #include "pack/quality.h"
 
-/* Writes the iterations of the fit as group `trace`. */
-gneiss_status gn_pack_put_trace(gn_h5 *file, const gn_pack_result *result, gneiss_error *error);
-
 /* Writes packing.h5, packing.txt, particles_0000000000.hdf and particles.hdf.series in the existing
  * folder `directory`. */
 gneiss_status gn_pack_write_folder(const char *directory, const gn_scene *scene,

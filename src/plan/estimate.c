@@ -2,7 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/memory.h"
-#include "scene/stops.h"
+#include "scene/stages.h"
 
 #include <math.h>
 #include <stdlib.h>

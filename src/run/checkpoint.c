@@ -7,7 +7,7 @@
 #include "base/version.h"
 #include "frame/ledger.h"
 #include "io/atomic_file.h"
-#include "io/checkpoint_files.h"
+#include "io/listing.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
 #include "measure/energy.h"

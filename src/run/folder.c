@@ -1,6 +1,5 @@
 #include "run/folder.h"
 
-#include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "io/listing.h"
 #include "io/snapshot.h"

@@ -19,7 +19,7 @@
 #include "run/budget.h"
 #include "run/output_contacts.h"
 #include "run/output_fields.h"
-#include "run/output_flow.h"
+#include "run/output_table.h"
 #include "run/parts.h"
 #include "run/run.h"
 #include "run/stages.h"

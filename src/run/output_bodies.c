@@ -1,17 +1,24 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
+#include "run/output_table.h"
+
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/bodies.h"
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
+#include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
-#include "run/output_table.h"
 #include "run/parts.h"
+#include "run/quantities.h"
+#include "run/run.h"
 #include "scene/values.h"
 #include "soa/field.h"
 #include "world/world.h"
 
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
@@ -229,4 +236,137 @@ gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *er
     gneiss_status status = put_view(&v, file, error);
     free_view(&v);
     return status;
+}
+
+/* ---- final values of the quantities that the history has of each body or motion, in their groups
+ * of results.h5 ---- */
+
+/* Reads the components in space, which all arrays of results.h5 have; returns their number. */
+static size_t read_parts(const gn_world *w, const gn_quantity *q, size_t owner, double *to) {
+    gn_shape_component part[GN_SHAPE_MOST];
+    size_t parts = gn_shape_components(q->shape, 3, part);
+    double value[9];
+    q->read(w, owner, value);
+    gn_shape_take(value, part, parts, to);
+    return parts;
+}
+
+/* Writes GROUP/<quantity>, a row for every owner. */
+static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
+                              gn_h5 *file, gneiss_error *error) {
+    char path[160];
+    size_t owners = g->count(w), parts = 1;
+    double *rows = calloc(owners + 1, GN_SHAPE_MOST * sizeof *rows);
+    if (!rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s/%s", g->ends, q->name);
+    for (size_t k = 0; k < owners; k++) parts = read_parts(w, q, k, rows + parts * k);
+    snprintf(path, sizeof path, "%s/%s", g->ends, q->name);
+    gneiss_status status =
+        gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, q->unit, q->text, error);
+    free(rows);
+    return status;
+}
+
+/* Writes GROUP/<owner>/<quantity>. */
+static gneiss_status put_each(const gn_world *w, const gn_quantity_group *g, const gn_quantity *q,
+                              gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < g->count(w); k++) {
+        char path[160];
+        double value[GN_SHAPE_MOST];
+        if (!gn_condition_holds(q->when, w, k)) continue;
+        size_t parts = read_parts(w, q, k, value);
+        snprintf(path, sizeof path, "%s/%s/%s", g->ends, g->owner(w, k), q->name);
+        GN_TRY(gn_h5_put(file, path, GN_F64, parts, 1, 0, value, q->unit, q->text, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_owners_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < GN_QUANTITY_GROUPS; k++) {
+        const gn_quantity_group *g = &gn_quantity_groups[k];
+        if (!g->ends || !g->count(w)) continue;
+        for (size_t i = 0; i < g->quantity_count; i++)
+            GN_TRY((g->in_rows ? put_rows : put_each)(w, g, &g->quantities[i], file, error));
+    }
+    return GNEISS_OK;
+}
+
+/* ---- sources, sinks and lost particles in files ---- */
+
+/* --- lost particles --- */
+
+gneiss_status gn_output_lost(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const gn_flow *f = &w->dem.flow;
+    const size_t row = sizeof(gn_lost);
+    if (!f->lost_count) return GNEISS_OK;
+    GN_TRY(gn_h5_put(file, "lost/id", GN_F64, f->lost_count, 1, row, &f->lost->id, "1",
+                     "particle that left the domain, base 0", error));
+    GN_TRY(gn_h5_put(file, "lost/time", GN_F64, f->lost_count, 1, row, &f->lost->time, "s",
+                     "time at which that was detected", error));
+    GN_TRY(gn_h5_put(file, "lost/position", GN_F64, f->lost_count, 3, row, f->lost->place, "m",
+                     "centre then", error));
+    return gn_h5_put(file, "lost/velocity", GN_F64, f->lost_count, 3, row, f->lost->velocity, "m/s",
+                     "velocity then", error);
+}
+
+/* --- flow through sources and sinks --- */
+
+/* Returns the slope of a straight line through rows [begin, end). */
+static double slope(const double *t, const double *m, size_t begin, size_t end) {
+    double n = (double)(end - begin), st = 0.0, sm = 0.0, stt = 0.0, stm = 0.0;
+    for (size_t r = begin; r < end; r++) {
+        st += t[r] / n;
+        sm += m[r] / n;
+    }
+    for (size_t r = begin; r < end; r++) {
+        stt += (t[r] - st) * (t[r] - st);
+        stm += (t[r] - st) * (m[r] - sm);
+    }
+    return stm / stt;
+}
+
+/* The first quarter contains the onset, the last one the end of the supply. */
+double gn_sink_steady_rate(const gn_history *h, const char *sink) {
+    enum { ROWS_LEAST = 5 };
+    char name[192];
+    snprintf(name, sizeof name, "sink_%s_mass", sink);
+    const double *mass = gn_history_column(h, name), *time = gn_history_column(h, "time");
+    size_t begin = 0, end = h->row_count;
+    if (!mass || !time || end == 0) return NAN;
+    double all = mass[end - 1];
+    while (begin < end && mass[begin] < 0.25 * all) begin++;
+    while (end > begin && mass[end - 1] > 0.75 * all) end--;
+    if (!(all > 0.0) || end < begin + ROWS_LEAST) return NAN;
+    return slope(time, mass, begin, end);
+}
+
+/* Writes the keys that sources and sinks share; the entry stays open. */
+static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
+    gn_json_object(j, NULL);
+    gn_json_text(j, "name", name);
+    gn_json_integer(j, "number", (int64_t)number);
+    gn_json_number(j, "mass", mass);
+    gn_json_number(j, "energy", energy);
+}
+
+void gn_output_flow(const gn_run *run, gn_json *j) {
+    const gn_world *w = &run->world;
+    if (!gn_scene_has_flow(&w->ctx.scene)) return;
+    gn_json_array(j, "sources");
+    for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
+        const gn_source_state *s = &w->dem.flow.sources[k];
+        begin_entry(j, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
+        gn_json_number(j, "behind", gn_flow_behind(&w->ctx, &w->dem, k));
+        gn_json_integer(j, "without_room", (int64_t)s->full);
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+    gn_json_array(j, "sinks");
+    for (size_t k = 0; k < w->ctx.scene.sink_count; k++) {
+        const gn_sink_state *s = &w->dem.flow.sinks[k];
+        begin_entry(j, w->ctx.scene.sinks[k].name, s->number, s->mass, s->energy);
+        gn_json_number(j, "steady_rate",
+                       gn_sink_steady_rate(&run->history, w->ctx.scene.sinks[k].name));
+        gn_json_end(j);
+    }
+    gn_json_end(j);
 }

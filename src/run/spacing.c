@@ -5,7 +5,6 @@
 #include "run/stages.h"
 #include "scene/scene.h"
 #include "scene/stages.h"
-#include "scene/stops.h"
 #include "world/world.h"
 
 #include <math.h>

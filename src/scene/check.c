@@ -2,7 +2,7 @@
 #include "scene/sides.h"
 
 #include "base/names.h"
-#include "scene/facing.h"
+#include "scene/acts.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/printable.h"
-#include "io/checkpoint_files.h"
+#include "io/listing.h"
 #include "io/files.h"
 #include "io/h5.h"
 #include "measure/energy.h"

@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "base/timer.h"
-#include "io/checkpoint_files.h"
+#include "io/listing.h"
 #include "io/files.h"
 #include "run/folder.h"
 #include "sweep/summary.h"
