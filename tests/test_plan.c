@@ -4,7 +4,6 @@
 #include "accuracy/accuracy.h"
 #include "plan/estimate.h"
 #include "plan/propose.h"
-#include "plan/rewrite.h"
 #include "run/budget.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* The `gneiss` program. */
+#include "base/new.h"
 #include "base/printable.h"
 #include "base/threads.h"
 #include "base/timer.h"
@@ -212,18 +213,12 @@ static gneiss_status go(const gn_options *options, gn_run *run, gneiss_error *er
 
 /* The scene is on the heap because it is too large for a small stack. */
 static gneiss_status load_scene(const gn_options *options, gn_scene **scene, gneiss_error *error) {
-    *scene = calloc(1, sizeof **scene);
-    if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status =
-        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error);
+    GN_TRY(gn_new(scene, 1, "a scene", error));
+    GN_TRY(
+        gn_scene_load(options->target, options->overrides, options->override_count, *scene, error));
     (*scene)->allow_gmsh = options->allow_gmsh;
-    if (status == GNEISS_OK) {
-        gn_print_notes(&(*scene)->notes);
-        return GNEISS_OK;
-    }
-    free(*scene);
-    *scene = NULL;
-    return status;
+    gn_print_notes(&(*scene)->notes);
+    return GNEISS_OK;
 }
 
 /* A repeated command does not replace hours of computing, and a mistaken folder does not lose other
@@ -258,18 +253,14 @@ static gneiss_status start(const gn_options *options, gn_scene *scene, gn_run *r
 }
 
 static gneiss_status command_run(const gn_options *options, gneiss_error *error) {
-    gn_scene *scene = NULL;
-    gn_run *run = calloc(1, sizeof *run);
-    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED gn_scene *scene = NULL;
+    GN_FREED gn_run *run = NULL;
+    GN_TRY(gn_new(&run, 1, "a run", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(options, &scene, error);
-    if (status == GNEISS_OK) status = start(options, scene, run, error);
-    free(scene);
-    if (status == GNEISS_OK) {
-        status = go(options, run, error);
-        gn_run_free(run);
-    }
-    free(run);
+    GN_TRY(load_scene(options, &scene, error));
+    GN_TRY(start(options, scene, run, error));
+    gneiss_status status = go(options, run, error);
+    gn_run_free(run);
     return status;
 }
 
@@ -285,25 +276,21 @@ static gneiss_status command_run_all(const gn_options *options, gneiss_error *er
 
 static gneiss_status command_resume(const gn_options *options, gneiss_error *error) {
     char shown[GN_PATH_SIZE];
-    gn_run *run = calloc(1, sizeof *run);
-    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED gn_run *run = NULL;
+    GN_TRY(gn_new(&run, 1, "a run", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status =
-        gn_run_resume(options->target, options->overrides, options->override_count, run, error);
-    if (status == GNEISS_OK) {
-        run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = options->allow_gmsh;
-        const int64_t before = run->world.ctx.step;
-        status = go(options, run, error);
-        if (status == GNEISS_OK && run->world.ctx.step == before)
-            fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
-                    gn_printable(options->target, shown, sizeof shown), run->stop_reason,
-                    !options->override_count ? ""
-                    : run->world.outcome.halt[0]
-                        ? "; the model itself ended it, which no setting changes"
-                        : "; a later time.end or removing the stop condition continues it");
-        gn_run_free(run);
-    }
-    free(run);
+    GN_TRY(gn_run_resume(options->target, options->overrides, options->override_count, run, error));
+    run->world.ctx.given.allow_gmsh = run->world.ctx.scene.allow_gmsh = options->allow_gmsh;
+    const int64_t before = run->world.ctx.step;
+    gneiss_status status = go(options, run, error);
+    if (status == GNEISS_OK && run->world.ctx.step == before)
+        fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n",
+                gn_printable(options->target, shown, sizeof shown), run->stop_reason,
+                !options->override_count ? ""
+                : run->world.outcome.halt[0]
+                    ? "; the model itself ended it, which no setting changes"
+                    : "; a later time.end or removing the stop condition continues it");
+    gn_run_free(run);
     return status;
 }
 
@@ -311,46 +298,35 @@ static gneiss_status command_resume(const gn_options *options, gneiss_error *err
  * `run` reports it. */
 static gneiss_status check_confinements(const gn_options *options, gneiss_error *error) {
     bool several = false;
-    gn_sweep *sweep = calloc(1, sizeof *sweep);
-    if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_sweep_of_scene(options->target, options->overrides,
-                                             options->override_count, NULL, sweep, &several, error);
-    if (status == GNEISS_OK && several) gn_sweep_free(sweep);
-    free(sweep);
-    return status;
+    GN_FREED gn_sweep *sweep = NULL;
+    GN_TRY(gn_new(&sweep, 1, "a sweep", error));
+    GN_TRY(gn_sweep_of_scene(options->target, options->overrides, options->override_count, NULL,
+                             sweep, &several, error));
+    if (several) gn_sweep_free(sweep);
+    return GNEISS_OK;
 }
 
 /* `plan` and `check` build the world and write nothing. */
 static gneiss_status command_look(const gn_options *options, bool plan, gneiss_error *error) {
-    gn_scene *scene = NULL;
-    gn_world *world = calloc(1, sizeof *world);
-    if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     int warnings = 0;
     char shown[GN_PATH_SIZE];
+    GN_TRY(gn_new(&world, 1, "a model", error));
     gn_signals_end_at_once(nothing_lost, NULL);
-    gneiss_status status = load_scene(options, &scene, error);
-    if (status == GNEISS_OK) {
-        status = check_confinements(options, error);
-        if (status == GNEISS_OK) status = gn_pack_ahead(options, scene, error);
-        if (status != GNEISS_OK) gn_scene_free(scene);
-    }
+    GN_TRY(load_scene(options, &scene, error));
+    GN_TRY(check_confinements(options, error));
+    GN_TRY(gn_pack_ahead(options, scene, error));
     double before = gn_process_time();
-    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
+    GN_TRY(gn_world_create(scene, world, error));
     double setup = gn_process_time() - before;
-    free(scene);
-    if (status == GNEISS_OK && options->error) {
-        status = gn_plan_accuracy(options, world, setup, error);
-        gn_world_free(world);
-    } else if (status == GNEISS_OK) {
-        if (!plan) status = gn_print_check(world, &warnings, error);
-        if (status == GNEISS_OK) status = gn_print_plan(world, error);
-        gn_world_free(world);
-    }
-    if (status == GNEISS_OK && !plan)
+    if (options->error) return gn_plan_accuracy(options, world, setup, error);
+    if (!plan) GN_TRY(gn_print_check(world, &warnings, error));
+    GN_TRY(gn_print_plan(world, error));
+    if (!plan)
         printf("%s: %s\n", gn_printable(options->target, shown, sizeof shown),
                warnings ? "can run; see the warnings above" : "can run");
-    free(world);
-    return status;
+    return GNEISS_OK;
 }
 
 /* The report is a Python script: at the place of installation, in the program's source tree, or

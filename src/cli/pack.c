@@ -1,6 +1,6 @@
 #include "cli/pack.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/printable.h"
 #include "base/threads.h"
@@ -8,8 +8,8 @@
 #include "cli/line.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
-#include "io/listing.h"
 #include "io/files.h"
+#include "io/listing.h"
 #include "pack/shape.h"
 #include "pack/sizes.h"
 #include "pack/store.h"
@@ -98,12 +98,9 @@ static gneiss_status obtain_shifted(const gn_options *options, gn_scene *scene, 
 gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
-    gn_scene *shifted = gn_alloc(sizeof *shifted);
-    if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = obtain_shifted(options, scene, shifted, &result, error);
-    if (status == GNEISS_OK) gn_scene_free(shifted);
-    gn_free(shifted);
-    GN_TRY(status);
+    GN_FREED_BY(gn_scene_delete) gn_scene *shifted = NULL;
+    GN_TRY(gn_new(&shifted, 1, "a scene", error));
+    GN_TRY(obtain_shifted(options, scene, shifted, &result, error));
     if (!options->quiet && !options->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
@@ -319,16 +316,11 @@ static gneiss_status pack_scene(const gn_options *options, gn_scene *scene, gnei
 }
 
 gneiss_status gn_command_pack(const gn_options *options, gneiss_error *error) {
-    gn_scene *scene = calloc(1, sizeof *scene); /* too large for a small stack */
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL; /* too large for a small stack */
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
     gn_signals_end_at_once(interrupted, NULL);
-    gneiss_status status = gn_scene_load_specimen(options->target, options->overrides,
-                                                  options->override_count, scene, error);
-    if (status == GNEISS_OK) {
-        scene->allow_gmsh = options->allow_gmsh;
-        status = pack_scene(options, scene, error);
-        gn_scene_free(scene);
-    }
-    free(scene);
-    return status;
+    GN_TRY(gn_scene_load_specimen(options->target, options->overrides, options->override_count,
+                                  scene, error));
+    scene->allow_gmsh = options->allow_gmsh;
+    return pack_scene(options, scene, error);
 }

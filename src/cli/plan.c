@@ -1,6 +1,6 @@
 #include "cli/plan.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/timer.h"
 #include "boundary/body_walls.h"
@@ -478,21 +478,18 @@ static gneiss_status print_bodies(const gn_world *world, const gn_overlap *overl
 }
 
 static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss_error *error) {
-    gn_overlap *overlaps = gn_alloc_array(world->boundary.surface_count + 1, sizeof *overlaps);
-    if (!overlaps)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
-                       world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
-    if (status == GNEISS_OK) status = print_bodies(world, overlaps, warnings, error);
     char text[GNEISS_MESSAGE_SIZE];
-    if (status == GNEISS_OK && gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary,
-                                                 &world->box, overlaps, text, sizeof text)) {
+    GN_FREED gn_overlap *overlaps = NULL;
+    GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                             &world->zones, overlaps, error));
+    GN_TRY(print_bodies(world, overlaps, warnings, error));
+    if (gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary, &world->box, overlaps, text,
+                          sizeof text)) {
         printf("  warning: %s\n", text);
         (*warnings)++;
     }
-    gn_free(overlaps);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Unbonded particles have gaps to the ends as they have to each other: these count as strain, which

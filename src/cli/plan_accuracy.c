@@ -1,14 +1,15 @@
 #include "cli/plan_accuracy.h"
 
-#include "base/memory.h"
+#include "base/new.h"
+#include "base/printable.h"
 #include "cli/progress.h"
 #include "io/files.h"
-#include "plan/rewrite.h"
 #include "plan/setting.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Reads "5%", "5 %" or "0.05". */
 static gneiss_status read_error(const char *text, double *wanted, gneiss_error *error) {
@@ -226,63 +227,77 @@ static gneiss_status all_settings(const gn_options *options, const gn_plan *plan
 /* The number of cells and the step they allow are found by making them. */
 static gneiss_status correct(const gn_options *options, const gn_settings *settings, gn_plan *plan,
                              gneiss_error *error) {
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED_BY(gn_world_delete) gn_world *world = NULL;
     if (!plan->groups.mesh) return GNEISS_OK;
-    gn_scene *scene = gn_alloc(sizeof *scene);
-    gn_world *world = gn_alloc(sizeof *world);
-    gneiss_status status =
-        scene && world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK)
-        status = gn_scene_load(options->target, settings->setting, settings->count, scene, error);
-    if (status == GNEISS_OK) scene->allow_gmsh = options->allow_gmsh;
-    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
-    if (status == GNEISS_OK) {
-        gn_plan_correct(&world->ctx, &world->solids, plan, &plan->best);
-        gn_world_free(world);
-    }
-    gn_free(scene);
-    gn_free(world);
-    return status;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_new(&world, 1, "a model", error));
+    GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
+    scene->allow_gmsh = options->allow_gmsh;
+    GN_TRY(gn_world_create(scene, world, error));
+    gn_plan_correct(&world->ctx, &world->solids, plan, &plan->best);
+    return GNEISS_OK;
+}
+
+/* The scene with the settings, resolved, below a list of the settings. */
+static gneiss_status scene_text(const gn_options *options, const gn_settings *settings,
+                                const gn_scene *scene, char **text, gneiss_error *error) {
+    GN_FREED char *resolved = gn_scene_write(scene);
+    char shown[GN_PATH_SIZE];
+    size_t size;
+    FILE *out;
+    if (!resolved) return gn_no_memory(error, "the text of the scene");
+    GN_TRY(gn_text_open(text, &size, &out, "the text of the scene", error));
+    fprintf(out, "# %s with\n", gn_printable(options->target, shown, sizeof shown));
+    for (size_t k = 0; k < settings->count; k++)
+        fprintf(out, "#   --set '%s=%s'\n", settings->setting[k].key, settings->setting[k].value);
+    fprintf(out, "%s", resolved);
+    return gn_text_close(out, "the text of the scene", error);
 }
 
 static gneiss_status write_scene(const gn_options *options, const gn_settings *settings,
                                  gneiss_error *error) {
-    bool plain = false;
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_FREED char *text = NULL;
     if (!options->write) return GNEISS_OK;
-    GN_TRY(gn_scene_rewrite(options->target, settings->setting, settings->count, options->write,
-                            options->force, &plain, error));
+    if (!options->force && access(options->write, F_OK) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected no file, found one: --force replaces it", options->write);
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_scene_load(options->target, settings->setting, settings->count, scene, error));
+    GN_TRY(scene_text(options, settings, scene, &text, error));
+    GN_TRY(gn_write_text_file(options->write, text, GN_DURABLE, error));
     if (!options->json)
-        printf("written: %s%s\n", options->write,
-               plain ? " (resolved, without comments: the form of the scene file could not be kept)"
-                     : "");
+        printf("written: %s, resolved; its first lines give the settings for --set\n",
+               options->write);
     return GNEISS_OK;
 }
 
 static gneiss_status tell(const gn_options *options, const gn_world *world, gn_plan *plan,
                           gneiss_error *error) {
-    gn_settings settings = {0};
-    gneiss_status status = all_settings(options, plan, world, &settings, error);
-    if (status == GNEISS_OK) status = correct(options, &settings, plan, error);
-    if (status == GNEISS_OK && options->json) json_plan(plan, world);
-    if (status == GNEISS_OK && !options->json) print_plan(plan, world);
-    if (status == GNEISS_OK) status = write_scene(options, &settings, error);
-    gn_settings_free(&settings);
-    return status;
+    GN_FREED_BY(gn_settings_free) gn_settings settings = {0};
+    GN_TRY(all_settings(options, plan, world, &settings, error));
+    GN_TRY(correct(options, &settings, plan, error));
+    if (options->json)
+        json_plan(plan, world);
+    else
+        print_plan(plan, world);
+    return write_scene(options, &settings, error);
 }
 
 gneiss_status gn_plan_accuracy(const gn_options *options, const gn_world *world, double setup,
                                gneiss_error *error) {
-    gn_plan *plan = gn_alloc(sizeof *plan);
-    if (!plan) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gn_wanted wanted = {.reading = options->reading ? options->reading : "strength"};
-    wanted.any_particles = options->any_particles;
-    gneiss_status status = read_error(options->error, &wanted.error, error);
-    if (status == GNEISS_OK && !world->ctx.scene.has_specimen && !options->reading)
-        wanted.reading = "stiffness";
-    if (status == GNEISS_OK) status = gn_plan_make(world, &wanted, setup, plan, error);
-    if (status == GNEISS_OK && plan->absent)
-        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
-                         plan->absent);
-    if (status == GNEISS_OK) status = tell(options, world, plan, error);
-    gn_free(plan);
-    return status;
+    const bool particles = world->ctx.scene.has_specimen;
+    gn_wanted wanted = {.any_particles = options->any_particles,
+                        .reading = options->reading ? options->reading
+                                   : particles      ? "strength"
+                                                    : "stiffness"};
+    GN_FREED gn_plan *plan = NULL;
+    GN_TRY(gn_new(&plan, 1, "a plan", error));
+    GN_TRY(read_error(options->error, &wanted.error, error));
+    GN_TRY(gn_plan_make(world, &wanted, setup, plan, error));
+    if (plan->absent)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: --error: no plan: %s", options->target,
+                       plan->absent);
+    return tell(options, world, plan, error);
 }

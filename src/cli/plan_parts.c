@@ -1,6 +1,6 @@
 #include "cli/plan_parts.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "cli/plan.h"
 #include "frame/parts.h"
@@ -323,14 +323,14 @@ static void print_passed(const char *wall, const gn_wall_passed *passed, int *wa
 }
 
 gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error *error) {
-    if (!world->ctx.scene.has_couple || !world->ctx.scene.wall_count) return GNEISS_OK;
-    gn_wall_passed *passed = gn_alloc_array(world->ctx.scene.wall_count, sizeof *passed);
-    gneiss_status status = passed ? gn_wall_foresee_passed(world, passed, error)
-                                  : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check walls");
-    for (size_t k = 0; status == GNEISS_OK && k < world->ctx.scene.wall_count; k++)
+    const size_t count = world->ctx.scene.wall_count;
+    GN_FREED gn_wall_passed *passed = NULL;
+    if (!world->ctx.scene.has_couple || !count) return GNEISS_OK;
+    GN_TRY(gn_new(&passed, count, "walls", error));
+    GN_TRY(gn_wall_foresee_passed(world, passed, error));
+    for (size_t k = 0; k < count; k++)
         print_passed(world->ctx.scene.walls[k].name, &passed[k], warnings);
-    gn_free(passed);
-    return status;
+    return GNEISS_OK;
 }
 
 /* ---- contact parameters from the materials of a scene, for `gneiss check` ---- */

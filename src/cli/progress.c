@@ -1,6 +1,6 @@
 #include "cli/progress.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/point.h"
 #include "base/printable.h"
 #include "boundary/overlap.h"
@@ -218,24 +218,22 @@ static void warn_of_inside(const char *where, const char *name, size_t count) {
 }
 
 static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
+    const gn_scene *scene = &world->ctx.scene;
+    GN_FREED gn_overlap *overlaps = NULL;
     if (world->ctx.step > 0) return GNEISS_OK;
-    for (size_t k = 0; k < world->ctx.scene.wall_count; k++) /* a passive wall expels nothing */
-        if (!world->ctx.scene.walls[k].passive)
-            warn_of_inside("behind wall", world->ctx.scene.walls[k].name,
+    for (size_t k = 0; k < scene->wall_count; k++) /* a passive wall expels nothing */
+        if (!scene->walls[k].passive)
+            warn_of_inside("behind wall", scene->walls[k].name,
                            gn_wall_overlap(&world->dem, &world->boundary, k).inside);
-    gn_overlap *overlaps = gn_alloc_array(world->boundary.surface_count + 1, sizeof *overlaps);
-    if (!overlaps)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
-                       world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
-    for (size_t k = 0; status == GNEISS_OK && k < world->boundary.surface_count; k++)
-        if (k < world->ctx.scene.body_count)
-            warn_of_inside("inside body", world->ctx.scene.bodies[k].name, overlaps[k].inside);
+    GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, &world->solids,
+                             &world->zones, overlaps, error));
+    for (size_t k = 0; k < world->boundary.surface_count; k++)
+        if (k < scene->body_count)
+            warn_of_inside("inside body", scene->bodies[k].name, overlaps[k].inside);
         else
             warn_of_inside("inside", "elements", overlaps[k].inside);
-    gn_free(overlaps);
-    return status;
+    return GNEISS_OK;
 }
 
 gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error) {

@@ -1,5 +1,7 @@
 #include "io/files.h"
 
+#include "base/new.h"
+
 #include "io/atomic_file.h"
 
 #include <errno.h>
@@ -197,4 +199,15 @@ gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss
     *bytes = block;
     *size = found;
     return GNEISS_OK;
+}
+
+gneiss_status gn_text_open(char **text, size_t *size, FILE **out, const char *what,
+                           gneiss_error *error) {
+    *out = open_memstream(text, size);
+    return *out ? GNEISS_OK : gn_no_memory(error, what);
+}
+
+gneiss_status gn_text_close(FILE *out, const char *what, gneiss_error *error) {
+    const bool failed = ferror(out) != 0;
+    return fclose(out) == 0 && !failed ? GNEISS_OK : gn_no_memory(error, what);
 }

@@ -25,6 +25,12 @@ gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gne
  * it is empty or ends before its size. */
 gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss_error *error);
 
+/* Opens a stream into a text of *size bytes, which *text points to once it is closed and which the
+ * caller frees; closes it. `what` names the text in the message if memory is lacking. */
+gneiss_status gn_text_open(char **text, size_t *size, FILE **out, const char *what,
+                           gneiss_error *error);
+gneiss_status gn_text_close(FILE *out, const char *what, gneiss_error *error);
+
 /* A minimal JSON writer: numbers in full precision, NaN and infinity as null, strings escaped. */
 typedef struct gn_json gn_json;
 gn_json *gn_json_begin(void);                        /* opens an object */

@@ -120,7 +120,7 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
     gn_h5_omit_digests(file);
     gn_h5_demand_finite(file, !snapshot->bad);
     status = put_grid(file, snapshot, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
+    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;
 }

@@ -130,7 +130,7 @@ static gneiss_status write_packing(const char *path, const gn_scene *scene,
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
     gneiss_status status = put_all(file, scene, result, quality, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
+    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }
@@ -339,7 +339,7 @@ static gneiss_status keep(const char *path, const char *key, const gn_pack_resul
     if (status == GNEISS_OK) status = gn_h5_create(path, &file, error);
     if (status != GNEISS_OK) return status;
     status = put_packing(file, key, result, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
+    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }

@@ -205,7 +205,7 @@ gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_er
         gn_h5_close(file);
         return status;
     }
-    return gn_h5_commit(file, GN_DURABLE, error);
+    return gn_h5_commit(&file, GN_DURABLE, error);
 }
 
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {

@@ -422,7 +422,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_fragments_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_events_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
+    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }

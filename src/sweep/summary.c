@@ -1,10 +1,10 @@
 #include "sweep/summary.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/printable.h"
-#include "io/listing.h"
 #include "io/files.h"
 #include "io/h5.h"
+#include "io/listing.h"
 #include "measure/energy.h"
 #include "run/folder.h"
 #include "sweep/sweep.h"
@@ -112,13 +112,10 @@ static gneiss_status check_contents(gn_h5 *file, const char *path, const char *f
 static bool has_results(const char *folder, const char *results, bool *replaced,
                         gneiss_error *trouble) {
     char path[GN_PATH_SIZE + 32];
-    gn_h5 *file = NULL;
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     snprintf(path, sizeof path, "%s/results.h5", folder);
-    gneiss_status status = gn_h5_open(path, &file, trouble);
-    if (status == GNEISS_OK)
-        status = check_contents(file, path, folder, results, replaced, trouble);
-    gn_h5_close(file);
-    return status == GNEISS_OK;
+    return gn_h5_open(path, &file, trouble) == GNEISS_OK &&
+           check_contents(file, path, folder, results, replaced, trouble) == GNEISS_OK;
 }
 
 /* Marks the results as unusable: the run is computed again, from its last checkpoint if there is
@@ -226,12 +223,10 @@ gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gn
     gn_json_integer(json, "code", outcome->code);
     gn_json_text(json, "message", outcome->message);
     if (*digest) gn_json_text(json, "results", digest);
-    char *text = gn_json_finish(json, true);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for outcome.json");
+    GN_FREED char *text = gn_json_finish(json, true);
+    if (!text) return gn_no_memory(error, "outcome.json");
     outcome_path(folder, path, sizeof path);
-    gneiss_status status = gn_write_text_file(path, text, GN_RENAMED, error);
-    free(text);
-    return status;
+    return gn_write_text_file(path, text, GN_RENAMED, error);
 }
 
 void gn_outcome_remove(const char *folder, bool lost) {
@@ -336,19 +331,13 @@ enum { USUAL = sizeof usual / sizeof *usual };
 static gneiss_status choose_readings(gn_summary *summary, gneiss_error *error) {
     const gn_sweep *sweep = summary->sweep;
     summary->reading_count = sweep->reading_count ? sweep->reading_count : USUAL;
-    summary->readings = gn_alloc_array(summary->reading_count, sizeof *summary->readings);
-    summary->value =
-        gn_alloc_array(sweep->run_count * summary->reading_count, sizeof *summary->value);
-    summary->rest =
-        gn_alloc_array(sweep->run_count * summary->reading_count, sizeof *summary->rest);
-    summary->runs = gn_alloc_array(sweep->run_count, sizeof *summary->runs);
-    summary->statistics = gn_alloc_array(sweep->combination_count * summary->reading_count,
-                                         sizeof *summary->statistics);
-    if (!summary->readings || !summary->value || !summary->rest || !summary->runs ||
-        !summary->statistics)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary of %zu runs",
-                       sweep->run_count);
-    for (size_t k = 0; k < summary->reading_count; k++) {
+    const size_t count = summary->reading_count;
+    GN_TRY(gn_new(&summary->readings, count, "readings", error));
+    GN_TRY(gn_new(&summary->value, sweep->run_count * count, "values", error));
+    GN_TRY(gn_new(&summary->rest, sweep->run_count * count, "errors", error));
+    GN_TRY(gn_new(&summary->runs, sweep->run_count, "runs", error));
+    GN_TRY(gn_new(&summary->statistics, sweep->combination_count * count, "means", error));
+    for (size_t k = 0; k < count; k++) {
         gn_summary_reading *reading = &summary->readings[k];
         snprintf(reading->name, sizeof reading->name, "%s",
                  sweep->reading_count ? sweep->readings[k] : usual[k]);
@@ -372,15 +361,14 @@ static void read_label(const gn_h5 *file, const char *set, const char *name, cha
 static gneiss_status read_last(const gn_h5 *file, const char *set, double *last,
                                gneiss_error *error) {
     size_t rows = 0;
+    GN_FREED double *column = NULL;
     *last = NAN;
     GN_TRY(gn_h5_rows(file, set, &rows, error));
     if (rows == 0) return GNEISS_OK;
-    double *column = gn_alloc_array(rows, sizeof *column);
-    if (!column) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu rows", rows);
-    gneiss_status status = gn_h5_get(file, set, GN_F64, rows, 1, 0, column, error);
-    if (status == GNEISS_OK) *last = column[rows - 1];
-    gn_free(column);
-    return status;
+    GN_TRY(gn_new(&column, rows, "rows", error));
+    GN_TRY(gn_h5_get(file, set, GN_F64, rows, 1, 0, column, error));
+    *last = column[rows - 1];
+    return GNEISS_OK;
 }
 
 /* Reads a reading and its `rest`; NaN: the file has none. An unreadable value is an error, not an
@@ -419,32 +407,24 @@ static gneiss_status read_run(gn_summary *summary, size_t k, const char *folder,
                               gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_summary_run *run = &summary->runs[k];
-    gn_h5 *file = NULL;
-    char *hash = NULL, *build = NULL;
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
+    GN_FREED char *hash = NULL, *build = NULL;
     snprintf(path, sizeof path, "%s/results.h5", folder);
-    gneiss_status status = gn_h5_open(path, &file, error);
-    if (status == GNEISS_OK)
-        status = gn_h5_get_attribute_f64(file, "/", "seconds", &run->seconds, 1, error);
-    if (status == GNEISS_OK) status = gn_h5_get_attribute_f64(file, "/", "dt", &run->dt, 1, error);
-    if (status == GNEISS_OK)
-        status = gn_h5_get_attribute_i64(file, "/", "steps", &run->steps, 1, error);
-    if (status == GNEISS_OK)
-        status = gn_h5_get_attribute_text(file, "/", "state_hash", &hash, error);
-    if (status == GNEISS_OK) status = gn_h5_get_attribute_text(file, "/", "build", &build, error);
-    if (status == GNEISS_OK) {
-        snprintf(run->state_hash, sizeof run->state_hash, "%s", hash);
-        snprintf(run->build, sizeof run->build, "%s", build);
-        read_warnings(file, run->outcome.message, sizeof run->outcome.message);
+    GN_TRY(gn_h5_open(path, &file, error));
+    GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->seconds, 1, error));
+    GN_TRY(gn_h5_get_attribute_f64(file, "/", "dt", &run->dt, 1, error));
+    GN_TRY(gn_h5_get_attribute_i64(file, "/", "steps", &run->steps, 1, error));
+    GN_TRY(gn_h5_get_attribute_text(file, "/", "state_hash", &hash, error));
+    GN_TRY(gn_h5_get_attribute_text(file, "/", "build", &build, error));
+    snprintf(run->state_hash, sizeof run->state_hash, "%s", hash);
+    snprintf(run->build, sizeof run->build, "%s", build);
+    read_warnings(file, run->outcome.message, sizeof run->outcome.message);
+    for (size_t r = 0; r < summary->reading_count; r++) {
+        const size_t place = k * summary->reading_count + r;
+        GN_TRY(read_reading(file, &summary->readings[r], &summary->value[place],
+                            &summary->rest[place], error));
     }
-    for (size_t r = 0; status == GNEISS_OK && r < summary->reading_count; r++) {
-        size_t place = k * summary->reading_count + r;
-        status = read_reading(file, &summary->readings[r], &summary->value[place],
-                              &summary->rest[place], error);
-    }
-    free(hash);
-    free(build);
-    gn_h5_close(file);
-    return status;
+    return GNEISS_OK;
 }
 
 /* A run with unreadable results counts as not completed, with the reason. */

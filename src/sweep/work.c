@@ -1,10 +1,10 @@
 #define _GNU_SOURCE /* cpu_set_t */
 #include "sweep/work.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/timer.h"
-#include "io/listing.h"
 #include "io/files.h"
+#include "io/listing.h"
 #include "run/folder.h"
 #include "sweep/summary.h"
 
@@ -252,14 +252,11 @@ static gneiss_status read_outcomes(const gn_sweep *sweep, const char *directory,
 
 static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
     const gn_sweep *sweep = pool->sweep;
-    gn_outcome *outcome = gn_alloc_array(sweep->run_count, sizeof *outcome);
-    pool->tasks = gn_alloc_array(sweep->run_count, sizeof *pool->tasks);
-    gneiss_status status =
-        outcome && pool->tasks
-            ? GNEISS_OK
-            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu runs", sweep->run_count);
-    if (status == GNEISS_OK) status = read_outcomes(sweep, pool->way->directory, outcome, error);
-    for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
+    GN_FREED gn_outcome *outcome = NULL;
+    GN_TRY(gn_new(&outcome, sweep->run_count, "runs", error));
+    GN_TRY(gn_new(&pool->tasks, sweep->run_count, "runs", error));
+    GN_TRY(read_outcomes(sweep, pool->way->directory, outcome, error));
+    for (size_t k = 0; k < sweep->run_count; k++) {
         if (!gn_sweep_run_in_shard(sweep, pool->way, k)) continue;
         run_task *task = &pool->tasks[pool->task_count++];
         *task = (run_task){.run = k, .outcome = outcome[k]};
@@ -269,8 +266,7 @@ static gneiss_status list_tasks(run_pool *pool, gneiss_error *error) {
         pool->done += task->over && task->outcome.state == GN_RUN_DONE;
         pool->failed += task->over && task->outcome.state == GN_RUN_FAILED;
     }
-    gn_free(outcome);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Lists the processors of this process, in their order. */
@@ -357,19 +353,13 @@ static bool in_use(const char *folder) {
 static gneiss_status write_scene(const run_pool *pool, const run_task *task, const char *folder,
                                  gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
-    gn_scene *scene = gn_alloc(sizeof *scene);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
-    gneiss_status status = gn_sweep_scene(pool->sweep, task->run, scene, error);
-    if (status == GNEISS_OK) {
-        char *text = gn_scene_write(scene);
-        snprintf(path, sizeof path, "%s/scene.yaml", folder);
-        status = text ? gn_write_text_file(path, text, GN_RENAMED, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the text of a scene");
-        free(text);
-        gn_scene_free(scene);
-    }
-    gn_free(scene);
-    return status;
+    GN_FREED_BY(gn_scene_delete) gn_scene *scene = NULL;
+    GN_TRY(gn_new(&scene, 1, "a scene", error));
+    GN_TRY(gn_sweep_scene(pool->sweep, task->run, scene, error));
+    GN_FREED char *text = gn_scene_write(scene);
+    if (!text) return gn_no_memory(error, "the text of a scene");
+    snprintf(path, sizeof path, "%s/scene.yaml", folder);
+    return gn_write_text_file(path, text, GN_RENAMED, error);
 }
 
 /* Returns the processors for the next run: a share of the free ones. */

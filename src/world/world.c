@@ -458,6 +458,11 @@ void gn_world_free(gn_world *w) {
     memset(w, 0, sizeof *w);
 }
 
+void gn_world_delete(gn_world **world) {
+    if (*world) gn_world_free(*world);
+    gn_free(*world);
+}
+
 void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]) {
     for (int a = 0; a < 3; a++) out[a] = gn_point_out(ctx->scene.origin[a], point[a]);
 }
