@@ -121,11 +121,11 @@ bench_numbers bench_world_numbers(const bench_world *b) {
     const gn_world *w = &b->world;
     bench_numbers n = {0};
     n.particles = w->dem.particles.soa.count;
-    n.bonds = w->dem.bonds.soa.count;
-    n.pairs = w->dem.pairs.soa.count;
+    n.bonds = w->dem.bonds.contacts.soa.count;
+    n.pairs = w->dem.pairs.contacts.soa.count;
     n.wall_contacts = w->boundary.contacts.soa.count;
-    n.bond_bytes = gn_record_bytes(&gn_contact_record, w->dem.bonds.soa.effects);
-    n.pair_bytes = gn_record_bytes(&gn_contact_record, w->dem.pairs.soa.effects);
+    n.bond_bytes = gn_record_bytes(&gn_contact_record, w->dem.bonds.contacts.soa.effects);
+    n.pair_bytes = gn_record_bytes(&gn_contact_record, w->dem.pairs.contacts.soa.effects);
     n.particle_bytes = gn_record_bytes(&gn_particle_record, w->effects);
     n.world_bytes = gn_world_bytes(&w->ctx, &w->dem, &w->boundary, &w->solids);
     n.contact_steps = w->dem.contact_steps;
@@ -141,18 +141,18 @@ bench_numbers bench_world_numbers(const bench_world *b) {
 /* --- kernels alone --- */
 
 static bool bonds_are_more(const gn_world *w) {
-    return w->dem.bonds.soa.count > w->dem.pairs.soa.count;
+    return w->dem.bonds.contacts.soa.count > w->dem.pairs.contacts.soa.count;
 }
 
 static const gn_contacts *longer_list(const gn_world *w) {
-    return bonds_are_more(w) ? &w->dem.bonds : &w->dem.pairs;
+    return bonds_are_more(w) ? &w->dem.bonds.contacts : &w->dem.pairs.contacts;
 }
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
     gn_contact_args a = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, longer_list(w), false);
     a.dt = 0.0; /* the state does not change */
-    gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bond_kernel : w->dem.pair_kernel;
+    gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bonds.kernel : w->dem.pairs.kernel;
     size_t length = a.partials->length, last = blocks * length;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
     for (size_t first = 0; first < last; first += length) {
@@ -209,7 +209,7 @@ static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
 void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
     const gn_world *w = &b->world;
     const gn_contacts *k = longer_list(w);
-    const gn_partials *q = bonds_are_more(w) ? &w->dem.bond_partials : &w->dem.pair_partials;
+    const gn_partials *q = bonds_are_more(w) ? &w->dem.bonds.partials : &w->dem.pairs.partials;
     size_t components = w->effects & GN_FX_SPACE ? 3 : 2;
     size_t state = width(k->shear, 8 * components) + width(k->shear_f, 4 * components) +
                    width(k->fd, 8) + width(k->fd_f, 4);
@@ -217,7 +217,7 @@ void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *wri
     size_t count = q->blocks ? (size_t)q->first[q->blocks] : 0;
     size_t rows = count * gn_partials_row_bytes(q), named = count * sizeof *q->particle;
     *read = 2 * sizeof *k->i + 2 * sizeof *q->place + state + (rows + named) / k->soa.count +
-            parameters(k, bonds_are_more(w) ? &w->dem.bond_uniform : &w->dem.pair_uniform);
+            parameters(k, bonds_are_more(w) ? &w->dem.bonds.uniform : &w->dem.pairs.uniform);
     *written = state + rows / k->soa.count;
 }
 

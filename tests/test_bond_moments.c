@@ -38,7 +38,7 @@ static gn_world *chain(int dimension, int bonds, const char *tip, const char *mo
 
 /* The moment of a bond on its particle with the smaller number; returns the other's number. */
 static int moment_of(const gn_world *w, size_t c, double m[3]) {
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     int i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
     for (size_t a = 0; a < 3; a++)
         m[a] = (i < j ? 1.0 : -1.0) * (b->moment ? b->moment[c + a * b->soa.capacity]
@@ -155,14 +155,14 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
 /* Steps until the bond breaks; what the ledger has then, and how much was released. */
 static int64_t steps_to_break(gn_world *w, gn_energy *e) {
     measured_step(w);
-    while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
+    while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
     int64_t steps = w->ctx.step - 1; /* the instant at which it broke */
-    assert_close(w->dem.bonds.broken_time[0], (double)steps * 1e-8, 1e-9);
+    assert_close(w->dem.bonds.contacts.broken_time[0], (double)steps * 1e-8, 1e-9);
     *e = measured_step(w);
     assert_true(e->elastic_bending == 0.0);
     assert_true(fabs(gn_energy_residual(e)) < 1e-9);
     for (size_t a = 0; a < 3; a++)
-        assert_true(w->dem.bonds.moment[a * w->dem.bonds.soa.capacity] == 0.0);
+        assert_true(w->dem.bonds.contacts.moment[a * w->dem.bonds.contacts.soa.capacity] == 0.0);
     world_end(w);
     return steps;
 }
@@ -220,7 +220,7 @@ static void pressure_reduces_the_tension_of_bending(void **state) {
     gn_world *w = driven(3, bend, -fibre / (kn * 1e-8), 0.0, 0.0);
     run_steps(w, 20000);
     assert_true(20000 * fibre > 5.0 * limit_n);
-    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
     world_end(w);
     w = driven(3, 2.0 * bend, -fibre / (kn * 1e-8), 0.0, 0.0);
     gn_energy e;
@@ -272,9 +272,10 @@ static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
         double exact = 1.0 / hypot(a, b), tilt = slide * exact * 1e-8 / (2.0 * r);
         measured_step(w);
         run_steps(w, (int64_t)(0.9 * exact));
-        assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
-        assert_int_equal(w->dem.bonds.cause[0], b > a ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
+        assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
+        while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) run_steps(w, 1);
+        assert_int_equal(w->dem.bonds.contacts.cause[0],
+                         b > a ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
         assert_near((double)(w->ctx.step - 1), ceil(exact), 1.0 + 2.0 * tilt * exact);
         e = measured_step(w);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-9);
@@ -294,8 +295,8 @@ static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
             driven_by(couplings[k % 3], ", bond_friction: 0.6", 3, 217.3, pull[k / 3], 331.9, 0.0);
         double last = 0.0;
         run_steps(w, 1);
-        while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 100000) {
-            const gn_contacts *b = &w->dem.bonds;
+        while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 100000) {
+            const gn_contacts *b = &w->dem.bonds.contacts;
             const gn_law *law = gn_law_of(b->soa.effects);
             const double *at = w->dem.particles.pos;
             gn_law_moments m = law->moments(b, 0, n);
@@ -688,7 +689,7 @@ static void moments_in_single_precision_follow_the_double_ones(void **state) {
                 world_of("%s", thrown_text(dimension, 1e20, 0.1, 1, mixed ? "mixed" : "double"));
             run_steps(w[mixed], 200);
         }
-        for (size_t c = 0; c < w[0]->dem.bonds.soa.count; c++) {
+        for (size_t c = 0; c < w[0]->dem.bonds.contacts.soa.count; c++) {
             double a[3], b[3];
             moment_of(w[0], c, a);
             moment_of(w[1], c, b);

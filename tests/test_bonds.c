@@ -58,17 +58,17 @@ static void stiffness_and_strength_follow_every_model(void **state) {
     for (int dimension = 2; dimension <= 3; dimension++)
         for (int model = 0; model < MODELS; model++) {
             gn_world *w = row_of_three(dimension, models[model]);
-            assert_int_equal(w->dem.bonds.soa.count, 2);
+            assert_int_equal(w->dem.bonds.contacts.soa.count, 2);
             for (size_t c = 0; c < 2; c++) {
-                int i = w->dem.particles.id[w->dem.bonds.i[c]],
-                    j = w->dem.particles.id[w->dem.bonds.j[c]];
+                int i = w->dem.particles.id[w->dem.bonds.contacts.i[c]],
+                    j = w->dem.particles.id[w->dem.bonds.contacts.j[c]];
                 double kn, rn, rt;
                 expected_law(dimension, model, i < j ? i : j, &kn, &rn, &rt);
-                assert_close(w->dem.bonds.kn[c], kn, 1e-14);
-                assert_close(w->dem.bonds.kt[c], kn / kappa, 1e-14);
-                assert_close(w->dem.bonds.rn[c], rn, 1e-14);
-                assert_close(w->dem.bonds.rt[c], rt, 1e-14);
-                assert_true(w->dem.bonds.mu[c] == 0.3);
+                assert_close(w->dem.bonds.contacts.kn[c], kn, 1e-14);
+                assert_close(w->dem.bonds.contacts.kt[c], kn / kappa, 1e-14);
+                assert_close(w->dem.bonds.contacts.rn[c], rn, 1e-14);
+                assert_close(w->dem.bonds.contacts.rt[c], rt, 1e-14);
+                assert_true(w->dem.bonds.contacts.mu[c] == 0.3);
             }
             world_end(w);
         }
@@ -85,8 +85,9 @@ static void bonds_form_within_the_range_and_the_group(void **state) {
         "bond_shear_limit: 1}]\nlaw: {stiffness: uniform}\nbonds: {interaction_range: 0.05}\n"
         "sets: [{name: a, select: {ids: [3]}, group: 2}, {name: b, select: {ids: [4]}, group: 0}]\n"
         "time: {end: 1}\nrun: {threads: 1}\n");
-    assert_int_equal(w->dem.bonds.soa.count, 1);
-    int i = w->dem.particles.id[w->dem.bonds.i[0]], j = w->dem.particles.id[w->dem.bonds.j[0]];
+    assert_int_equal(w->dem.bonds.contacts.soa.count, 1);
+    int i = w->dem.particles.id[w->dem.bonds.contacts.i[0]],
+        j = w->dem.particles.id[w->dem.bonds.contacts.j[0]];
     assert_int_equal(i + j, 1);
     assert_int_equal(w->dem.particles.bonds0[w->dem.index_of_id[0]], 1);
     assert_int_equal(w->dem.particles.bonds0[w->dem.index_of_id[2]], 0);
@@ -126,22 +127,22 @@ static void breaks_exactly(int dimension, const char *v, double stiffness, doubl
                            gn_cause cause) {
     double dt = 1e-8, speed = 0.5, f[3], now = 0.0, last = 0.0;
     gn_world *w = driven_pair(dimension, 2e-3, v, "bonds: {}\n", dt);
-    assert_int_equal(w->dem.bonds.soa.count, 1);
-    while (w->dem.bonds.cause[0] == GN_INTACT) {
+    assert_int_equal(w->dem.bonds.contacts.soa.count, 1);
+    while (w->dem.bonds.contacts.cause[0] == GN_INTACT) {
         last = now;
         assert_true(last < limit);
         assert_true(w->ctx.step < 2 * (int64_t)(limit / (stiffness * speed * dt)));
         run_steps(w, 1);
         bond_force(w, f);
-        now = cause == GN_BROKEN_SHEAR ? shear_of(&w->dem.bonds, 0, f) : f[0];
+        now = cause == GN_BROKEN_SHEAR ? shear_of(&w->dem.bonds.contacts, 0, f) : f[0];
     }
     double increment = stiffness * speed * dt, slide = speed * w->ctx.time / 2e-3;
     /* The turn of the normal stretches the bond by slide^2/2 and tilts the increment by slide. */
     double tilt = cause == GN_BROKEN_SHEAR ? 2.0 * slide * slide : 0.0;
     assert_true(last + increment * (1.0 + 1e-9) >= limit * (1.0 - tilt));
-    assert_int_equal(w->dem.bonds.cause[0], cause);
-    assert_true(w->dem.bonds.rn[0] == -pair_rn);
-    assert_close(w->dem.bonds.broken_time[0], w->ctx.time - dt, 1e-15);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], cause);
+    assert_true(w->dem.bonds.contacts.rn[0] == -pair_rn);
+    assert_close(w->dem.bonds.contacts.broken_time[0], w->ctx.time - dt, 1e-15);
     assert_int_equal(w->dem.broken_tension, cause == GN_BROKEN_TENSION);
     assert_int_equal(w->dem.broken_shear, cause == GN_BROKEN_SHEAR);
     world_end(w);
@@ -166,7 +167,7 @@ static void a_bond_does_not_break_in_compression(void **state) {
     double f[3];
     bond_force(w, f);
     assert_close(f[0], -200.0, 1e-11); /* four times the tensile strength */
-    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
     world_end(w);
 }
 
@@ -176,28 +177,28 @@ static void looking_at_the_forces_changes_nothing(void **state) {
     (void)state;
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0.2", "bonds: {}\n", 1e-8);
     double last = 0.0;
-    for (int k = 0; k < 100000 && w->dem.bonds.cause[0] == GN_INTACT; k++) {
+    for (int k = 0; k < 100000 && w->dem.bonds.contacts.cause[0] == GN_INTACT; k++) {
         run_steps(w, 1);
         gn_observed seen;
         gneiss_error error;
         uint64_t before = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
         assert_int_equal(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
         assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == before);
-        assert_null(gn_contacts_row(&w->dem.bonds));
-        const double *row = gn_contacts_row(&seen.bonds);
+        assert_null(gn_contacts_row(&w->dem.bonds.contacts));
+        const double *row = gn_contacts_row(&seen.list[GN_LIST_BONDS]);
         double x[3], t[3], force[3];
         for (int a = 0; a < 3; a++) x[a] = pos_of(w, 1)[a] - pos_of(w, 0)[a];
         double distance = length3(x),
-               sign = w->dem.particles.id[w->dem.bonds.i[0]] == 0 ? 1.0 : -1.0;
+               sign = w->dem.particles.id[w->dem.bonds.contacts.i[0]] == 0 ? 1.0 : -1.0;
         for (int a = 0; a < 3; a++) force[a] = sign * row[a];
-        shear_of(&w->dem.bonds, 0, t);
+        shear_of(&w->dem.bonds.contacts, 0, t);
         last = pair_kn * (distance - 2e-3);
-        if (last < pair_rn && w->dem.bonds.cause[0] == GN_INTACT)
+        if (last < pair_rn && w->dem.bonds.contacts.cause[0] == GN_INTACT)
             assert_near(force[0] * x[0] / distance + force[1] * x[1] / distance, last,
                         1e-9 * pair_rn + 1e-3 * length3(t)); /* the shear force is a step old */
         gn_observed_free(&seen);
     }
-    assert_true(last >= pair_rn || w->dem.bonds.cause[0] == GN_BROKEN_TENSION);
+    assert_true(last >= pair_rn || w->dem.bonds.contacts.cause[0] == GN_BROKEN_TENSION);
     world_end(w);
 }
 
@@ -216,12 +217,12 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
     run_steps(w, 1);
     bond_force(w, f);
     assert_true(f[0] == 0.0 && f[1] == 0.0); /* free of stress at the start */
-    while (w->dem.bonds.cause[0] == GN_INTACT && w->ctx.step < 4000) {
+    while (w->dem.bonds.contacts.cause[0] == GN_INTACT && w->ctx.step < 4000) {
         before = f[0];
         run_steps(w, 1);
         bond_force(w, f);
     }
-    assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_close(before, -pair_kn * press, 1e-2); /* pressed, and a little tilted */
     /* No jump: the normal force goes on with the same zero gap, the shear drops to friction. */
     double x[3], distance_now, t[3], turn;
@@ -232,7 +233,7 @@ static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
         bond_force(w, f);
         normal = (f[0] * x[0] + f[1] * x[1] + f[2] * x[2]) / distance_now;
         assert_near(normal, pair_kn * (distance_now - distance), 1e-14 * pair_kn * distance * 10.0);
-        turn = shear_of(&w->dem.bonds, 0, t);
+        turn = shear_of(&w->dem.bonds.contacts, 0, t);
         assert_close(turn, pair_mu * fabs(normal), 1e-9); /* slips at mu f_n */
     }
     assert_true(fabs(normal) > 1.0);
@@ -251,8 +252,8 @@ static void a_bond_broken_in_tension_touches_again_at_its_own_length(void **stat
         double stretch = length3(pos_of(w, 1)) - distance; /* particle 0 is held at the origin */
         run_steps(w, 1);
         bond_force(w, f);
-        if (w->dem.bonds.cause[0] == GN_INTACT) continue;
-        assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_TENSION);
+        if (w->dem.bonds.contacts.cause[0] == GN_INTACT) continue;
+        assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_TENSION);
         double want = stretch < 0.0 ? pair_kn * stretch : 0.0;
         assert_near(f[0], want, 1e-14 * pair_kn * distance);
         pressed += stretch < 0.0;
@@ -280,8 +281,8 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         gn_world *a = meeting_pair(dimension, "bonds: {}\n"), *b = meeting_pair(dimension, "");
-        assert_int_equal(a->dem.bonds.soa.count, 1);
-        assert_int_equal(b->dem.bonds.soa.count, 0);
+        assert_int_equal(a->dem.bonds.contacts.soa.count, 1);
+        assert_int_equal(b->dem.bonds.contacts.soa.count, 0);
         for (int k = 0; k < (dimension == 3 ? 500 : 3000); k++) { /* discs are heavier */
             run_steps(a, 1);
             run_steps(b, 1);
@@ -291,7 +292,7 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
                 assert_memory_equal(spin_of(a, p), spin_of(b, p), 4 * sizeof(double));
             }
         }
-        assert_true(a->dem.bonds.cause[0] != GN_INTACT);
+        assert_true(a->dem.bonds.contacts.cause[0] != GN_INTACT);
         assert_true(vel_of(a, 1)[0] > 0.5); /* they collided */
         world_end(a);
         world_end(b);
@@ -304,7 +305,7 @@ static void work_of_breaking_balances(void **state) {
      * increment. */
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0", "bonds: {}\n", 1e-8);
     measured_step(w);
-    while (w->dem.bonds.cause[0] == GN_INTACT) run_steps(w, 1);
+    while (w->dem.bonds.contacts.cause[0] == GN_INTACT) run_steps(w, 1);
     gn_energy e = measured_step(w);
     double u = pair_rn / pair_kn, du = 0.5 * 1e-8;
     assert_true(e.bond_breaking >= 0.5 * pair_kn * (u - du) * (u - du));
@@ -323,7 +324,7 @@ static void work_of_shear_breaking_and_slip_balances(void **state) {
     measured_step(w);
     run_steps(w, 4000);
     gn_energy e = measured_step(w);
-    assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_SHEAR);
     assert_true(e.friction > 0.0 && e.bond_breaking > 0.0);
     /* Normals turn by v dt/d = 2.5e-6 per step, each step's trapezium is off by about that much. */
     assert_true(fabs(gn_energy_residual(&e)) < 1e-5);

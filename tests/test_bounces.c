@@ -30,7 +30,7 @@ static double energy_in_flight(gn_world *w) {
     for (int k = 0; k < 10000; k++) {
         gn_energy e = measured_step(w);
         bool pressed = e.elastic_wall != 0.0; /* what is taken back at an opening counts too */
-        if (!w->dem.bonds.soa.count) pressed = pressed || e.elastic_normal != 0.0;
+        if (!w->dem.bonds.contacts.soa.count) pressed = pressed || e.elastic_normal != 0.0;
         if (!pressed) return e.kinetic + e.elastic_normal - e.work_gravity;
     }
     fail_msg("always in touch");

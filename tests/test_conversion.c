@@ -33,7 +33,7 @@ static void assert_rigid(const gn_world *w) {
 
 /* Rounding of places of some cm, over which stiffnesses act. */
 static void assert_no_force(const gn_world *w) {
-    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
+    const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     const double rounding = 64.0 * 2.2e-16 * 0.04;
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++) {
@@ -100,7 +100,7 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     convert(w, 14e-3, 16e-3, 0.0, 2e-3);
     run_steps(w, 100);
     const gn_particles *q = &w->dem.particles;
-    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
+    const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     size_t asleep = 0, mixed = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_asleep(&w->dem, p)) continue;
@@ -125,7 +125,7 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
 /* Each bond carries the stress of the elements over the section of a lattice plane, up to the
  * square of the strain and the rounding of places, and has its share of it. */
 static void assert_strained(const gn_world *w, const double gradient[9], double size) {
-    const gn_contacts *k = &w->dem.bonds;
+    const gn_contacts *k = &w->dem.bonds.contacts;
     const double section = w->ctx.scene.dimension == 3 ? spacing * spacing : spacing;
     size_t free = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
@@ -447,7 +447,7 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
 }
 
 /* At the end of the block what is thinner than a zone goes too. */
-static void a_remnant_thinner_than_a_zone_goes_too(void **state) {
+static void a_remnant_thinner_than_a_zone_converts_too(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
     convert(w, 4e-3, 8e-3, 0.0, 1.0);
@@ -564,11 +564,11 @@ static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
     gn_world *w = block_of(&s);
     convert(w, 2e-3, 4e-3, 0.0, 1.0);
     size_t elements = gn_conversion_elements(&w->solids);
-    for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
-        const size_t i = (size_t)w->dem.bonds.i[c];
+    for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++) {
+        const size_t i = (size_t)w->dem.bonds.contacts.i[c];
         if (!is_tied(w, i) || w->dem.particles.blend[2 * i] < 0.3) continue;
-        w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
-        w->dem.bonds.rn[c] = -w->dem.bonds.rn[c];
+        w->dem.bonds.contacts.cause[c] = GN_BROKEN_TENSION;
+        w->dem.bonds.contacts.rn[c] = -w->dem.bonds.contacts.rn[c];
         break;
     }
     run_steps(w, 11);
@@ -943,7 +943,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(two_converting_places_that_join_leave_no_element_between_them),
         cmocka_unit_test(the_bound_of_the_remaining_elements_is_that_of_all_elements),
         cmocka_unit_test(the_limit_of_active_particles_is_that_of_the_full_operator),
-        cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
+        cmocka_unit_test(a_remnant_thinner_than_a_zone_converts_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),
         cmocka_unit_test(elements_convert_where_their_stress_is_beyond_the_limit),

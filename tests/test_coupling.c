@@ -89,8 +89,9 @@ static double returned_in_lattice(const gn_world *w, double end) {
     const gn_particles *q = &w->dem.particles;
     const double c = sqrt(modulus / density), back = 0.5 * w->ctx.dt_past;
     double sum = 0.0;
-    for (size_t b = 0; b < w->dem.bonds.soa.count; b++) {
-        size_t i = 4 * (size_t)w->dem.bonds.i[b], j = 4 * (size_t)w->dem.bonds.j[b];
+    for (size_t b = 0; b < w->dem.bonds.contacts.soa.count; b++) {
+        size_t i = 4 * (size_t)w->dem.bonds.contacts.i[b],
+               j = 4 * (size_t)w->dem.bonds.contacts.j[b];
         double length = q->start[j] - q->start[i];
         if (fabs(length) < 0.5 * spacing || fmax(q->start[i], q->start[j]) > end) continue;
         double grown = (q->pos[j] - q->start[j] - back * q->vel[j]) -
@@ -387,7 +388,7 @@ static void a_zone_is_measured(void **state) {
     strip s = small_strip(false);
     gn_world *w = strip_of(&s);
     gn_zone_figures f;
-    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, 0, &f);
     assert_near(f.width, 6e-3, 1e-15);
     assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* along x, along y */
     assert_near(f.diameter, 1e-3, 1e-15);
@@ -404,10 +405,10 @@ static void a_zone_is_measured(void **state) {
     assert_near(m->density[0], density, 0.01 * density);
     assert_true(m->returned < 1e-4);
     assert_int_equal(gn_coupled_broken(&w->dem), 0);
-    for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
-        if (tied_by_zone(w, (size_t)w->dem.bonds.i[c]) &&
-            tied_by_zone(w, (size_t)w->dem.bonds.j[c])) {
-            w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
+    for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++)
+        if (tied_by_zone(w, (size_t)w->dem.bonds.contacts.i[c]) &&
+            tied_by_zone(w, (size_t)w->dem.bonds.contacts.j[c])) {
+            w->dem.bonds.contacts.cause[c] = GN_BROKEN_TENSION;
             break;
         }
     assert_int_equal(gn_coupled_broken(&w->dem), 1);
@@ -422,7 +423,7 @@ static void a_zone_is_weighed(void **state) {
     s.side = 2e-3;
     gn_world *w = strip_of(&s);
     gn_zone_figures f;
-    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, 0, &f);
     assert_near(f.mass, 3.5 / 3.0, 1e-12);
     assert_false(gn_zone_is_off(&f));
     world_end(w);

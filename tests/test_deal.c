@@ -11,15 +11,15 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { BLOCKS_MAX = 64, PARTICLES_MAX = 96, LENGTH = 64 };
+enum { BLOCKS_MAX = 64, PARTICLES_MAX = 96, LENGTH = 64, LISTS = 3 };
 
 /* Lists whose blocks touch ranges of blocks of particles at random. */
 typedef struct model {
-    gn_partials list[GN_DEAL_LISTS];
-    int32_t first[GN_DEAL_LISTS][PARTICLES_MAX], last[GN_DEAL_LISTS][PARTICLES_MAX];
-    int32_t leader[GN_DEAL_LISTS][BLOCKS_MAX * LENGTH];
+    gn_partials list[LISTS];
+    int32_t first[LISTS][PARTICLES_MAX], last[LISTS][PARTICLES_MAX];
+    int32_t leader[LISTS][BLOCKS_MAX * LENGTH];
     size_t particle_blocks;
-    _Atomic int items[GN_DEAL_LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
+    _Atomic int items[LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
     _Atomic int early;  /* particles that were worked on before one of their items */
     _Atomic int still;  /* this thread stands still in its first items, until all others are done */
     _Atomic bool stuck; /* a block was not processed by the other threads */
@@ -46,14 +46,14 @@ static void make_list(model *m, int l, size_t blocks, uint64_t *seed) {
 
 static int items_done(const model *m) {
     int done = 0;
-    for (int l = 0; l < GN_DEAL_LISTS; l++)
+    for (int l = 0; l < LISTS; l++)
         for (size_t b = 0; b < m->list[l].blocks; b++) done += atomic_load(&m->items[l][b]);
     return done;
 }
 
 static void stand_still(model *m) {
     static const double patience = 20.0; /* s */
-    const int others = (int)(m->list[0].blocks + m->list[1].blocks) - 1;
+    const int others = (int)(m->list[0].blocks + m->list[1].blocks + m->list[2].blocks) - 1;
     const double start = gn_now();
     while (items_done(m) < others && !m->stuck) {
         m->stuck = gn_now() - start > patience;
@@ -71,7 +71,7 @@ static void items(void *context, int list, size_t block) {
 
 static void particles(void *context, size_t p) {
     model *m = context;
-    for (int l = 0; l < GN_DEAL_LISTS; l++)
+    for (int l = 0; l < LISTS; l++)
         for (int32_t b = m->first[l][p]; m->last[l][p] >= 0 && b <= m->last[l][p]; b++)
             if (!atomic_load(&m->items[l][b])) atomic_fetch_add(&m->early, 1);
     atomic_fetch_add(&m->particles[p], 1);
@@ -85,15 +85,17 @@ static void clear(model *m) {
 
 static void check(const model *m) {
     assert_int_equal(m->early, 0);
-    for (int l = 0; l < GN_DEAL_LISTS; l++)
+    for (int l = 0; l < LISTS; l++)
         for (size_t b = 0; b < m->list[l].blocks; b++) assert_int_equal(m->items[l][b], 1);
     for (size_t p = 0; p < m->particle_blocks; p++) assert_int_equal(m->particles[p], 1);
 }
 
 static void give_lists(gn_deal *deal, const model *m) {
-    gn_deal_list list[GN_DEAL_LISTS] = {{&m->list[0], m->leader[0]}, {&m->list[1], m->leader[1]}};
-    if (!m->list[1].blocks) list[0].leader = NULL, list[1] = (gn_deal_list){0};
-    assert_int_equal(gn_deal_lists(deal, list[0], list[1], m->particle_blocks, NULL), GNEISS_OK);
+    gn_deal_list list[LISTS];
+    const int count = m->list[2].blocks ? 3 : m->list[1].blocks ? 2 : 1;
+    for (int l = 0; l < count; l++) list[l] = (gn_deal_list){&m->list[l], m->leader[l]};
+    if (count == 1) list[0].leader = NULL;
+    assert_int_equal(gn_deal_lists(deal, list, count, m->particle_blocks, NULL), GNEISS_OK);
 }
 
 /* A round of one or two sweeps, whose second one must not run ahead of the first. */
@@ -135,17 +137,19 @@ static void work_through(model *m, int threads, int rounds, const int *limits, i
 }
 
 static void work_through_all(const int *limits, int limit_count) {
-    static const size_t blocks[][3] = {
-        {40, 7, 96}, {0, 33, 50}, {64, 64, 13}, {3, 0, 96}, {0, 0, 5}};
+    static const struct {
+        size_t list[LISTS], particles;
+    } blocks[] = {{{40, 7, 0}, 96}, {{0, 33, 0}, 50}, {{64, 64, 0}, 13}, {{3, 0, 0}, 96},
+                  {{0, 0, 0}, 5},   {{40, 0, 9}, 96}, {{2, 30, 64}, 40}};
     uint64_t seed = 3;
     model *m = calloc(1, sizeof *m);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
         /* The number of threads falls: a runtime with a team that grows repeatedly may leak its
          * older arrays. */
         for (int threads = 5; threads >= 1; threads--) {
-            m->particle_blocks = blocks[k][2];
+            m->particle_blocks = blocks[k].particles;
             m->still = -1;
-            for (int l = 0; l < GN_DEAL_LISTS; l++) make_list(m, l, blocks[k][l], &seed);
+            for (int l = 0; l < LISTS; l++) make_list(m, l, blocks[k].list[l], &seed);
             work_through(m, threads, 100, limits, limit_count);
         }
     free(m);
@@ -174,6 +178,7 @@ static void others_help_a_thread_that_stands_still(void **state) {
     m->particle_blocks = 96;
     make_list(m, 0, 40, &seed);
     make_list(m, 1, 17, &seed);
+    make_list(m, 2, 9, &seed);
     for (int threads = 2; threads <= 4; threads++) {
         gn_deal deal;
         assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);

@@ -38,7 +38,8 @@ static gn_world *lattice(settings s) {
 
 static const gn_event *event_of(const gn_world *w, size_t c, int32_t cause, size_t *count) {
     const gn_events *list = &w->dem.events;
-    int32_t a = w->dem.particles.id[w->dem.bonds.i[c]], b = w->dem.particles.id[w->dem.bonds.j[c]];
+    int32_t a = w->dem.particles.id[w->dem.bonds.contacts.i[c]],
+            b = w->dem.particles.id[w->dem.bonds.contacts.j[c]];
     const gn_event *found = NULL;
     *count = 0;
     for (size_t k = 0; k < list->count; k++) {
@@ -54,7 +55,7 @@ static const gn_event *event_of(const gn_world *w, size_t c, int32_t cause, size
  */
 static void check_break(const gn_world *w, size_t c) {
     size_t count;
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     const gn_event *e = event_of(w, c, b->cause[c], &count);
     assert_int_equal(count, 1);
     assert_near(e->time, b->broken_time[c], 0.0);
@@ -71,8 +72,8 @@ static void every_break_is_listed_once_with_its_time_place_and_cause(void **stat
         gn_world *w = lattice(s);
         run_steps(w, 4000);
         size_t broken = 0;
-        for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
-            if (!w->dem.bonds.cause[c]) continue;
+        for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++) {
+            if (!w->dem.bonds.contacts.cause[c]) continue;
             check_break(w, c);
             broken++;
         }
@@ -115,8 +116,8 @@ static void the_first_softening_and_yield_of_a_bond_are_listed_once(void **state
     gn_world *w = lattice(s);
     run_steps(w, 4000);
     size_t softened = 0, yielded = 0, count;
-    for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
-        const gn_contacts *b = &w->dem.bonds;
+    for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++) {
+        const gn_contacts *b = &w->dem.bonds.contacts;
         gn_bond_condition is = gn_softening_condition(b, c);
         event_of(w, c, GN_EVENT_SOFTENING, &count);
         bool softens = is.tension > 0.0 || is.shear > 0.0;
@@ -159,8 +160,8 @@ static void the_list_changes_no_bits_and_is_absent_when_off(void **state) {
     run_steps(off, 3000);
     assert_int_equal(gn_world_hash(&on->ctx, &on->dem, &on->boundary, &on->solids, &on->box),
                      gn_world_hash(&off->ctx, &off->dem, &off->boundary, &off->solids, &off->box));
-    assert_null(off->dem.bonds.happened);
-    assert_null(off->dem.bonds.released);
+    assert_null(off->dem.bonds.contacts.happened);
+    assert_null(off->dem.bonds.contacts.released);
     assert_int_equal(off->dem.events.count, 0);
     world_end(on);
     world_end(off);

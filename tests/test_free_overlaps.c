@@ -49,8 +49,8 @@ static void unbonded_neighbours_of_a_bonded_packing_are_free_of_stress(void **st
                 assert_true(kinetic(w) < 1e-20);
                 assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, 0);
                 assert_int_equal(w->dem.bonds_at_start, k == 1 ? 1 : k == 2 ? 0 : 2);
-                assert_int_equal(w->dem.bonds.soa.count, 3);
-                assert_int_equal(w->dem.pairs.soa.count, 0);
+                assert_int_equal(w->dem.bonds.contacts.soa.count, 3);
+                assert_int_equal(w->dem.pairs.contacts.soa.count, 0);
                 world_end(w);
             }
 }

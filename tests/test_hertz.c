@@ -270,7 +270,7 @@ static void a_loop_of_load_and_shear_gains_no_energy(void **state) {
     measured_step(w);
     for (int k = 0; k < 4600; k++) run_steps(w, 1);
     gn_energy e = measured_step(w);
-    assert_true(w->dem.pairs.shear[1 * w->dem.pairs.soa.capacity] == 0.0);
+    assert_true(w->dem.pairs.contacts.shear[1 * w->dem.pairs.contacts.soa.capacity] == 0.0);
     assert_true(e.elastic_normal == 0.0 && e.elastic_shear == 0.0);
     assert_true(e.friction > 0.0);
     /* Kinetic energy is that of the motion at the end. */
@@ -462,7 +462,7 @@ static void the_bits_do_not_depend_on_threads_or_instruction_sets(void **state) 
         gn_world *a = crowd("", one), *b = crowd("", two), *c = crowd("", plain);
         gn_world *const all[] = {a, b, c};
         for (int k = 0; k < 3; k++) run_steps(all[k], 3000);
-        assert_true(a->dem.pairs.soa.count > 0 && a->ledger.energy.friction > 0.0);
+        assert_true(a->dem.pairs.contacts.soa.count > 0 && a->ledger.energy.friction > 0.0);
         assert_true(a->ledger.energy.rolling > 0.0 && a->ledger.energy.contact_damping > 0.0);
         for (int k = 1; k < 3; k++) {
             assert_true(gn_world_hash(&all[k]->ctx, &all[k]->dem, &all[k]->boundary,

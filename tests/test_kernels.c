@@ -933,10 +933,10 @@ static gn_world *pressed(const char *precision) {
 static void sums_of_many_mixed_contacts_follow_the_double_ones(void **state) {
     (void)state;
     gn_world *a = pressed("double"), *b = pressed("mixed");
-    const gn_partials *p = &a->dem.pair_partials, *q = &b->dem.pair_partials;
+    const gn_partials *p = &a->dem.pairs.partials, *q = &b->dem.pairs.partials;
     assert_true(p->row && q->row_f && p->width == 8);
     const size_t rows = (size_t)p->first[p->blocks];
-    assert_true(a->dem.pairs.soa.count > 3 * rows / 2); /* several contacts in a sum */
+    assert_true(a->dem.pairs.contacts.soa.count > 3 * rows / 2); /* several contacts in a sum */
     assert_int_equal(q->first[q->blocks], rows);
     double most[2] = {0.0, 0.0}, off[2] = {0.0, 0.0};
     for (size_t k = 0; k < 8 * rows; k++) {

@@ -273,7 +273,7 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
 
 static void cut_out(gn_world *w, bool (*part)(const gn_particles *q, size_t p)) {
     const gn_particles *q = &w->dem.particles;
-    gn_contacts *bonds = &w->dem.bonds;
+    gn_contacts *bonds = &w->dem.bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++)
         if (part(q, (size_t)bonds->i[c]) != part(q, (size_t)bonds->j[c]))
             bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
@@ -301,7 +301,7 @@ static double chips_share(const gn_world *w) {
 
 /* The pressure on a detached chip acts on the particles that were below it, and the body keeps the
  * required mean stress; the chip has no pressure any more, also when it returns. */
-static void what_lay_beneath_a_chip_is_pressed(void **state) {
+static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state) {
     (void)state;
     gn_world *w = block();
     const gn_particles *q = &w->dem.particles;
@@ -371,7 +371,7 @@ static void dead_loads_are_handed_on(void **state) {
     for (int d = 2; d <= 3; d++) {
         gn_world *w = specimen(d, false);
         gn_particles *q = &w->dem.particles;
-        gn_contacts *bonds = &w->dem.bonds;
+        gn_contacts *bonds = &w->dem.bonds.contacts;
         const double whole = gn_membrane_area(&w->dem);
         size_t p = 0;
         while (!(q->skin[4 * p + 3] > 0 && q->bonds0[p] > 0)) p++;
@@ -397,7 +397,7 @@ typedef bool (*layer)(const gn_particles *q, size_t p, const double centre[3]);
 /* All of a layer comes off: each of it by itself, far from all others. */
 static void take_off(gn_world *w, layer of, const double centre[3]) {
     gn_particles *q = &w->dem.particles;
-    gn_contacts *bonds = &w->dem.bonds;
+    gn_contacts *bonds = &w->dem.bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++)
         if (of(q, (size_t)bonds->i[c], centre) || of(q, (size_t)bonds->j[c], centre))
             bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
@@ -510,7 +510,7 @@ static double volume_left(const gn_world *w, const packed_body *b) {
 
 /* The mean stress of what is left is the pressure, whatever the packing: its surface is closed, and
  * area times place add up to the volume. */
-static void what_lost_a_shell_has_the_pressure(void **state) {
+static void a_body_without_its_shell_has_the_mean_stress(void **state) {
     (void)state;
     for (int follows = 0; follows < 2; follows++)
         for (size_t k = 0; k < sizeof bodies / sizeof *bodies; k++) {
@@ -546,10 +546,10 @@ int main(void) {
         cmocka_unit_test(a_lattice_is_pressed_on_the_faces_of_its_cells),
         cmocka_unit_test(a_stretched_block_has_the_pressure),
         cmocka_unit_test(the_pressure_is_held_where_a_block_bulges),
-        cmocka_unit_test(what_lay_beneath_a_chip_is_pressed),
+        cmocka_unit_test(pressure_of_a_detached_chip_acts_on_particles_below_it),
         cmocka_unit_test(halves_keep_the_membrane),
         cmocka_unit_test(a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one),
-        cmocka_unit_test(what_lost_a_shell_has_the_pressure),
+        cmocka_unit_test(a_body_without_its_shell_has_the_mean_stress),
         cmocka_unit_test(dead_loads_are_handed_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -39,13 +39,13 @@ static broke break_it(double mu, double mu1, const char *coupling, double normal
     double speed = normal / 1e7 / 1.00005e-4;
     gn_world *w = world_of(couple, mu, mu1, coupling, speed, speed, precision);
     broke b = {0};
-    for (int k = 0; k < 60000 && !w->dem.bonds.cause[0]; k++) {
-        b.shear = tangential(&w->dem.bonds);
+    for (int k = 0; k < 60000 && !w->dem.bonds.contacts.cause[0]; k++) {
+        b.shear = tangential(&w->dem.bonds.contacts);
         const double *at = w->dem.particles.pos;
         b.normal = 1e7 * (hypot(at[4] - at[0], at[5] - at[1]) - 2e-3);
         run_steps(w, 1);
-        b.cause = w->dem.bonds.cause[0];
-        b.after = tangential(&w->dem.bonds);
+        b.cause = w->dem.bonds.contacts.cause[0];
+        b.after = tangential(&w->dem.bonds.contacts);
     }
     world_end(w);
     return b;
@@ -95,7 +95,7 @@ static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
     double strength = 12.0 - 0.5 * b.normal;
     assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-    /* Never below nothing: then the bond does not bear the first shear. */
+    /* Never below zero: then the bond does not carry the first shear. */
     b = break_it(0.3, 0.9, "linear", 15.0, "double");
     assert_true(b.shear <= 1.01 * step_force);
 }
@@ -135,12 +135,12 @@ static broke break_beam(const char *coupling, double normal, const char *precisi
     assert_int_equal(w->ctx.effects & (GN_FX_MOHR | GN_FX_BOND_MOMENTS),
                      GN_FX_MOHR | GN_FX_BOND_MOMENTS);
     broke b = {0};
-    for (int k = 0; k < 60000 && !w->dem.bonds.cause[0]; k++) {
-        b.shear = tangential(&w->dem.bonds);
+    for (int k = 0; k < 60000 && !w->dem.bonds.contacts.cause[0]; k++) {
+        b.shear = tangential(&w->dem.bonds.contacts);
         const double *at = w->dem.particles.pos;
         b.normal = 1e7 * (hypot(at[4] - at[0], at[5] - at[1]) - 2e-3);
         run_steps(w, 1);
-        b.cause = w->dem.bonds.cause[0];
+        b.cause = w->dem.bonds.contacts.cause[0];
     }
     world_end(w);
     return b;
@@ -196,7 +196,7 @@ static const char *const rows =
 static void shear_at_breaks(const char *confinement, const char *precision, double force[2]) {
     gn_world *w = world_of(rows, "", confinement, "", 1, precision);
     run_steps(w, 25000);
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     force[0] = force[1] = -1.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         int32_t i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
@@ -232,12 +232,12 @@ static void the_mean_stress_is_the_same_for_any_threads_and_absent_else(void **s
     run_steps(two, 12000);
     assert_int_equal(gn_world_hash(&one->ctx, &one->dem, &one->boundary, &one->solids, &one->box),
                      gn_world_hash(&two->ctx, &two->dem, &two->boundary, &two->solids, &two->box));
-    for (size_t c = 0; c < one->dem.bonds.soa.count; c++) {
-        assert_true(one->dem.bonds.confined[c] > 0.0);
-        assert_near(one->dem.bonds.confined[c], two->dem.bonds.confined[c], 0.0);
+    for (size_t c = 0; c < one->dem.bonds.contacts.soa.count; c++) {
+        assert_true(one->dem.bonds.contacts.confined[c] > 0.0);
+        assert_near(one->dem.bonds.contacts.confined[c], two->dem.bonds.contacts.confined[c], 0.0);
     }
-    assert_null(own->dem.bonds.confined);
-    assert_null(own->dem.bonds.section);
+    assert_null(own->dem.bonds.contacts.confined);
+    assert_null(own->dem.bonds.contacts.section);
     assert_null(own->dem.around);
     world_end(one);
     world_end(two);
@@ -270,7 +270,7 @@ static void without_its_keys_the_linear_kernel_runs(void **state) {
     gn_world *w = crush(3, "", "", 1, "double");
     assert_int_equal(w->ctx.effects & (GN_FX_MOHR | GN_FX_COUPLED_LINEAR | GN_FX_COUPLED_QUADRATIC),
                      0);
-    assert_null(w->dem.bonds.mu1);
+    assert_null(w->dem.bonds.contacts.mu1);
     world_end(w);
 }
 

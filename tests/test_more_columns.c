@@ -123,12 +123,12 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        mark_contacts(w, &w->dem.pairs);
+        mark_contacts(w, &w->dem.pairs.contacts);
         mark_walls(w);
-        size_t pairs = w->dem.pairs.soa.count, walls = w->boundary.contacts.soa.count;
+        size_t pairs = w->dem.pairs.contacts.soa.count, walls = w->boundary.contacts.soa.count;
         assert_true(pairs > 100 && walls >= 16);
         assert_int_equal(gn_world_rebuild(w, &error), GNEISS_OK);
-        assert_int_equal(check_contacts(w, &w->dem.pairs, 0.0), pairs);
+        assert_int_equal(check_contacts(w, &w->dem.pairs.contacts, 0.0), pairs);
         assert_int_equal(check_walls(w), walls);
         run_end(run);
     }
@@ -153,15 +153,16 @@ static void an_odd_column_changes_sign_with_the_ends_and_an_even_one_does_not(vo
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        mark_contacts(w, &w->dem.pairs);
+        mark_contacts(w, &w->dem.pairs.contacts);
         mark_walls(w);
-        size_t pairs = w->dem.pairs.soa.count, before = ends_in_reverse(w, &w->dem.pairs);
+        size_t pairs = w->dem.pairs.contacts.soa.count,
+               before = ends_in_reverse(w, &w->dem.pairs.contacts);
         turn_by_180_degrees(w);
         w->dem.verlet.rebuilds = 16; /* the sixteenth sorts */
         assert_int_equal(gn_world_rebuild(w, &error), GNEISS_OK);
-        size_t after = ends_in_reverse(w, &w->dem.pairs);
+        size_t after = ends_in_reverse(w, &w->dem.pairs.contacts);
         assert_true(after > before + 20 || before > after + 20);
-        assert_int_equal(check_contacts(w, &w->dem.pairs, 0.0), pairs);
+        assert_int_equal(check_contacts(w, &w->dem.pairs.contacts, 0.0), pairs);
         assert_true(check_walls(w) >= 16);
         run_end(run);
     }
@@ -180,15 +181,16 @@ static void a_new_column_is_in_a_checkpoint(void **state) {
         for (int s = 0; s < 2; s++) {
             gn_run *run = run_of(scenes[s], precisions[p]), *again = calloc(1, sizeof *again);
             gn_world *w = &run->world;
-            gn_contacts *k = s ? &w->dem.bonds : &w->dem.pairs;
+            gn_contacts *k = s ? &w->dem.bonds.contacts : &w->dem.pairs.contacts;
             mark_contacts(w, k);
             if (!s) mark_walls(w);
             if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
                 gn_checkpoint_load(path, NULL, 0, again, &error) != GNEISS_OK)
                 fail_msg("%s", error.message);
             gn_world *r = &again->world;
-            assert_int_equal(check_contacts(r, s ? &r->dem.bonds : &r->dem.pairs, 1.0),
-                             k->soa.count);
+            assert_int_equal(
+                check_contacts(r, s ? &r->dem.bonds.contacts : &r->dem.pairs.contacts, 1.0),
+                k->soa.count);
             if (!s) assert_int_equal(check_walls(r), w->boundary.contacts.soa.count);
             assert_true(gn_world_hash(&r->ctx, &r->dem, &r->boundary, &r->solids, &r->box) ==
                         gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box));
@@ -204,7 +206,7 @@ static void a_new_column_that_is_state_is_hashed(void **state) {
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        gn_contacts *k = &w->dem.pairs;
+        gn_contacts *k = &w->dem.pairs.contacts;
         uint64_t start = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
         k->mark[3] ^= 1;
         assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) != start);
@@ -228,15 +230,18 @@ static void a_new_column_goes_from_one_precision_to_the_other(void **state) {
     gn_world *w = &run->world;
     gn_observed seen;
     gneiss_error error = {0};
-    assert_true(w->dem.pairs.worn_f && !w->dem.pairs.worn && w->dem.pairs.hard_f &&
-                w->dem.pairs.hard);
-    mark_contacts(w, &w->dem.pairs);
-    memset(w->dem.pairs.hard_f, 0, w->dem.pairs.soa.count * sizeof *w->dem.pairs.hard_f);
-    gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, (const double[3]){0, 0, 0}, 1);
-    assert_int_equal(check_contacts(w, &w->dem.pairs, 1.0), w->dem.pairs.soa.count);
+    assert_true(w->dem.pairs.contacts.worn_f && !w->dem.pairs.contacts.worn &&
+                w->dem.pairs.contacts.hard_f && w->dem.pairs.contacts.hard);
+    mark_contacts(w, &w->dem.pairs.contacts);
+    memset(w->dem.pairs.contacts.hard_f, 0,
+           w->dem.pairs.contacts.soa.count * sizeof *w->dem.pairs.contacts.hard_f);
+    gn_contacts_to_single(&w->dem.pairs.contacts, &w->dem.particles, (const double[3]){0, 0, 0}, 1);
+    assert_int_equal(check_contacts(w, &w->dem.pairs.contacts, 1.0),
+                     w->dem.pairs.contacts.soa.count);
     assert_int_equal(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, &error), GNEISS_OK);
-    assert_true(seen.pairs.worn && !seen.pairs.worn_f);
-    assert_int_equal(check_contacts(w, &seen.pairs, 1.0), w->dem.pairs.soa.count);
+    assert_true(seen.list[GN_LIST_PAIRS].worn && !seen.list[GN_LIST_PAIRS].worn_f);
+    assert_int_equal(check_contacts(w, &seen.list[GN_LIST_PAIRS], 1.0),
+                     w->dem.pairs.contacts.soa.count);
     gn_observed_free(&seen);
     run_end(run);
 }

@@ -110,8 +110,8 @@ static void free_herd(herd *h) {
 static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
     gn_motion_sums total = {.bad = -1};
     h->args.particles = &h->p;
-    h->args.bonds = &h->sums[0];
-    h->args.pairs = &h->sums[1];
+    h->args.lists = 2;
+    for (int l = 0; l < 2; l++) h->args.partials[l] = &h->sums[l];
     h->args.wall_contacts = &h->walls;
     h->args.wall_first = h->wall_first;
     h->args.prescribed = &h->prescribed;

@@ -55,17 +55,20 @@ static void assert_same(const char *name, const char *what, const double *a, con
 
 static void assert_same_worlds(const char *name, const gn_world *a, const gn_world *b) {
     const gn_dem *d = &a->dem, *e = &b->dem;
-    const size_t n = d->particles.soa.count, c = d->pairs.soa.count, room = d->pairs.soa.capacity;
-    assert_int_equal(c, e->pairs.soa.count);
+    const size_t n = d->particles.soa.count, c = d->pairs.contacts.soa.count,
+                 room = d->pairs.contacts.soa.capacity;
+    assert_int_equal(c, e->pairs.contacts.soa.count);
     assert_same(name, "place", d->particles.pos, e->particles.pos, 4 * n);
     assert_same(name, "velocity", d->particles.vel, e->particles.vel, 4 * n);
     assert_same(name, "spin", d->particles.spin, e->particles.spin, 4 * n);
-    for (size_t k = 0; k < 3 && d->pairs.shear; k++)
-        assert_same(name, "force across", d->pairs.shear + k * room, e->pairs.shear + k * room, c);
-    for (size_t k = 0; k < 3 && d->pairs.roll; k++)
-        assert_same(name, "moment", d->pairs.roll + k * room, e->pairs.roll + k * room, c);
-    assert_same(name, "dashpot", d->pairs.fd, e->pairs.fd, c);
-    assert_same(name, "closeness", d->pairs.closeness, e->pairs.closeness, c);
+    for (size_t k = 0; k < 3 && d->pairs.contacts.shear; k++)
+        assert_same(name, "force across", d->pairs.contacts.shear + k * room,
+                    e->pairs.contacts.shear + k * room, c);
+    for (size_t k = 0; k < 3 && d->pairs.contacts.roll; k++)
+        assert_same(name, "moment", d->pairs.contacts.roll + k * room,
+                    e->pairs.contacts.roll + k * room, c);
+    assert_same(name, "dashpot", d->pairs.contacts.fd, e->pairs.contacts.fd, c);
+    assert_same(name, "closeness", d->pairs.contacts.closeness, e->pairs.contacts.closeness, c);
 }
 
 static void omitting_distant_pairs_changes_no_bit(void **state) {
@@ -195,13 +198,13 @@ static void a_lattice_that_touches_is_worked_on_whole(void **state) {
         "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3], spacing: "
         "0.999}, group: 0}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: "
         "2}]\nlaw: {stiffness: uniform}\nneighbours: {skin: 1e-4}\ntime: {end: 1}\n");
-    assert_true(w->dem.pairs.soa.count > 100);
+    assert_true(w->dem.pairs.contacts.soa.count > 100);
     assert_false(w->dem.near.on);
     world_end(w);
 }
 
 /* Every set, at every phase of the groups of eight and with all kinds of bits. */
-static void what_is_packed_comes_back(void **state) {
+static void packed_columns_are_restored(void **state) {
     (void)state;
     enum { GROUPS = 40, MOST = GN_NEAR_GROUP * (GROUPS + 1) };
     for (int s = 0; s < GN_KERNEL_SETS; s++) {
@@ -289,7 +292,7 @@ int main(void) {
         cmocka_unit_test(acting_pairs_are_found),
         cmocka_unit_test(losses_are_the_same_to_rounding),
         cmocka_unit_test(a_lattice_that_touches_is_worked_on_whole),
-        cmocka_unit_test(what_is_packed_comes_back),
+        cmocka_unit_test(packed_columns_are_restored),
         cmocka_unit_test(checkpoints_do_not_show_in_the_ledger),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

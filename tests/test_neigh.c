@@ -210,7 +210,7 @@ static gn_world *tumble(double skin, bool glued) {
 static void the_skin_does_not_change_the_motion(void **state) {
     (void)state;
     gn_world *a = tumble(3e-5, true), *b = tumble(1e-3, true);
-    assert_true(a->dem.bonds.soa.count > 5);
+    assert_true(a->dem.bonds.contacts.soa.count > 5);
     run_steps(a, 2000);
     run_steps(b, 2000);
     double *x = positions(a), *y = positions(b), largest = 0.0;
@@ -315,7 +315,8 @@ static void turn_by_180_degrees(gn_world *w) {
             vel_of(w, p)[a] *= -1.0;
             spin_of(w, p)[a] *= -1.0;
         }
-    for (size_t a = 0; a < 2; a++) w->dem.pairs.shear[a * w->dem.pairs.soa.capacity] *= -1.0;
+    for (size_t a = 0; a < 2; a++)
+        w->dem.pairs.contacts.shear[a * w->dem.pairs.contacts.soa.capacity] *= -1.0;
 }
 
 static void a_contact_is_unchanged_if_its_ends_change_places(void **state) {
@@ -325,7 +326,7 @@ static void a_contact_is_unchanged_if_its_ends_change_places(void **state) {
     double t[3];
     run_steps(a, 25);
     run_steps(b, 25);
-    assert_true(shear_of(&b->dem.pairs, 0, t) > 0.01);
+    assert_true(shear_of(&b->dem.pairs.contacts, 0, t) > 0.01);
     turn_by_180_degrees(b);
     b->dem.verlet.rebuilds = 16; /* the sixteenth sorts */
     int32_t first = b->dem.particles.id[0];
@@ -333,7 +334,7 @@ static void a_contact_is_unchanged_if_its_ends_change_places(void **state) {
     assert_true(b->dem.particles.id[0] != first);
     run_steps(a, 25);
     run_steps(b, 25);
-    assert_true(shear_of(&a->dem.pairs, 0, t) > 0.01);
+    assert_true(shear_of(&a->dem.pairs.contacts, 0, t) > 0.01);
     for (int p = 0; p < 2; p++)
         for (int k = 0; k < 3; k++) {
             double sign = k < 2 ? -1.0 : 1.0;

@@ -103,7 +103,7 @@ static bool is_free(const gn_world *w, size_t p) {
  * radius, over the mean force of their contacts. */
 static double unbalanced(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
-    const gn_contacts *lists[2] = {&w->dem.bonds, &w->dem.pairs};
+    const gn_contacts *lists[2] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     double(*load)[6] = calloc(q->soa.count, sizeof *load), force = 0.0, left = 0.0;
     size_t carry = 0, free_ones = 0;
     for (int l = 0; l < 2; l++)
@@ -135,7 +135,7 @@ static double unbalanced(const gn_world *w) {
 
 /* J, in the bonds and pairs. */
 static double stored(const gn_world *w) {
-    const gn_contacts *lists[2] = {&w->dem.bonds, &w->dem.pairs};
+    const gn_contacts *lists[2] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     double sum = 0.0;
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++) {
@@ -330,7 +330,7 @@ static void a_wave_stays_a_wave(void **state) {
 
 /* The largest ratio of load to strength of a bond between active particles. */
 static double most_borne(const gn_world *w) {
-    const gn_contacts *k = &w->dem.bonds;
+    const gn_contacts *k = &w->dem.bonds.contacts;
     double most = 0.0;
     for (size_t c = 0; c < k->soa.count; c++) {
         double n[3], f[3], length;
@@ -484,7 +484,7 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     packed fewer = packed_plate;
     fewer.range = 0.01;
     gn_world *w = converted(&fewer, strain, stretched);
-    const gn_contacts *k = &w->dem.pairs;
+    const gn_contacts *k = &w->dem.pairs.contacts;
     size_t apart = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
         const double radii = w->dem.particles.pos[4 * (size_t)k->i[c] + 3] +
@@ -499,14 +499,14 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     world_end(w);
 }
 
-/* Their bonds, which know of it, sleep: a stiffness next to none and all of an overlap would be
- * energy that nothing made, however small the strain. */
+/* Their bonds, which have it as their length, are stored: a stiffness next to none and all of an
+ * overlap would be energy that nothing made, however small the strain. */
 static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};
     for (int space = 0; space < 2; space++) {
         gn_world *w = converted(space ? &packed_cube : &packed_plate, strain, hardly);
-        const gn_contacts *k = &w->dem.pairs;
+        const gn_contacts *k = &w->dem.pairs.contacts;
         for (size_t c = 0; c < k->soa.count; c++)
             assert_true(w->dem.particles.blend[2 * k->i[c]] + w->dem.particles.blend[2 * k->j[c]] >
                         0.0);

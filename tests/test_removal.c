@@ -91,10 +91,10 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
     assert_true(column(&h, "bonds_intact") == 1.0 && column(&h, "damage") == 0.0);
     assert_true(column(&h, "broken_tension") == 0.0 && column(&h, "broken_shear") == 0.0);
-    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
-    assert_int_equal(w->dem.bonds.cause[1], GN_BOND_LEFT);
-    assert_true(w->dem.bonds.broken_time[1] > 0.0);
-    gn_damage_particles(&w->dem.particles, &w->dem.bonds, damage);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.contacts.cause[1], GN_BOND_LEFT);
+    assert_true(w->dem.bonds.contacts.broken_time[1] > 0.0);
+    gn_damage_particles(&w->dem.particles, &w->dem.bonds.contacts, damage);
     for (int p = 0; p < 3; p++) assert_true(damage[p] == 0.0);
     gn_history_free(&h);
     world_end(w);

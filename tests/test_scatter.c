@@ -125,7 +125,7 @@ static void bonds_draw_by_the_ids_of_their_ends(void **state) {
         const char *name = law ? "{stiffness: dempack}" : "{stiffness: harmonic}";
         gn_world *plain = chain(20, law ? area : linear, name, ends),
                  *w = chain(20, material, name, ends);
-        const gn_contacts *a = &plain->dem.bonds, *b = &w->dem.bonds;
+        const gn_contacts *a = &plain->dem.bonds.contacts, *b = &w->dem.bonds.contacts;
         assert_int_equal(b->soa.count, 19);
         for (size_t c = 0; c < 19; c++) {
             int32_t i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
@@ -156,7 +156,7 @@ static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     gn_world *w = chain(10, material, "{stiffness: polyhedron}",
                         "damping: {contact: {fraction: 0.3}}\ntime: {step: 1e-9, end: 1}\n"
                         "run: {threads: 1}\n");
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         double mass = mass_of(w, 0) / 2.0, most = 0.6 * sqrt(mass * b->kn[c]);
         /* Less by what a step of so many radians takes, see kernels/dashpot.h. */
@@ -211,7 +211,7 @@ static void a_chain_is_weaker_by_the_modulus_root_of_its_length(void **state) {
         snprintf(more, sizeof more, "time: {end: 1}\nrun: {threads: 1, seed: %d}\n", seed);
         gn_world *w = chain(BONDS + 1, material, "{stiffness: harmonic}", more);
         double least = INFINITY;
-        for (size_t c = 0; c < BONDS; c++) least = fmin(least, w->dem.bonds.rn[c]);
+        for (size_t c = 0; c < BONDS; c++) least = fmin(least, w->dem.bonds.contacts.rn[c]);
         sum += least;
         whole = 4.0 * 3e6 * 1e-6;
         world_end(w);
@@ -231,7 +231,7 @@ static void a_chain_breaks_where_it_is_weakest(void **state) {
                         "sets:\n  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
                         "  - {name: b, select: {ids: [7]}, motion: {vx: 0.01, vy: 0, vz: 0}}\n"
                         "time: {end: 1}\nrun: {threads: 1}\n");
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     size_t weakest = 0;
     for (size_t c = 0; c < b->soa.count; c++)
         if (b->rn[c] < b->rn[weakest]) weakest = c;
@@ -269,14 +269,14 @@ static gneiss_status try_three(const char *law, const char *contacts, gn_world *
 static void three(const char *law, const char *contacts, gn_world *w) {
     gneiss_error error = {0};
     if (try_three(law, contacts, w, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    assert_int_equal(w->dem.bonds.soa.count, 2);
+    assert_int_equal(w->dem.bonds.contacts.soa.count, 2);
 }
 
 /* The bond of particle 0, and that of particle 2. */
 static size_t bond_of(const gn_world *w, int id) {
     for (size_t c = 0; c < 2; c++)
-        if (w->dem.particles.id[w->dem.bonds.i[c]] == id ||
-            w->dem.particles.id[w->dem.bonds.j[c]] == id)
+        if (w->dem.particles.id[w->dem.bonds.contacts.i[c]] == id ||
+            w->dem.particles.id[w->dem.bonds.contacts.j[c]] == id)
             return c;
     fail();
     return 0;
@@ -294,7 +294,7 @@ static void a_pair_has_its_own_values_and_combines_the_others(void **state) {
                  orders[k]);
         three("harmonic", contacts, &w);
         size_t own = bond_of(&w, 2), other = bond_of(&w, 0), was = bond_of(&plain, 2);
-        const gn_contacts *b = &w.dem.bonds, *p = &plain.dem.bonds;
+        const gn_contacts *b = &w.dem.bonds.contacts, *p = &plain.dem.bonds.contacts;
         assert_true(b->kn[own] == p->kn[was] && b->rt[own] == p->rt[was]);
         assert_close(b->kt[own], b->kn[own] / 4.0, 1e-15);
         assert_true(b->mu[own] == 0.2);
@@ -316,18 +316,19 @@ static void every_law_reads_values_of_a_pair(void **state) {
           "bond_tension_limit: 1, bond_shear_limit: 2}]\n",
           &w);
     size_t c = bond_of(&w, 2);
-    assert_true(w.dem.bonds.kn[c] == 5e6 && w.dem.bonds.rn[c] == 1.0 && w.dem.bonds.rt[c] == 2.0);
+    assert_true(w.dem.bonds.contacts.kn[c] == 5e6 && w.dem.bonds.contacts.rn[c] == 1.0 &&
+                w.dem.bonds.contacts.rt[c] == 2.0);
     gn_world_free(&w);
     three("mean_radius", "contacts: [{between: rock, contact_modulus: 1e9}]\n", &w);
-    assert_close(w.dem.bonds.kn[bond_of(&w, 0)], 2e9 * 1e-3, 1e-15);
-    assert_close(w.dem.bonds.kn[bond_of(&w, 2)], 2.0 * 12e9 * 1e-3, 1e-15);
+    assert_close(w.dem.bonds.contacts.kn[bond_of(&w, 0)], 2e9 * 1e-3, 1e-15);
+    assert_close(w.dem.bonds.contacts.kn[bond_of(&w, 2)], 2.0 * 12e9 * 1e-3, 1e-15);
     gn_world_free(&w);
     three("dempack, gamma: 1",
           "contacts: [{between: [steel, rock], young: 4e9, poisson: 0, alpha: 2, beta: 3}]\n", &w);
     c = bond_of(&w, 2);
     double bar = pi * 1e-6 / 2e-3;
-    assert_close(w.dem.bonds.kn[c], 2.0 * 4e9 * bar, 1e-14);
-    assert_close(w.dem.bonds.kt[c], 3.0 * 2e9 * bar, 1e-14);
+    assert_close(w.dem.bonds.contacts.kn[c], 2.0 * 4e9 * bar, 1e-14);
+    assert_close(w.dem.bonds.contacts.kt[c], 3.0 * 2e9 * bar, 1e-14);
     gn_world_free(&w);
 }
 
@@ -337,7 +338,8 @@ static void bonds_of_a_pair_have_a_friction_of_their_own(void **state) {
     gn_world w;
     three("harmonic", "contacts: [{between: [rock, steel], bond_friction: 0.7}]\n", &w);
     assert_true(w.ctx.effects & GN_FX_MOHR);
-    assert_true(w.dem.bonds.mu1[bond_of(&w, 2)] == 0.7 && w.dem.bonds.mu1[bond_of(&w, 0)] == 0.0);
+    assert_true(w.dem.bonds.contacts.mu1[bond_of(&w, 2)] == 0.7 &&
+                w.dem.bonds.contacts.mu1[bond_of(&w, 0)] == 0.0);
     gn_world_free(&w);
 }
 
@@ -350,8 +352,8 @@ static void friction_of_a_pair_alone_is_friction(void **state) {
                  "law: {stiffness: uniform}\ncontacts: [{between: m, friction: 0.3, kratio: 2}]\n"
                  "neighbours: {skin: 1e-3}\ntime: {end: 1}\nrun: {threads: 1}\n");
     assert_true(w->ctx.effects & GN_FX_SHEAR && w->ctx.effects & GN_FX_FRICTION);
-    assert_int_equal(w->dem.pairs.soa.count, 1);
-    assert_true(w->dem.pairs.mu[0] == 0.3 && w->dem.pairs.kt[0] == 5e5);
+    assert_int_equal(w->dem.pairs.contacts.soa.count, 1);
+    assert_true(w->dem.pairs.contacts.mu[0] == 0.3 && w->dem.pairs.contacts.kt[0] == 5e5);
     world_end(w);
 }
 
@@ -380,7 +382,7 @@ static void refuse(const char *law, const char *contacts, const char *expected) 
     if (!strstr(error.message, expected)) fail_msg("%s", error.message);
 }
 
-static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
+static void wrong_keys_of_a_pair_are_refused_at_their_line(void **state) {
     (void)state;
     refuse("harmonic", "contacts: [{between: [rock, stel]}]\n",
            "s.yaml:7:22: contacts[0].between: expected the name of a material, found 'stel'; did "
@@ -403,7 +405,7 @@ static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
            "contacts[0].kratio: expected 0 (no tangential spring) or at least 1e-6, found 1e-09");
 }
 
-static void what_a_distribution_needs_is_asked_for(void **state) {
+static void parameters_of_a_distribution_are_required(void **state) {
     (void)state;
     const char *const wrong[][2] = {
         {"{distribution: weibull}", "materials[0].strength_scatter.modulus: required by the "
@@ -447,8 +449,8 @@ int main(void) {
         cmocka_unit_test(bonds_of_a_pair_have_a_friction_of_their_own),
         cmocka_unit_test(friction_of_a_pair_alone_is_friction),
         cmocka_unit_test(the_first_step_includes_the_stiffness_of_pairs),
-        cmocka_unit_test(what_a_pair_cannot_say_is_refused_where_it_stands),
-        cmocka_unit_test(what_a_distribution_needs_is_asked_for),
+        cmocka_unit_test(wrong_keys_of_a_pair_are_refused_at_their_line),
+        cmocka_unit_test(parameters_of_a_distribution_are_required),
     };
     return cmocka_run_group_tests_name("scatter", tests, NULL, NULL);
 }

@@ -442,8 +442,8 @@ static void a_damaged_bond_keeps_its_energy_while_it_swings(void **state) {
     gn_energy first = measured_step(w);
     run_steps(w, 20000);
     gn_energy last = measured_step(w);
-    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
-    assert_true(1.0 - w->dem.bonds.soft[0] > 0.3 && first.damage > 0.0);
+    assert_int_equal(w->dem.bonds.contacts.cause[0], GN_INTACT);
+    assert_true(1.0 - w->dem.bonds.contacts.soft[0] > 0.3 && first.damage > 0.0);
     assert_near(last.damage, first.damage, 1e-3 * first.damage);
     assert_true(fabs(gn_energy_residual(&last)) < 2e-4);
     world_end(w);
@@ -464,13 +464,14 @@ static void damaged_bodies_that_swing_on_keep_their_energy(void **state) {
             "initial: {random_velocity: 0.8}\n"
             "damping: {contact: {restitution: %g}}\ntime: {end: 1}\nrun: {threads: 1, seed: 5}\n",
             damped ? 0.5 : 1.0);
-        double frequency = sqrt(2.0 * w->dem.bonds.kn[0] * w->dem.particles.vel[3]);
+        double frequency = sqrt(2.0 * w->dem.bonds.contacts.kn[0] * w->dem.particles.vel[3]);
         run_steps(w, 1000);
         gn_energy e = measured_step(w);
         double steps = pi / (frequency * w->ctx.dt), damaged = 0.0;
-        for (size_t c = 0; c < w->dem.bonds.soa.count; c++) damaged += w->dem.bonds.soft[c] < 0.9;
+        for (size_t c = 0; c < w->dem.bonds.contacts.soa.count; c++)
+            damaged += w->dem.bonds.contacts.soft[c] < 0.9;
         print_message("# damped %d: %.2f steps, residual %.1e, %.0f of %zu damaged\n", damped,
-                      steps, gn_energy_residual(&e), damaged, w->dem.bonds.soa.count);
+                      steps, gn_energy_residual(&e), damaged, w->dem.bonds.contacts.soa.count);
         assert_true(damped ? steps < 4.0 : steps >= 5.0 - 1e-9);
         assert_true(fabs(gn_energy_residual(&e)) < 1e-2);
         assert_true(damped || damaged > 30.0);
@@ -499,7 +500,7 @@ static void yielding_on_closure_is_in_the_ledger(void **state) {
         double start = 0.5 * mass * speed * speed;
         run_steps(w, 80);
         gn_energy e = measured_step(w);
-        assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_TENSION);
+        assert_int_equal(w->dem.bonds.contacts.cause[0], GN_BROKEN_TENSION);
         assert_true(e.plasticity > 0.1 * start && e.plasticity < 0.5 * start);
         assert_near(e.elastic_normal, 0.0, 0.0);
         double off =
@@ -566,8 +567,8 @@ static void bonds_that_store_more_than_they_may_dissipate_are_warned_of(void **s
         "law: {stiffness: arithmetic, softening: energy}\nbonds: {}\ntime: {end: 1}\n");
     /* u_l = 2 r sigma/E: 2 um and, between radii of 1 and 2 mm, 3 um; u_f = 2 G_f/sigma = 2.4 um.
      */
-    assert_int_equal(w->dem.bonds.soa.count, 2);
-    assert_int_equal(gn_softening_too_long(&w->dem.bonds), 1);
+    assert_int_equal(w->dem.bonds.contacts.soa.count, 2);
+    assert_int_equal(gn_softening_too_long(&w->dem.bonds.contacts), 1);
     world_end(w);
 }
 
@@ -586,7 +587,7 @@ static void sections_are_those_of_the_law(void **state) {
             "poisson: 0.2, tensile_strength: 1e6, shear_strength: 1e6, fracture_energy: 30%s}]\n"
             "law: {%s, softening: energy}\nbonds: {}\ntime: {end: 1}\n",
             drawn[k / 2], laws[k % 2]);
-        const gn_contacts *b = &w->dem.bonds;
+        const gn_contacts *b = &w->dem.bonds.contacts;
         double end = b->fade[GN_FADE_END * b->soa.capacity];
         assert_float_equal(0.5 * b->rn[0] * end / (30.0 * section[k % 2]), 1.0, 1e-13);
         assert_true((b->rn[0] == 1e6 * section[k % 2]) == (k < 2));
@@ -609,7 +610,7 @@ static void a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_
                 "periodic: {min: [0, 0%s], max: [10e-3, 10e-3%s]}\ntime: {end: 1}\n",
                 2 + space, space ? "cubic" : "square", space ? "[5, 5, 5]" : "[5, 5]",
                 body ? "body" : "contact", space ? ", 0" : "", space ? ", 10e-3" : "");
-            const gn_contacts *b = &w->dem.bonds;
+            const gn_contacts *b = &w->dem.bonds.contacts;
             const size_t stride = b->soa.capacity;
             double cut = space ? 1.5 : 4.0 / pi, share = body ? 1.0 / cut : 1.0;
             assert_float_equal(gn_law_cut(&w->ctx, &w->dem), cut, 1e-12);
@@ -627,7 +628,7 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
         "1e6, shear_strength: 1e6, fracture_energy: 30}]\n"
         "contacts: [{between: m, fracture_energy: 70, shear_fracture_energy: 90}]\n"
         "law: {stiffness: arithmetic, softening: energy}\nbonds: {}\ntime: {end: 1}\n");
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     assert_float_equal(b->fade[GN_FADE_END * b->soa.capacity], 2.0 * 70.0 / 1e6, 1e-18);
     assert_float_equal(b->fade[GN_FADE_SLIP * b->soa.capacity], 2.0 * 90.0 / 1e6, 1e-18);
     world_end(w);

@@ -268,9 +268,9 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     gn_energy e;
     steps(run, 1);
     assert_near(-run->world.dem.set_reaction[6], spring * overlap, 1e-9);
-    assert_int_equal(run->world.dem.bonds.soa.count, 0);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 0);
     assert_near(force_in(run, 1, &e), 0.0, 1e-9);
-    assert_int_equal(run->world.dem.bonds.soa.count, 1);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 1);
     double held = 0.5 * spring * overlap * overlap;
     assert_near(e.stage_change, -held, 1e-9 * held);
     assert_near(gn_energy_residual(&e), 0.0, 1e-9);
@@ -353,8 +353,8 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
     }
 }
 
-/* A bond that is stretched and sheared bears nothing once it is dissolved: that is no sliding. The
- * normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
+/* A bond that is stretched and sheared carries nothing once it is dissolved: that is no sliding.
+ * The normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
 static void dissolving_a_bond_is_no_friction(void **state) {
     (void)state;
     gn_run *run =
@@ -397,12 +397,12 @@ static void bonds_form_beside_bonds(void **state) {
                "- {name: b, bonds: {interaction_range: 0.2}, end: {steps: 20}}\n"
                "- {name: c, materials: {m: {bond_tension_limit: 1e-6}}, end: {steps: 50}}\n");
     steps(run, 10);
-    assert_int_equal(run->world.dem.bonds.soa.count, 2);
-    double before = run->world.dem.bonds.length0[0];
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
+    double before = run->world.dem.bonds.contacts.length0[0];
     steps(run, 15);
-    assert_int_equal(run->world.dem.bonds.soa.count, 3);
-    assert_near(run->world.dem.bonds.length0[0], before, 0.0);
-    assert_near(run->world.dem.bonds.length0[1], 2.2e-3, 1e-5);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 3);
+    assert_near(run->world.dem.bonds.contacts.length0[0], before, 0.0);
+    assert_near(run->world.dem.bonds.contacts.length0[1], 2.2e-3, 1e-5);
     steps(run, 30);
     assert_true(run->world.dem.broken_tension > 0); /* of the new strength */
     assert_near(gn_energy_residual(&run->world.ledger.reading), 0.0, 1e-3);
@@ -576,7 +576,7 @@ static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
 
 /* Returns the bond of two particles, by their numbers in the specimen; SIZE_MAX: none. */
 static size_t bond_between(const gn_world *w, int32_t a, int32_t b) {
-    const gn_contacts *k = &w->dem.bonds;
+    const gn_contacts *k = &w->dem.bonds.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         int32_t i = w->dem.particles.id[k->i[c]], j = w->dem.particles.id[k->j[c]];
         if ((i == a && j == b) || (i == b && j == a)) return c;
@@ -600,7 +600,8 @@ static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state
     gn_run *after = before_more_bonds(run->world.ctx.step - 1),
            *before = before_more_bonds(run->world.ctx.step - 1);
     if (gn_world_enter(&after->world, 3, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    const gn_contacts *now = &after->world.dem.bonds, *old = &before->world.dem.bonds;
+    const gn_contacts *now = &after->world.dem.bonds.contacts,
+                      *old = &before->world.dem.bonds.contacts;
     assert_true(now->soa.count > old->soa.count + 20 && old->soa.count > 20);
     size_t fresh = 0, softened = 0, yielded = 0, broken = 0;
     for (size_t c = 0; c < now->soa.count; c++) {
@@ -652,7 +653,7 @@ static void a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage(void 
                  parts[k % 2], when[k / 2]);
         gn_run *run = run_of(scene);
         steps(run, 5);
-        const gn_contacts *b = &run->world.dem.bonds;
+        const gn_contacts *b = &run->world.dem.bonds.contacts;
         assert_int_equal(b->soa.count, 375);
         end[k / 2][k % 2] = b->fade[GN_FADE_END * b->soa.capacity];
         run_end(run);
@@ -714,7 +715,7 @@ static void readings_are_found_once_for_a_state(void **state) {
     run_end(run);
 }
 
-static void time_end_says_which_stage_was_not_over(void **state) {
+static void a_run_stopped_by_time_end_names_the_unfinished_stage(void **state) {
     (void)state;
     gn_run *run = run_of(joined(heap, "time: {end: 1 ms}\nrun: {threads: 1}\nstages:\n",
                                 "- {name: wait, gravity: [0, 0, -10], end: {unbalanced: 1e-9}}\n"
@@ -908,7 +909,7 @@ static void free_overlaps_go_over_into_another_run(void **state) {
         finish_in(joined(overlapping, rock, stages[dissolved]), folder);
         gn_run *run = run_of(again(folder, ", from_bonds: keep", "bonds: {}\n"));
         assert_int_equal(run->world.dem.bonds_at_start, !dissolved);
-        assert_int_equal(run->world.dem.bonds.soa.count, 2);
+        assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
         steps(run, 1);
         assert_near(run->world.ledger.reading.elastic_normal, 0.0, 1e-20);
         steps(run, 20);
@@ -925,16 +926,17 @@ static void overlaps_of_a_packing_wait_for_their_bonds(void **state) {
         rock,
         "bonds: {enabled: off}\nstages:\n- {name: a, end: {steps: 10}}\n"
         "- {name: b, bonds: {enabled: on}}\n"));
-    const size_t overlaps = run->world.dem.bonds.soa.count;
+    const size_t overlaps = run->world.dem.bonds.contacts.soa.count;
     assert_true(overlaps > 100);
     assert_int_equal(run->world.dem.bonds_at_start, 0);
     steps(run, 5);
     assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     finish(run);
-    assert_true(run->world.dem.bonds.soa.count >= overlaps); /* and those that hardly touch */
-    assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.soa.count);
-    for (size_t c = 0; c < run->world.dem.bonds.soa.count; c++)
-        assert_true(gn_contact_bonded(&run->world.dem.bonds, c));
+    assert_true(run->world.dem.bonds.contacts.soa.count >=
+                overlaps); /* and those that hardly touch */
+    assert_int_equal(run->world.dem.bonds_at_start, run->world.dem.bonds.contacts.soa.count);
+    for (size_t c = 0; c < run->world.dem.bonds.contacts.soa.count; c++)
+        assert_true(gn_contact_bonded(&run->world.dem.bonds.contacts, c));
     assert_near(run->world.ledger.reading.kinetic, 0.0, 1e-20);
     run_end(run);
 }
@@ -955,7 +957,7 @@ static void a_run_begins_where_another_ended(void **state) {
         assert_memory_equal(pos_of(&run->world, k), pos_of(&other->world, ids[k]), 32);
         assert_memory_equal(vel_of(&run->world, k), vel_of(&other->world, ids[k]), 24);
     }
-    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
     steps(run, 1);
     /* Both bonds go on with what they carried: 20 um each. */
     assert_near(run->world.ledger.reading.elastic_normal, 2 * 0.5 * 1e5 * 400e-12, 0.02 * 4e-5);
@@ -963,7 +965,7 @@ static void a_run_begins_where_another_ended(void **state) {
 
     snprintf(file, sizeof file, "%s/results.h5", folder);
     run = run_of(again(file, ", from_velocities: rest", "bonds: {interaction_range: 0.1}\n"));
-    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
     for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
     steps(run, 1);
     assert_near(run->world.ledger.reading.elastic_normal, 0.0,
@@ -974,7 +976,7 @@ static void a_run_begins_where_another_ended(void **state) {
     const char *later = "bonds: {enabled: on}\nstages:\n- {name: a, end: {steps: 3}}\n"
                         "- {name: b, bonds: {enabled: off}}\n";
     run = run_of(again(folder, ", from_bonds: keep", later));
-    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    assert_int_equal(run->world.dem.bonds.contacts.soa.count, 2);
     run_end(run);
 
     gneiss_error error = {0};
@@ -1016,7 +1018,7 @@ static void refused(const char *stages, const char *expected) {
 }
 
 /* A servo that held a force holds a stress, and a force again. */
-static void what_is_said_last_takes_the_place_of_the_other(void **state) {
+static void the_last_stage_decides_between_force_and_stress(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene, one;
@@ -1040,7 +1042,7 @@ static void what_is_said_last_takes_the_place_of_the_other(void **state) {
     gn_scene_free(&scene);
 }
 
-static void what_cannot_be_is_refused_with_its_place(void **state) {
+static void wrong_stages_are_refused_at_their_line(void **state) {
     (void)state;
     refused("stages: []\n", "s.yaml:17:9: stages: expected a number of elements in [1, 1000]");
     refused("stages:\n- {end: {time: 1}}\n- {name: b}\n", "stages[0].name: required");
@@ -1207,15 +1209,15 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(readings_are_found_once_for_a_state),
-        cmocka_unit_test(time_end_says_which_stage_was_not_over),
+        cmocka_unit_test(a_run_stopped_by_time_end_names_the_unfinished_stage),
         cmocka_unit_test(bodies_and_elements_take_their_part),
         cmocka_unit_test(a_run_begins_where_another_ended),
         cmocka_unit_test(free_overlaps_go_over_into_another_run),
         cmocka_unit_test(overlaps_of_a_packing_wait_for_their_bonds),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),
-        cmocka_unit_test(what_is_said_last_takes_the_place_of_the_other),
-        cmocka_unit_test(what_cannot_be_is_refused_with_its_place),
+        cmocka_unit_test(the_last_stage_decides_between_force_and_stress),
+        cmocka_unit_test(wrong_stages_are_refused_at_their_line),
         cmocka_unit_test(a_stage_that_never_ends_is_refused),
         cmocka_unit_test(steps_that_outlast_the_run_are_refused),
     };

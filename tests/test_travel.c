@@ -31,10 +31,10 @@ static void look_at_all_pairs(const gn_world *w, size_t *touching) {
             const double *x = q->pos + 4 * i, *y = q->pos + 4 * j;
             double d[3], gap = sqrt(gn_branch(&w->ctx, x, y, d)) - x[3] - y[3];
             if (gap >= 0.0) continue;
-            size_t c = gn_contacts_from(&w->dem.pairs, (int32_t)i, (int32_t)j);
+            size_t c = gn_contacts_from(&w->dem.pairs.contacts, (int32_t)i, (int32_t)j);
             ++*touching;
-            if (c >= w->dem.pairs.soa.count || w->dem.pairs.i[c] != (int32_t)i ||
-                w->dem.pairs.j[c] != (int32_t)j)
+            if (c >= w->dem.pairs.contacts.soa.count || w->dem.pairs.contacts.i[c] != (int32_t)i ||
+                w->dem.pairs.contacts.j[c] != (int32_t)j)
                 fail_msg("step %lld: %zu and %zu overlap by %g m and are not listed",
                          (long long)w->ctx.step, i, j, -gap);
         }
@@ -101,7 +101,7 @@ static void two_distant_particles_are_listed_before_they_touch(void **state) {
             const double speed = fabs(x[axis]) < 1e-4 ? 2.0 : 3e-3 - x[axis] < 1e-4 ? -2.0 : 0.0;
             if (fabs(x[axis]) < 4e-3) w->dem.particles.vel[4 * p + axis] = speed;
         }
-        assert_int_equal(w->dem.pairs.soa.count, 0);
+        assert_int_equal(w->dem.pairs.contacts.soa.count, 0);
         size_t touching = 0;
         for (int n = 0; n < 80; n++) {
             run_steps(w, 1);

@@ -90,7 +90,7 @@ static inline void bond(specimen *s, double range, double kratio, double alpha) 
         if (pass) break;
         assert_int_equal(gn_soa_create(&gn_contact_record, &s->bonds, at, s->p.soa.effects, NULL),
                          GNEISS_OK);
-        s->assembly.bonds = &s->bonds;
+        s->assembly.list[0] = &s->bonds;
     }
 }
 

@@ -340,8 +340,8 @@ gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *coun
     const gn_world *w = &world->run.world;
     *counts = (gneiss_counts){
         .particles = (int64_t)w->dem.particles.soa.count,
-        .bonds = (int64_t)w->dem.bonds.soa.count,
-        .pairs = (int64_t)w->dem.pairs.soa.count,
+        .bonds = (int64_t)w->dem.bonds.contacts.soa.count,
+        .pairs = (int64_t)w->dem.pairs.contacts.soa.count,
         .wall_contacts = (int64_t)w->boundary.contacts.soa.count,
         .walls = (int64_t)w->ctx.scene.wall_count,
         .sets = (int64_t)w->ctx.scene.set_count,

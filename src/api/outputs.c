@@ -25,7 +25,7 @@ static outputs find_outputs(const gn_world *world, gneiss_record record) {
                          world->dem.particles.soa.count};
     case GNEISS_BONDS:
         return (outputs){bonds ? &gn_bond_outputs : NULL, world->ctx.effects,
-                         world->ctx.scene.asked, world->dem.bonds.soa.count};
+                         world->ctx.scene.asked, world->dem.bonds.contacts.soa.count};
     case GNEISS_NODES:
         return (outputs){solid ? &gn_node_outputs : NULL, 0, 0, solid ? solid->nodes.soa.count : 0};
     case GNEISS_ELEMENTS:

@@ -40,10 +40,10 @@ static record_place find_record(const gneiss_world *world, gneiss_record record)
     case GNEISS_PARTICLES:
         return (record_place){&gn_particle_record, &inner->dem.particles.soa};
     case GNEISS_BONDS:
-        return (record_place){&gn_contact_record, &inner->dem.bonds.soa};
+        return (record_place){&gn_contact_record, &inner->dem.bonds.contacts.soa};
     case GNEISS_PAIRS:
         gn_near_settle(&inner->ctx, &inner->dem);
-        return (record_place){&gn_contact_record, &inner->dem.pairs.soa};
+        return (record_place){&gn_contact_record, &inner->dem.pairs.contacts.soa};
     case GNEISS_WALL_CONTACTS:
         return (record_place){&gn_wall_contact_record, &inner->boundary.contacts.soa};
     case GNEISS_NODES:

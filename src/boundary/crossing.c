@@ -62,8 +62,8 @@ double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
     const double inverse = q->vel[4 * p + 3], own = gn_own_share(q, p);
     const double *gravity = ctx->scene.gravity;
     double force[3] = {0, 0, 0}, sum = 0.0;
-    add_rows(&dem->bond_partials, p, (int)ctx->scene.dimension, force);
-    add_rows(&dem->pair_partials, p, (int)ctx->scene.dimension, force);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        add_rows(&dem->list[l].partials, p, (int)ctx->scene.dimension, force);
     add_touches(ctx, dem, boundary, solids, zones, row, n, force);
     const gn_rigid *body = body_of_row(ctx, boundary, row);
     for (int a = 0; a < 3; a++) {

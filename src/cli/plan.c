@@ -7,6 +7,7 @@
 #include "boundary/overlap.h"
 #include "boundary/self_intersection.h"
 #include "boundary/walls.h"
+#include "cli/plan_convert.h"
 #include "cli/plan_cost.h"
 #include "cli/plan_parts.h"
 #include "cli/plan_stages.h"
@@ -15,6 +16,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
+#include "laboratory/section.h"
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
@@ -61,26 +63,27 @@ static void print_sums(const char *name, const gn_partials *partials, const gn_u
 static void print_particle_storage(const gn_world *world) {
     print_record(&gn_particle_record, "particles", world->ctx.effects,
                  world->dem.particles.soa.count);
-    if (world->dem.bonds.soa.count)
-        print_record(&gn_contact_record, "bonds", world->dem.bonds.soa.effects,
-                     world->dem.bonds.soa.count);
-    print_record(&gn_contact_record, "pairs", world->dem.pairs.soa.effects,
-                 world->dem.pairs.soa.count);
+    if (world->dem.bonds.contacts.soa.count)
+        print_record(&gn_contact_record, "bonds", world->dem.bonds.contacts.soa.effects,
+                     world->dem.bonds.contacts.soa.count);
+    print_record(&gn_contact_record, "pairs", world->dem.pairs.contacts.soa.effects,
+                 world->dem.pairs.contacts.soa.count);
     if (world->ctx.effects & GN_FX_WALLS)
         print_record(&gn_wall_contact_record, "wall contacts", world->ctx.effects,
                      world->boundary.contacts.soa.count);
-    print_sums("bonds", &world->dem.bond_partials, &world->dem.bond_uniform);
-    print_sums("pairs", &world->dem.pair_partials, &world->dem.pair_uniform);
+    print_sums("bonds", &world->dem.bonds.partials, &world->dem.bonds.uniform);
+    print_sums("pairs", &world->dem.pairs.partials, &world->dem.pairs.uniform);
 }
 
 static void print_particle_kernels(const gn_world *world) {
     char name[200];
-    if (world->dem.bonds.soa.count) {
-        gn_contact_variant_name(gn_contact_variant(world->dem.bonds.soa.effects), name,
+    if (world->dem.bonds.contacts.soa.count) {
+        gn_contact_variant_name(gn_contact_variant(world->dem.bonds.contacts.soa.effects), name,
                                 sizeof name);
         printf("  bonds   %s\n", name);
     }
-    gn_contact_variant_name(gn_contact_variant(world->dem.pairs.soa.effects), name, sizeof name);
+    gn_contact_variant_name(gn_contact_variant(world->dem.pairs.contacts.soa.effects), name,
+                            sizeof name);
     printf("  pairs   %s\n", name);
     gn_motion_variant_name(gn_motion_variant(world->ctx.effects), name, sizeof name);
     printf("  motion  %s\n", name);
@@ -269,7 +272,7 @@ static gneiss_status print_all_but_memory(gn_world *world, gn_plan_growth *growt
         return GNEISS_OK;
     }
     double steps = gn_plan_steps(world), per_step = 0.0;
-    double contacts = (double)(world->dem.bonds.soa.count + world->dem.pairs.soa.count);
+    double contacts = (double)gn_lists_count(&world->dem);
     GN_TRY(gn_time_steps(world, world->ctx.scene.end, &per_step, error));
     char stop[160];
     const char *stops = world->ctx.scene.stage_count
@@ -311,7 +314,7 @@ void gn_print_range(const gn_world *world, int axis, double lower, double upper,
 
 /* Prints stiffness and radius of the beams of bonds, and the share of moments in their strength. */
 static void print_beams(const gn_world *world) {
-    const gn_contacts *b = &world->dem.bonds;
+    const gn_contacts *b = &world->dem.bonds.contacts;
     const double n[3] = {1.0, 0.0, 0.0};
     double radius[2] = {INFINITY, 0.0}, bend[2] = {INFINITY, 0.0}, twist[2] = {INFINITY, 0.0};
     if (!b->beam || !b->soa.count) return;
@@ -346,10 +349,10 @@ static void print_bond_numbers(const gn_world *world, int *warnings) {
     printf("  bonds            %zu, %.2f per particle (2 bonds/particles), at most %d\n",
            (size_t)world->dem.bonds_at_start, 2.0 * (double)world->dem.bonds_at_start / (double)n,
            most);
-    if (world->dem.bonds.soa.count > (size_t)world->dem.bonds_at_start)
+    if (world->dem.bonds.contacts.soa.count > (size_t)world->dem.bonds_at_start)
         printf("  free overlaps    %zu pairs without a bond overlap, free of stress "
                "(bonds.passive_gaps)\n",
-               world->dem.bonds.soa.count - (size_t)world->dem.bonds_at_start);
+               world->dem.bonds.contacts.soa.count - (size_t)world->dem.bonds_at_start);
     print_beams(world);
     if (few)
         printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n",
@@ -539,8 +542,7 @@ static void print_section(const gn_world *world) {
 static void print_volume(const gn_world *world) {
     bool space = world->ctx.scene.dimension == 3;
     printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", world->ctx.volume,
-           space ? "" : " (1 m thick)",
-           gn_world_volume_source(&world->ctx, &world->dem, &world->boundary, &world->solids),
+           space ? "" : " (1 m thick)", gn_world_volume_source(&world->ctx),
            gn_world_mass(&world->dem, &world->solids));
     if (!gn_scene_tested(&world->ctx.scene)) return;
     const char *source = gn_test_area_source(&world->ctx);
@@ -572,7 +574,7 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
                            world->ctx.threads};
     gn_pair_list pairs = {0};
     GN_TRY(gn_pairs_find(&query, &pairs, error));
-    gn_assembly assembly = gn_world_assembly(&world->ctx, &world->dem, &world->boundary);
+    gn_assembly assembly = gn_assembly_of(&world->ctx, &world->dem, &world->boundary);
     gn_packing_figures at1, at5;
     char narrow[GNEISS_MESSAGE_SIZE];
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.01, world->ctx.volume,

@@ -195,8 +195,7 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
     gn_json_bool(json, "reached", plan->reached);
     gn_json_number(json, "dt", world->ctx.dt);
     gn_json_integer(json, "particles", (int64_t)world->dem.particles.soa.count);
-    gn_json_integer(json, "contacts",
-                    (int64_t)(world->dem.bonds.soa.count + world->dem.pairs.soa.count));
+    gn_json_integer(json, "contacts", (int64_t)gn_lists_count(&world->dem));
     gn_json_object(json, "cost");
     gn_json_number(json, "particle", plan->cost[0].particle);
     gn_json_number(json, "contact", plan->cost[0].contact);

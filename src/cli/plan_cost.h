@@ -2,7 +2,6 @@
 #ifndef GN_CLI_PLAN_COST_H
 #define GN_CLI_PLAN_COST_H
 
-#include "conversion/conversion.h"
 #include "frame/parts.h"
 #include "world/world.h"
 
@@ -10,6 +9,9 @@
  * threads may wait for each other more than they work, which a run corrects after 160 steps
  * (sched/pace.h): these steps are skipped if they take less than a second. */
 gneiss_status gn_time_steps(gn_world *world, double until, double *seconds, gneiss_error *error);
+/* Measures a number of steps that depends on the model alone, so that the world is in the same
+ * state each time afterwards. */
+gneiss_status gn_time_fixed_steps(gn_world *world, double *seconds, gneiss_error *error);
 
 /* Beyond what the world holds after its trial steps. */
 typedef struct gn_plan_growth {
@@ -34,10 +36,5 @@ typedef struct gn_plan_flow {
 } gn_plan_flow;
 gneiss_status gn_plan_flow_try(gn_world *world, gn_plan_flow *flow, gneiss_error *error);
 void gn_print_plan_flow(const gn_world *world, const gn_plan_flow *flow);
-void gn_print_conversion(gn_world *world, int *warnings);
-
-/* Returns the seconds of a whole run and, with `print`, prints all their parts. The world is
- * unusable afterwards. */
-gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds, gneiss_error *error);
 
 #endif

@@ -228,8 +228,7 @@ static void warn_of_edges(const gn_zone_figures *figures, int *warnings) {
 
 static void print_zone(const gn_world *world, size_t k, int *warnings) {
     gn_zone_figures f;
-    gn_zone_measure(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->zones, k,
-                    &f);
+    gn_zone_measure(&world->ctx, &world->dem, &world->solids, &world->zones, k, &f);
     double elements = f.width / f.element, diameters = f.width / f.diameter;
     printf("zone %zu\n  width            %.6g m = %.3g elements = %.3g particles\n", k, f.width,
            elements, diameters);
@@ -327,7 +326,7 @@ gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error
     GN_FREED gn_wall_passed *passed = NULL;
     if (!world->ctx.scene.has_couple || !count) return GNEISS_OK;
     GN_TRY(gn_new(&passed, count, "walls", error));
-    GN_TRY(gn_wall_foresee_passed(world, passed, error));
+    GN_TRY(gn_wall_predict_passed(&world->ctx, &world->solids, passed, error));
     for (size_t k = 0; k < count; k++)
         print_passed(world->ctx.scene.walls[k].name, &passed[k], warnings);
     return GNEISS_OK;
@@ -354,7 +353,7 @@ static void print_range(const char *name, const double *column, const gn_contact
 static void print_area(const gn_world *world, const gn_area_check *check) {
     bool polyhedron = world->ctx.scene.stiffness == GN_STIFFNESS_POLYHEDRON;
     int d = (int)world->ctx.scene.dimension;
-    print_range("section A", world->dem.bonds.area, &world->dem.bonds,
+    print_range("section A", world->dem.bonds.contacts.area, &world->dem.bonds.contacts,
                 d == 3 ? "m2" : "m2 (1 m thick)");
     printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
     if (polyhedron)
@@ -393,13 +392,12 @@ static void print_body(const gn_world *world, const gn_area_check *check) {
 static const double gamma_most = 3.0;
 
 gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error) {
-    const gn_contacts *b = &world->dem.bonds;
+    const gn_contacts *b = &world->dem.bonds.contacts;
     size_t n = b->soa.count;
     gn_area_check check;
     if (!n) return GNEISS_OK;
     if (gn_scene_by_area(&world->ctx.scene)) {
-        GN_TRY(gn_areas_check(&world->ctx, &world->dem, &world->boundary, &world->solids, &check,
-                              error));
+        GN_TRY(gn_areas_check(&world->ctx, &world->dem, &check, error));
         print_area(world, &check);
         print_body(world, &check);
     }

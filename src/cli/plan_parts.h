@@ -1,5 +1,5 @@
-/* Output of `plan` and `check` on materials, elements, zones and idle effects; nothing is printed of
- * parts that a scene lacks. */
+/* Output of `plan` and `check` on materials, elements, zones and idle effects; nothing is printed
+ * of parts that a scene lacks. */
 #ifndef GN_CLI_PLAN_PARTS_H
 #define GN_CLI_PLAN_PARTS_H
 

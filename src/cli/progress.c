@@ -249,7 +249,7 @@ gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneis
     if (world->ctx.scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
                world->dem.particles.soa.count, (size_t)world->dem.bonds_at_start,
-               world->dem.pairs.soa.count);
+               world->dem.pairs.contacts.soa.count);
     gn_element_totals elements = gn_elements_totals(&world->solids);
     if (elements.elements) printf("%zu nodes, %zu elements; ", elements.nodes, elements.elements);
     printf("%d thread%s, %s\n", world->ctx.threads, world->ctx.threads == 1 ? "" : "s",

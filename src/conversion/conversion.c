@@ -170,10 +170,10 @@ gneiss_status gn_conversion_lay_down(const gn_step_context *ctx, gn_dem *dem,
     gn_dem *d = dem;
     gn_particles *q = &d->particles;
     GN_TRY(gn_conversion_check_neighbours(ctx, dem, error));
-    d->prepared = d->bonds;
-    d->bonds = (gn_contacts){0};
-    GN_TRY(gn_soa_create(&gn_contact_record, &d->bonds, 0, d->prepared.soa.effects, error));
-    gn_contacts_pad(&d->bonds, q);
+    d->prepared = d->bonds.contacts;
+    d->bonds.contacts = (gn_contacts){0};
+    GN_TRY(
+        gn_soa_create(&gn_contact_record, &d->bonds.contacts, 0, d->prepared.soa.effects, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         gn_sleeper_of(dem, p)->mass = q->vel[4 * p + 3];
         gn_sleeper_of(dem, p)->inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
@@ -181,7 +181,7 @@ gneiss_status gn_conversion_lay_down(const gn_step_context *ctx, gn_dem *dem,
         if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
         q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
     }
-    GN_TRY(gn_partials_build(&d->bonds, q->soa.count, ctx->threads, &d->bond_partials, error));
+    GN_TRY(gn_list_changed(ctx, dem, &d->bonds, error));
     return keep_difference(ctx, dem, boundary, solids, zones, error);
 }
 
@@ -408,8 +408,6 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
 static gneiss_status make_lists(gn_conversion *c, const gn_tally *before, gneiss_error *error) {
     enum { NEITHER_SHORT_NOR_LONG = 1000 };
     gn_world *w = c->world;
-    gn_free(w->dem.bond_sums);
-    w->dem.bond_sums = NULL;
     w->dem.verlet.last_step = w->ctx.step - NEITHER_SHORT_NOR_LONG;
     GN_TRY(gn_world_rebuild(w, error));
     c->woken[0] = gn_conversion_held_in_contacts(c);
@@ -568,7 +566,7 @@ static gneiss_status find_excess(const gn_step_context *ctx, const gn_solids *so
 
 /* Bonds that break where elements hold on: these go. */
 static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) {
-    const gn_contacts *bonds = &dem->bonds;
+    const gn_contacts *bonds = &dem->bonds.contacts;
     for (size_t c = 0; c < bonds->soa.count; c++) {
         if (!gn_broken(bonds->cause[c])) continue;
         for (int end = 0; end < 2; end++) {
@@ -619,7 +617,7 @@ static void mark_stressed(const gn_convert_def *def, size_t count, const double 
 
 /* Whether an element is beyond a limit, or a bond broke where elements hold on: mostly not. */
 static bool is_due(const gn_dem *dem, const gn_solids *solids, const double *excess) {
-    const gn_contacts *bonds = &dem->bonds;
+    const gn_contacts *bonds = &dem->bonds.contacts;
     const double *part = dem->particles.blend;
     bool due = false;
     for (size_t e = 0; e < gn_conversion_elements(solids); e++) due = due || excess[e] >= 1.0;
@@ -662,6 +660,24 @@ gneiss_status gn_conversion_look_around(const gn_step_context *ctx, const gn_sol
     if (!*kind || !*excess) return no_memory(error);
     GN_TRY(gn_conversion_kinds(ctx, solids, *kind, error));
     return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
+}
+
+gneiss_status gn_conversion_convert_above(gn_world *w, double part, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    bool any = false;
+    w->most_loaded.share = 0.0; /* loads below the largest so far count as well */
+    gneiss_status status =
+        gn_conversion_look_around(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(&w->solids); e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= part) {
+            kind[e] = GN_FRONT_LEAVING;
+            any = true;
+        }
+    if (any) status = gn_conversion_convert(w, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
 }
 
 static gneiss_status look(gn_world *w, gneiss_error *error) {

@@ -88,8 +88,8 @@ gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *err
     if (held) {
         find_nodes(c, &q);
         add_elements(c, &q);
-        add_contacts(c, &q, &c->world->dem.bonds);
-        add_contacts(c, &q, &c->world->dem.pairs);
+        add_contacts(c, &q, &c->world->dem.bonds.contacts);
+        add_contacts(c, &q, &c->world->dem.pairs.contacts);
         take_rates(c, &q);
     }
     gn_free(q.node);

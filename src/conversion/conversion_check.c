@@ -11,6 +11,7 @@
 #include "neigh/pairs.h"
 #include "particles/dem.h"
 #include "particles/lists.h"
+#include "particles/observe.h"
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "solids/elements.h"
@@ -169,7 +170,7 @@ static double young_of(const boxed *q, int32_t material) {
 
 /* kg of the particles in these elements. */
 static double measure_particles(boxed *q) {
-    const double solid = 1.0 - gn_world_porosity(q->ctx, q->dem, q->boundary, q->solids);
+    const double solid = 1.0 - gn_dem_porosity(q->ctx, q->dem);
     gn_conversion_figures *f = q->figures;
     double mass = 0.0;
     add_particles(q);
@@ -209,7 +210,7 @@ static gneiss_status refuse_overlaps(const gn_step_context *ctx, const gn_dem *d
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         const double overlap = overlap_of(ctx, dem, i, j);
-        if (!(overlap > overlap_most) || is_bonded(&dem->bonds, i, j)) continue;
+        if (!(overlap > overlap_most) || is_bonded(&dem->bonds.contacts, i, j)) continue;
         count++;
         if (overlap > most) deepest = c;
         most = fmax(most, overlap);
@@ -228,7 +229,7 @@ static gneiss_status refuse_overlaps(const gn_step_context *ctx, const gn_dem *d
 
 static gneiss_status check_free_of_stress(const gn_step_context *ctx, const gn_dem *dem,
                                           gneiss_error *error) {
-    const gn_contacts *bonds = &dem->bonds;
+    const gn_contacts *bonds = &dem->bonds.contacts;
     for (size_t c = 0; !ctx->scene.passive_gaps && c < bonds->soa.count; c++) {
         const double overlap = overlap_of(ctx, dem, bonds->i[c], bonds->j[c]);
         const int32_t a = dem->particles.id[bonds->i[c]], b = dem->particles.id[bonds->j[c]];
@@ -266,13 +267,13 @@ static void swap(double *a, double *b) {
 
 void gn_conversion_turn_over(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
-    const gn_contacts bonds = dem->bonds;
+    const gn_contacts bonds = dem->bonds.contacts;
     if (!gn_converts(ctx)) return;
     for (size_t p = 0; p < q->soa.count; p++) {
         swap(q->vel + 4 * p + 3, &gn_sleeper_of(dem, p)->mass);
         if (q->spin) swap(q->spin + 4 * p + 3, &gn_sleeper_of(dem, p)->inertia);
     }
-    dem->bonds = dem->prepared;
+    dem->bonds.contacts = dem->prepared;
     dem->prepared = bonds;
 }
 

@@ -154,7 +154,7 @@ typedef struct part {
 /* Bonds of the last list go on, those that are new begin with what was prepared. */
 static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, part *q) {
     gn_dem *d = &c->world->dem;
-    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds, q->from);
+    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds.contacts, q->from);
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->prepared, q->prepared);
     for (size_t k = 0; k < q->count; k++) {
         const size_t at = q->begin + k;
@@ -169,7 +169,7 @@ static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, pa
 
 /* Both lists are sorted alike. */
 static void fill(const gn_conversion *c, gn_contacts *now) {
-    const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds;
+    const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds.contacts;
     turns turned;
     part q = {0};
     size_t old = 0;
@@ -191,13 +191,11 @@ static void fill(const gn_conversion *c, gn_contacts *now) {
 gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error) {
     gn_dem *d = &c->world->dem;
     gn_contacts now = {0};
-    grow(c, &d->bonds);
-    grow(c, &d->pairs);
+    grow(c, &d->bonds.contacts);
+    grow(c, &d->pairs.contacts);
     GN_TRY(gn_soa_create(&gn_contact_record, &now, c->acting, d->prepared.soa.effects, error));
     fill(c, &now);
-    gn_soa_destroy(&gn_contact_record, &d->bonds);
-    d->bonds = now;
-    gn_contacts_pad(&d->bonds, &d->particles);
-    return gn_partials_build(&d->bonds, d->particles.soa.count, c->world->ctx.threads,
-                             &d->bond_partials, error);
+    gn_soa_destroy(&gn_contact_record, &d->bonds.contacts);
+    d->bonds.contacts = now;
+    return gn_list_changed(&c->world->ctx, d, &d->bonds, error);
 }

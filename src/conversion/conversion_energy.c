@@ -76,7 +76,7 @@ static bool is_other(const gn_conversion *c, int32_t p) {
 static void add_contacts(const gn_conversion *c, const gn_contacts *list, bool other,
                          gn_held *sum) {
     const gn_world *w = c->world;
-    const gn_contacts *bonds = &w->dem.bonds;
+    const gn_contacts *bonds = &w->dem.bonds.contacts;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
         if ((is_other(c, i) || is_other(c, j)) != other) continue;
@@ -112,8 +112,8 @@ static void add_elements(const gn_conversion *c, bool touched, gn_held *sum) {
 static gn_held held(const gn_conversion *c, bool changes) {
     gn_held sum = {0};
     add_elements(c, changes, &sum);
-    add_contacts(c, &c->world->dem.bonds, changes, &sum);
-    add_contacts(c, &c->world->dem.pairs, changes, &sum);
+    add_contacts(c, &c->world->dem.bonds.contacts, changes, &sum);
+    add_contacts(c, &c->world->dem.pairs.contacts, changes, &sum);
     add_walls(c, changes, &sum);
     return sum;
 }
@@ -129,8 +129,8 @@ double gn_conversion_held_beside(const gn_conversion *c) {
 
 double gn_conversion_held_in_contacts(const gn_conversion *c) {
     gn_held sum = {0};
-    add_contacts(c, &c->world->dem.bonds, true, &sum);
-    add_contacts(c, &c->world->dem.pairs, true, &sum);
+    add_contacts(c, &c->world->dem.bonds.contacts, true, &sum);
+    add_contacts(c, &c->world->dem.pairs.contacts, true, &sum);
     add_walls(c, true, &sum);
     return sum.contacts;
 }

@@ -129,11 +129,12 @@ static gneiss_status begin(relaxation *r, gneiss_error *error) {
     gn_dem *d = r->dem;
     bool held = find_particles(r);
     if (held && r->count)
-        held = allocate(r, find_links(r, &d->bonds, false) + find_links(r, &d->pairs, false));
+        held = allocate(r, find_links(r, &d->bonds.contacts, false) +
+                               find_links(r, &d->pairs.contacts, false));
     if (!held) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to relax particles");
     if (!r->count) return GNEISS_OK;
-    find_links(r, &d->bonds, true);
-    find_links(r, &d->pairs, true);
+    find_links(r, &d->bonds.contacts, true);
+    find_links(r, &d->pairs.contacts, true);
     r->components = r->ctx->scene.dimension == 3 ? 0x7u : 0x3u;
     if (d->particles.spin) r->components |= r->ctx->scene.dimension == 3 ? 0x38u : 0x20u;
     memset(r->moves, (int)r->components, r->count);

@@ -30,8 +30,8 @@ static void add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_con
 void gn_servo_answers(const gn_step_context *ctx, const gn_dem *dem, bool all, size_t count,
                       const double (*n)[3], double *spring, double *dashpot) {
     for (size_t a = 0; a < count; a++) spring[a] = dashpot[a] = 0.0;
-    add_list(ctx, dem, &dem->bonds, all, count, n, spring, dashpot);
-    add_list(ctx, dem, &dem->pairs, all, count, n, spring, dashpot);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        add_list(ctx, dem, &dem->list[l].contacts, all, count, n, spring, dashpot);
 }
 
 double gn_servo_answer(double share, double uniform) {
@@ -54,4 +54,22 @@ double gn_servo_speed(gn_servo_state *s, const gn_servo_look *look) {
     s->base += 0.5 * look->answer * look->pace * droop;
     s->expected += look->answer * (look->wanted - s->expected);
     return speed;
+}
+
+/* The largest relaxation that leaves the loop of wall and particles stable. The wall moves by
+ * rho (F* - F)/K with K = sum k + c/dt; the force F answers with sum g (w - x), g(z) = k + c (1 -
+ * 1/z)/dt, the displacements x with M (z - 2 + 1/z)/dt^2 x = forces. Eliminating w leaves the
+ * particles as with a wall at rest, but for the springs at the wall, which are in series with a
+ * dashpot, the servo: their part G = sum g along (g) becomes G (z - 1)/(z - 1 + rho G/K). On the
+ * unit circle its imaginary part has one sign, so that nothing crosses it but at z = -1, and there
+ * the part is 1/(1 - r/2) times that of the wall at rest, with r = rho (sum k + 2 c/dt)/K.
+ * Stiffness times that factor must stay below 4 M/dt^2. With a wall at rest it may be 4 M/limit^2
+ * at most, of which dashpots are felt as 2 c/dt: so with s = dt/limit r <= 2 (1 - s^2), with
+ * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
+ * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
+ * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
+double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem) {
+    double share = fmin(1.0, ctx->dt / ctx->stable);
+    bool dashpots = dem->damping_fraction > 0.0;
+    return fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
 }

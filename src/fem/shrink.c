@@ -43,8 +43,8 @@ gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error) 
     gn_free(solid->element_sums);
     solid->element_sums = gn_alloc_array(solid->partials.blocks + 1, sizeof *solid->element_sums);
     if (!solid->element_sums) return no_memory(solid, error);
-    return gn_deal_lists(&solid->deal, (gn_deal_list){.partials = &solid->partials},
-                         (gn_deal_list){0}, solid->motion_blocks, error);
+    const gn_deal_list elements = {.partials = &solid->partials};
+    return gn_deal_lists(&solid->deal, &elements, 1, solid->motion_blocks, error);
 }
 
 static void lay_to_rest(gn_fem_solid *solid, const uint8_t *used) {

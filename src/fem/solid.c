@@ -394,8 +394,8 @@ static gneiss_status make_sums(builder *maker, gneiss_error *error) {
     if (!solid->element_sums || !solid->motion_sums) return out_of_memory(maker, error);
     GN_TRY(gn_hold_create(&solid->hold, solid->motion_blocks, error));
     GN_TRY(gn_deal_create(&solid->deal, solid->threads, error));
-    return gn_deal_lists(&solid->deal, (gn_deal_list){.partials = &solid->partials},
-                         (gn_deal_list){0}, solid->motion_blocks, error);
+    const gn_deal_list elements = {.partials = &solid->partials};
+    return gn_deal_lists(&solid->deal, &elements, 1, solid->motion_blocks, error);
 }
 
 static gneiss_status build(builder *maker, gneiss_error *error) {

@@ -64,7 +64,7 @@ typedef struct gn_fem_solid {
     gn_particles nodes;   /* along a Morton curve; id: node of the given mesh */
     gn_elements elements; /* sorted by nodes; id: index in the mesh's list */
     gn_element_uniform uniform;
-    gn_partials partials, none;
+    gn_partials partials;
     size_t unused_nodes;    /* nodes of the mesh without element, which were dropped */
     size_t turned_elements; /* inverted elements of the mesh, which were reversed */
     double volume, mass;    /* m3, kg, at the start, without `carried` */

@@ -94,8 +94,8 @@ static work prepare(gn_fem_solid *solid, double dt, bool measure) {
                                    .travel = solid->nodes.travel_f};
     k.motion = (gn_motion_args){.particles = &solid->nodes,
                                 .origin = solid->nodes.start,
-                                .bonds = &solid->partials,
-                                .pairs = &solid->none,
+                                .lists = 1,
+                                .partials = {&solid->partials},
                                 .wall_contacts = solid->contacts,
                                 .wall_first = solid->contact_first,
                                 .prescribed = solid->prescribed.count ? &solid->prescribed : NULL,

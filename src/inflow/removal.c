@@ -63,7 +63,7 @@ static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, 
 
 /* Marks those that go in `gone` (NULL: only counted). */
 static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *gone) {
-    double reach = gn_origin_reach(dem->radius_min);
+    double reach = gn_finest_reach(dem->radius_min);
     size_t count = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
         int32_t way = way_out(ctx, dem, p, reach);
@@ -156,8 +156,8 @@ static void book_pairs(const gn_step_context *ctx, gn_dem *dem, gn_ledger *ledge
 
 static void book_contacts(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                           gn_ledger *ledger, const int32_t *gone) {
-    book_pairs(ctx, dem, ledger, &dem->bonds, gone);
-    book_pairs(ctx, dem, ledger, &dem->pairs, gone);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        book_pairs(ctx, dem, ledger, &dem->list[l].contacts, gone);
     for (size_t c = 0; c < boundary->contacts.soa.count; c++)
         if (gone[boundary->contacts.i[c]]) book_wall_contact(ctx, dem, boundary, ledger, c);
 }
@@ -192,9 +192,8 @@ static gneiss_status take_out(const gn_step_context *ctx, gn_dem *dem, gn_ledger
     return GNEISS_OK;
 }
 
-/* Bonds stay in the list. What their dashpots did was booked. */
-static void release_bonds(const gn_step_context *ctx, gn_dem *dem, const int32_t *gone) {
-    gn_contacts *b = &dem->bonds;
+/* Contacts of persistent lists stay in them. The work of their dashpots has been booked. */
+static void release_contacts(const gn_step_context *ctx, gn_contacts *b, const int32_t *gone) {
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gone[b->i[c]] && !gone[b->j[c]]) continue;
         if (gn_contact_bonded(b, c)) {
@@ -210,7 +209,8 @@ static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error 
     gn_coupled_leave(&w->ctx, &w->dem, &w->solids, &w->zones, &w->ledger, gone);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) GN_TRY(take_out(&w->ctx, &w->dem, &w->ledger, p, gone[p], error));
-    release_bonds(&w->ctx, &w->dem, gone);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->persistent) release_contacts(&w->ctx, &w->dem.list[l].contacts, gone);
     return gn_gauge_leave(&w->ctx, &w->dem, &w->gauge, error);
 }
 
@@ -226,7 +226,7 @@ gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
     while (w->ctx.scene.lost == GN_LOST_STOP && p < n && gone[p] != LEFT) p++;
     gneiss_status status =
         w->ctx.scene.lost == GN_LOST_STOP && p < n
-            ? left_domain(&w->ctx, &w->dem, p, gn_origin_reach(w->dem.radius_min), error)
+            ? left_domain(&w->ctx, &w->dem, p, gn_finest_reach(w->dem.radius_min), error)
             : remove_gone(w, gone, error);
     gn_free(gone);
     return status;

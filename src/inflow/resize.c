@@ -89,16 +89,6 @@ static gneiss_status take_rows(const gn_step_context *ctx, gn_dem *dem, gn_bound
     return forget_sizes(ctx, dem, boundary, error);
 }
 
-/* Rows stay where they are; behind the last one stand other null particles. */
-static gneiss_status pad_lists(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    gn_dem *d = dem;
-    if (d->pairs.soa.capacity) gn_contacts_pad(&d->pairs, &d->particles);
-    if (!d->bonds.soa.capacity) return GNEISS_OK;
-    gn_contacts_pad(&d->bonds, &d->particles);
-    return gn_partials_build(&d->bonds, d->particles.soa.count, ctx->threads, &d->bond_partials,
-                             error);
-}
-
 gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                           const gn_arrival *arrivals, size_t count, gneiss_error *error) {
     size_t before = dem->particles.soa.count, after = before + count;
@@ -121,7 +111,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
         dem->done.motion.speed2 = fmax(dem->done.motion.speed2, gn_dot3(v, v));
     }
     gn_dem_number_ids(dem);
-    return pad_lists(ctx, dem, error);
+    return gn_lists_follow_rows(ctx, dem, NULL, error);
 }
 
 /* --- fewer --- */
@@ -129,10 +119,13 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 /* Places of those that stay, -1 of the others; returns how many stay. */
 static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     const gn_particles *q = &dem->particles;
-    const gn_contacts *b = &dem->bonds;
     size_t count = 0;
     for (size_t p = 0; p < q->soa.count; p++) place[p] = q->vel[4 * p + 3] > 0.0 ? 1 : -1;
-    for (size_t c = 0; c < b->soa.count; c++) place[b->i[c]] = place[b->j[c]] = 1;
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &dem->list[l].contacts;
+        if (!gn_list_kinds[l]->persistent) continue;
+        for (size_t c = 0; c < list->soa.count; c++) place[list->i[c]] = place[list->j[c]] = 1;
+    }
     for (size_t p = 0; p < q->soa.count; p++) {
         if (place[p] < 0) continue;
         order[count] = (int32_t)p;
@@ -146,9 +139,7 @@ static gneiss_status drop(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
                           gneiss_error *error) {
     GN_TRY(take_rows(ctx, dem, boundary, order, count, error));
     gn_dem_number_ids(dem);
-    if (dem->bonds.soa.capacity) GN_TRY(gn_contacts_rename(&dem->bonds, place, error));
-    if (dem->pairs.soa.capacity) GN_TRY(gn_contacts_rename(&dem->pairs, place, error));
-    GN_TRY(pad_lists(ctx, dem, error));
+    GN_TRY(gn_lists_follow_rows(ctx, dem, place, error));
     return gn_boundary_renumber(boundary, place, error);
 }
 

@@ -79,8 +79,7 @@ GN_INLINE void add_walls(const gn_motion_args *args, size_t begin, size_t end, d
 GN_INLINE void gather_block(const gn_motion_args *args, size_t begin, size_t end, double *row,
                             variant with) {
     memset(row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(with) * sizeof *row);
-    add_shares(args->bonds, begin, row, with);
-    add_shares(args->pairs, begin, row, with);
+    for (int l = 0; l < args->lists; l++) add_shares(args->partials[l], begin, row, with);
     if (GN_BUILT(WALLS) && args->wall_contacts) add_walls(args, begin, end, row, with);
 }
 

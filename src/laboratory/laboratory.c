@@ -1,9 +1,10 @@
 #include "laboratory/laboratory.h"
 
 #include "base/memory.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
 #include "particles/observe.h"
 #include "scene/laboratory.h"
@@ -150,6 +151,7 @@ static void add_contacts(const gn_step_context *ctx, const gn_dem *dem, const re
 static bool add_list(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box,
                      const region *r, const gn_contacts *list, double sigma[9]) {
     gn_contacts part = {0};
+    if (!list->soa.count) return true;
     int32_t *chosen = gn_alloc_array(list->soa.count + 1, sizeof *chosen);
     if (!chosen) return false;
     size_t count = choose(ctx, dem, r, list, chosen);
@@ -167,7 +169,8 @@ void gn_test_centre_stress(const gn_step_context *ctx, const gn_dem *dem,
     double volume =
         M_PI * r.radius * r.radius * gn_test_shape(ctx, dem, boundary, solids).thickness;
     memset(sigma, 0, 9 * sizeof *sigma);
-    bool held = add_list(ctx, dem, box, &r, &dem->bonds, sigma) &&
-                add_list(ctx, dem, box, &r, &dem->pairs, sigma);
+    bool held = true;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        held = held && add_list(ctx, dem, box, &r, &dem->list[l].contacts, sigma);
     for (int k = 0; k < 9; k++) sigma[k] = held ? sigma[k] / volume : NAN;
 }

@@ -110,12 +110,20 @@ static size_t list_count(const gn_contacts *list) {
     return list ? list->soa.count : 0;
 }
 
+const gn_contacts *gn_spring_list(const gn_spectrum *spectrum, size_t *k) {
+    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+        const gn_contacts *list = spectrum->assembly->list[l];
+        const size_t count = list_count(list);
+        if (*k < count) return list;
+        *k -= count;
+    }
+    return NULL;
+}
+
 static bool make(const gn_spectrum *spectrum, size_t k, gn_spring *out) {
     const gn_assembly *a = spectrum->assembly;
-    if (k < list_count(a->bonds)) return contact_spring(spectrum, a->bonds, k, out);
-    k -= list_count(a->bonds);
-    if (k < list_count(a->pairs)) return contact_spring(spectrum, a->pairs, k, out);
-    k -= list_count(a->pairs);
+    const gn_contacts *list = gn_spring_list(spectrum, &k);
+    if (list) return contact_spring(spectrum, list, k, out);
     if (k < wall_contact_count(a)) return wall_spring(spectrum, a->wall_contacts, k, out);
     return extra_spring(spectrum, k - wall_contact_count(a), out);
 }
@@ -130,7 +138,9 @@ bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *out) {
 }
 
 size_t gn_spring_pairs(const gn_spectrum *spectrum) {
-    return list_count(spectrum->assembly->bonds) + list_count(spectrum->assembly->pairs);
+    size_t count = 0;
+    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) count += list_count(spectrum->assembly->list[l]);
+    return count;
 }
 
 size_t gn_spring_count(const gn_spectrum *spectrum) {
@@ -139,10 +149,9 @@ size_t gn_spring_count(const gn_spectrum *spectrum) {
 }
 
 void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *j) {
-    const gn_assembly *a = spectrum->assembly;
-    size_t bonds = list_count(a->bonds);
-    *i = k < bonds ? a->bonds->i[k] : a->pairs->i[k - bonds];
-    *j = k < bonds ? a->bonds->j[k] : a->pairs->j[k - bonds];
+    const gn_contacts *list = gn_spring_list(spectrum, &k);
+    *i = list->i[k];
+    *j = list->j[k];
 }
 
 /* Converts to places among the members; returns false for a spring between particles outside. */

@@ -59,6 +59,9 @@ size_t gn_spring_count(const gn_spectrum *spectrum);
 
 /* Returns the particles of contact k of bonds and pairs, active or not. */
 size_t gn_spring_pairs(const gn_spectrum *spectrum);
+/* Returns the contact list with spring *k and makes *k the number of the contact in it; NULL: the
+ * spring is none between particles, and *k is its number behind those. */
+const gn_contacts *gn_spring_list(const gn_spectrum *spectrum, size_t *k);
 void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *j);
 
 /* Marks the neighbours of marked particles [of the specimen] as well, with one more than the

@@ -237,12 +237,14 @@ gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bo
 
 void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
     const gn_assembly *a = spectrum->assembly;
-    size_t contacts = gn_spring_count(spectrum), bonds = a->bonds ? a->bonds->soa.count : 0;
+    const size_t contacts = gn_spring_count(spectrum);
     const int32_t *id = a->particles->id;
     memset(marks, 0, a->particles->soa.count * sizeof *marks);
     for (size_t k = 0; k < contacts; k++) {
         gn_spring s;
-        if (k < bonds && gn_contact_bonded(a->bonds, k)) continue;
+        size_t c = k;
+        const gn_contacts *list = gn_spring_list(spectrum, &c);
+        if (list && gn_contact_bonded(list, c)) continue;
         if (!gn_spring_make(spectrum, k, &s)) continue;
         size_t wall = k - gn_spring_pairs(spectrum);
         uint64_t bits;
@@ -264,16 +266,16 @@ void gn_step_contact_hashes(const gn_spectrum *spectrum, int32_t *marks) {
 
 size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_t *turned) {
     const gn_assembly *a = spectrum->assembly;
-    const gn_contacts *lists[] = {a->bonds, a->pairs};
     size_t found = 0, k = 0;
-    for (int l = 0; l < 2; l++)
-        for (size_t c = 0; lists[l] && c < lists[l]->soa.count; c++, k++) {
+    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+        const gn_contacts *list = a->list[l];
+        for (size_t c = 0; list && c < list->soa.count; c++, k++) {
             gn_spring s;
             if (!gn_spring_make(spectrum, k, &s)) continue;
             float *looked[3];
             double way2 = 0.0, size2 = 0.0;
             for (size_t d = 0; d < 3; d++) {
-                looked[d] = &lists[l]->looked[c + d * lists[l]->soa.capacity];
+                looked[d] = &list->looked[c + d * list->soa.capacity];
                 way2 += (s.n[d] - *looked[d]) * (s.n[d] - *looked[d]);
                 size2 += *looked[d] * *looked[d];
             }
@@ -284,5 +286,6 @@ size_t gn_step_rotated_contacts(const gn_spectrum *spectrum, double most, uint8_
             turned[s.i] = turned[s.j] = 1;
             found++;
         }
+    }
     return found;
 }

@@ -46,12 +46,11 @@ static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], 
 }
 
 void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]) {
-    const gn_contacts *lists[] = {assembly->bonds, assembly->pairs};
     memset(sigma, 0, 9 * sizeof *sigma);
-    for (int k = 0; k < 2; k++) {
-        size_t count = lists[k] ? lists[k]->soa.count : 0;
-        for (size_t c = 0; c < count; c++) {
-            contact x = contact_at(assembly, lists[k], c);
+    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+        const gn_contacts *list = assembly->list[l];
+        for (size_t c = 0; list && c < list->soa.count; c++) {
+            contact x = contact_at(assembly, list, c);
             add_outer(sigma, x.f, x.l);
         }
     }
@@ -82,13 +81,12 @@ static void add_pair(const gn_assembly *assembly, const contact *one, double *si
 }
 
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma) {
-    const gn_contacts *lists[] = {assembly->bonds, assembly->pairs};
     const gn_particles *particles = assembly->particles;
     memset(sigma, 0, 6 * particles->soa.count * sizeof *sigma);
-    for (int k = 0; k < 2; k++) {
-        size_t count = lists[k] ? lists[k]->soa.count : 0;
-        for (size_t c = 0; c < count; c++) {
-            contact x = contact_at(assembly, lists[k], c);
+    for (int l = 0; l < GN_ASSEMBLY_LISTS; l++) {
+        const gn_contacts *list = assembly->list[l];
+        for (size_t c = 0; list && c < list->soa.count; c++) {
+            contact x = contact_at(assembly, list, c);
             add_pair(assembly, &x, sigma);
         }
     }

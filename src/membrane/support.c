@@ -106,8 +106,8 @@ static void let_go(const gn_step_context *ctx, const gn_dem *dem, footing *all, 
     for (bool more = true; more;) {
         more = false;
         memset(all, 0, n * sizeof *all);
-        add_list(ctx, dem, &dem->bonds, held, all);
-        add_list(ctx, dem, &dem->pairs, held, all);
+        for (int l = 0; l < GN_LIST_COUNT; l++)
+            add_list(ctx, dem, &dem->list[l].contacts, held, all);
         for (size_t p = 0; p < n; p++) {
             if (!held[p] || !may_pivot(dem, p) || stands(ctx, &all[p])) continue;
             held[p] = false;
@@ -122,7 +122,7 @@ gneiss_status gn_membrane_held(const gn_step_context *ctx, const gn_dem *dem, bo
     const size_t n = q->soa.count;
     bool any = false;
     for (size_t p = 0; p < n; p++) held[p] = !gn_came_off(q, p);
-    if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.soa.count) return GNEISS_OK;
+    if (!(ctx->effects & GN_FX_BONDS) || !dem->bonds.contacts.soa.count) return GNEISS_OK;
     footing *all = gn_alloc_array(n + 1, sizeof *all);
     if (!all)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);

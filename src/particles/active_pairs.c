@@ -3,8 +3,8 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "drive/box.h"
 #include "frame/ledger.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/near.h"
@@ -75,7 +75,7 @@ static void nearest(const gn_step_context *ctx, double d[3]) {
 
 /* Where three of five touch, finding them costs what it saves. */
 static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_contacts *list = &dem->pairs;
+    const gn_contacts *list = &dem->pairs.contacts;
     const double *ref = dem->particles.ref, *pos = dem->particles.pos;
     size_t touching = 0;
     for (size_t c = 0; c < list->soa.count; c++) {
@@ -94,7 +94,7 @@ static bool sparse(const gn_step_context *ctx, const gn_dem *dem) {
 static bool worth_while(const gn_step_context *ctx, const gn_dem *dem, const gn_periodic_box *box) {
     const gn_effects against = GN_FX_BONDS | GN_FX_CONTACT_FORCES | GN_FX_MIXED;
     return !dem->near.barred && !(ctx->effects & against) && !ctx->scene.has_couple &&
-           !gn_box_moves(ctx, box) && dem->pairs.soa.count && sparse(ctx, dem);
+           !gn_box_moves(ctx, box) && dem->pairs.contacts.soa.count && sparse(ctx, dem);
 }
 
 /* --- room --- */
@@ -126,7 +126,7 @@ void gn_near_free(gn_near *n) {
 /* Behind the pairs of a block there is room for what vectors read and write beyond them. */
 static gneiss_status make_room(gn_dem *dem, gneiss_error *error) {
     gn_near *n = &dem->near;
-    const gn_partials *q = &dem->pair_partials;
+    const gn_partials *q = &dem->pairs.partials;
     n->stride = q->length + GN_LANES_MAX;
     n->blocks = q->blocks;
     const size_t needed = n->blocks * n->stride, streams = streams_of(n);
@@ -162,10 +162,10 @@ gneiss_status gn_near_lists(const gn_step_context *ctx, gn_dem *dem, const gn_pe
     n->on = n->packed = false;
     if (!worth_while(ctx, dem, box)) return GNEISS_OK;
     GN_TRY(make_paths(dem, error));
-    find_columns(n, &dem->pairs, &(gn_uniform){0}); /* more are never asked for */
+    find_columns(n, &dem->pairs.contacts, &(gn_uniform){0}); /* more are never asked for */
     GN_TRY(make_room(dem, error));
-    find_columns(n, &dem->pairs, &dem->pair_uniform);
-    n->listed = (double)dem->pairs.soa.count;
+    find_columns(n, &dem->pairs.contacts, &dem->pairs.uniform);
+    n->listed = (double)dem->pairs.contacts.soa.count;
     n->cost = INFINITY;
     if (!n->steps) n->steps = STEPS_AT_FIRST;
     if (!n->towards) n->towards = 1;
@@ -416,7 +416,7 @@ void gn_near_work(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args
     gn_contact_args args = *pairs;
     args.contacts = &part;
     args.partials = &partials;
-    dem->pair_kernel(&args, 0, part.soa.count, sums);
+    dem->pairs.kernel(&args, 0, part.soa.count, sums);
 }
 
 /* --- when others look --- */
@@ -425,8 +425,8 @@ void gn_near_settle(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_near *n = &dem->near;
     if (!n->unsettled) return;
     for (size_t k = 0; k < n->blocks; k++) {
-        const block_of_pairs b = block_at(n, &dem->pairs, dem->pair_partials.length, k);
-        put(ctx, dem, &dem->pairs, &b);
+        const block_of_pairs b = block_at(n, &dem->pairs.contacts, dem->pairs.partials.length, k);
+        put(ctx, dem, &dem->pairs.contacts, &b);
     }
     ((gn_near *)(uintptr_t)n)->unsettled = false; /* see active_pairs.h */
 }
@@ -455,7 +455,7 @@ gn_near_kept gn_near_keep(const gn_step_context *ctx, gn_dem *dem, size_t *group
     gn_near *n = &dem->near;
     gn_near_settle(ctx, dem);
     n->again = n->packed;
-    if (n->packed) clear_ends(n, &dem->pairs, dem->pair_partials.length);
+    if (n->packed) clear_ends(n, &dem->pairs.contacts, dem->pairs.partials.length);
     *groups = n->packed ? n->blocks * n->stride / GN_NEAR_GROUP : 0;
     return (gn_near_kept){.known = n->past.known,
                           .dt = {n->past.dt[0], n->past.dt[1]},
@@ -489,7 +489,7 @@ static bool take_marks(gn_dem *dem) {
     memcpy(n->act, n->kept_act, n->kept_groups);
     bool good = true;
     for (size_t k = 0; k < n->blocks; k++) {
-        const block_of_pairs b = block_at(n, &dem->pairs, dem->pair_partials.length, k);
+        const block_of_pairs b = block_at(n, &dem->pairs.contacts, dem->pairs.partials.length, k);
         good = count_block(n, &b) && good;
     }
     return good;

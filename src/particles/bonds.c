@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "conversion/conversion.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/law.h"
@@ -88,7 +88,7 @@ static void keep_bondable(const gn_step_context *ctx, const gn_dem *dem, gn_pair
 }
 
 static void set_bond(const gn_step_context *ctx, gn_dem *dem, size_t c, int32_t i, int32_t j) {
-    gn_contacts *b = &dem->bonds;
+    gn_contacts *b = &dem->bonds.contacts;
     const double *pos = dem->particles.pos;
     double distance;
     bondable(ctx, dem, i, j, &distance);
@@ -238,7 +238,7 @@ static size_t count_known(const gn_contacts *list, const gn_pair_list *pairs) {
  * free overlap of that pair. */
 static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fresh,
                            gneiss_error *error) {
-    gn_contacts *old = &dem->bonds, now = {0};
+    gn_contacts *old = &dem->bonds.contacts, now = {0};
     size_t count = old->soa.count + pairs->count - count_known(old, pairs), at = 0, next = 0;
     GN_TRY(gn_soa_create(&gn_contact_record, &now, count, old->soa.effects, error));
     for (size_t c = 0; c < count; c++) {
@@ -256,13 +256,13 @@ static gneiss_status merge(gn_dem *dem, const gn_pair_list *pairs, uint8_t *fres
         next += !first;
     }
     gn_soa_destroy(&gn_contact_record, old);
-    dem->bonds = now;
+    dem->bonds.contacts = now;
     return GNEISS_OK;
 }
 
 /* As if a bond had broken there: it presses below its distance of no force, and never pulls. */
 static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, double rest) {
-    gn_contacts *b = &dem->bonds;
+    gn_contacts *b = &dem->bonds.contacts;
     b->length0[c] = rest;
     gn_contact_set(ctx, dem, b, c);
     if (b->area) b->area[c] = gn_contact_area(ctx, dem, b, c, 0.0);
@@ -274,12 +274,12 @@ static void set_overlap(const gn_step_context *ctx, gn_dem *dem, size_t c, doubl
  * they count as none. */
 static gneiss_status keep_overlaps(const gn_step_context *ctx, gn_dem *dem, const free_overlaps *o,
                                    gneiss_error *error) {
-    const size_t most = dem->bonds.soa.count + o->pairs.count;
+    const size_t most = dem->bonds.contacts.soa.count + o->pairs.count;
     if (!o->pairs.count) return GNEISS_OK;
     uint8_t *fresh = gn_alloc(most + 1);
     if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu overlaps", most);
     gneiss_status status = merge(dem, &o->pairs, fresh, error);
-    for (size_t c = 0, next = 0; status == GNEISS_OK && c < dem->bonds.soa.count; c++)
+    for (size_t c = 0, next = 0; status == GNEISS_OK && c < dem->bonds.contacts.soa.count; c++)
         if (fresh[c]) set_overlap(ctx, dem, c, o->rest[next++]);
     gn_free(fresh);
     return status;
@@ -301,11 +301,9 @@ static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, g
     return GNEISS_OK;
 }
 
-static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_pair_list *pairs, const gn_from_run *from,
-                                gneiss_error *error) {
-    gn_contacts *b = &dem->bonds;
+static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
+                                const gn_from_run *from, gneiss_error *error) {
+    gn_contacts *b = &dem->bonds.contacts;
     const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_law_derive(ctx, dem, pairs, error));
     GN_TRY(gn_soa_create(&gn_contact_record, b, bonds ? pairs->count : 0,
@@ -314,28 +312,24 @@ static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
         set_bond(ctx, dem, c, pairs->pair[c][0], pairs->pair[c][1]);
         if (from->rest_length) b->length0[c] = from->rest_length[c];
     }
-    GN_TRY(gn_areas_find(ctx, dem, boundary, solids, error));
+    GN_TRY(gn_areas_find(ctx, dem, error));
     share_out_energies(ctx, dem);
     for (size_t c = 0; c < b->soa.count; c++) gn_contact_set(ctx, dem, b, c);
     dem->bonds_at_start = (int64_t)b->soa.count;
     return GNEISS_OK;
 }
 
-gneiss_status gn_bonds_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error) {
+static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_pair_list pairs = {0};
     gn_from_run from = {0};
     free_overlaps loose = {0};
     gneiss_status status = find_bonds(ctx, dem, &pairs, &from, &loose, error);
-    if (status == GNEISS_OK) status = make_bonds(ctx, dem, boundary, solids, &pairs, &from, error);
+    if (status == GNEISS_OK) status = make_bonds(ctx, dem, &pairs, &from, error);
     if (status == GNEISS_OK) status = keep_overlaps(ctx, dem, &loose, error);
     gn_from_run_free(&from);
     gn_pair_list_free(&pairs);
     free_overlaps_free(&loose);
-    if (status != GNEISS_OK) return status;
-    gn_contacts_pad(&dem->bonds, &dem->particles);
-    return gn_partials_build(&dem->bonds, dem->particles.soa.count, ctx->threads,
-                             &dem->bond_partials, error);
+    return status;
 }
 
 /* --- in a later stage --- */
@@ -378,7 +372,8 @@ static double stored_in(const gn_step_context *ctx, const gn_dem *dem, const gn_
     const gn_law *law = gn_law_of(list->soa.effects);
     double sum = 0.0;
     for (size_t c = 0; c < list->soa.count; c++) {
-        if (list == &dem->pairs && has_pair(&dem->bonds, list->i[c], list->j[c])) continue;
+        if (list == &dem->pairs.contacts && has_pair(&dem->bonds.contacts, list->i[c], list->j[c]))
+            continue;
         const double *a = dem->particles.pos + 4 * (int64_t)list->i[c],
                      *b = dem->particles.pos + 4 * (int64_t)list->j[c];
         double d[3], length = sqrt(gn_branch(ctx, a, b, d));
@@ -406,7 +401,9 @@ bool gn_stored_matters(const gn_step_context *ctx, const gn_dem *dem, double sto
 double gn_contacts_stored(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_periodic_box *box) {
     gn_near_settle(ctx, dem);
-    return stored_in(ctx, dem, box, &dem->bonds) + stored_in(ctx, dem, box, &dem->pairs);
+    double sum = 0.0;
+    for (int l = 0; l < GN_LIST_COUNT; l++) sum += stored_in(ctx, dem, box, &dem->list[l].contacts);
+    return sum;
 }
 
 /* A contact that is no bond any more bears no more across it than friction lets it, and where it is
@@ -428,7 +425,7 @@ static void leave_to_friction(const gn_step_context *ctx, const gn_dem *dem, gn_
 }
 
 void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
-    gn_contacts *b = &dem->bonds;
+    gn_contacts *b = &dem->bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gn_contact_bonded(b, c)) continue;
         leave_to_friction(ctx, dem, b, c);
@@ -440,7 +437,7 @@ void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem) {
 
 /* Those that neither are nor were bonds, in the same order. */
 static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     size_t kept = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
@@ -454,7 +451,7 @@ static void drop_known(const gn_dem *dem, gn_pair_list *pairs) {
  * tangential force of the contact that it was. */
 static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contacts *bonds,
                        size_t c) {
-    const gn_contacts *pairs = &dem->pairs;
+    const gn_contacts *pairs = &dem->pairs.contacts;
     size_t at = gn_contacts_from(pairs, bonds->i[c], bonds->j[c]);
     bool found =
         at < pairs->soa.count && pairs->i[at] == bonds->i[c] && pairs->j[at] == bonds->j[c];
@@ -469,50 +466,43 @@ static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contact
 }
 
 /* Sections are those of all bonds together; what was there before keeps its own. */
-static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const uint8_t *fresh, gneiss_error *error) {
-    gn_contacts *b = &dem->bonds;
+static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem, const uint8_t *fresh,
+                                    gneiss_error *error) {
+    gn_contacts *b = &dem->bonds.contacts;
     double *before = b->area ? gn_alloc_array(b->soa.count + 1, sizeof *before) : NULL;
     if (b->area && !before) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sections");
     if (before) memcpy(before, b->area, b->soa.count * sizeof *before);
-    gneiss_status status = gn_areas_find(ctx, dem, boundary, solids, error);
+    gneiss_status status = gn_areas_find(ctx, dem, error);
     for (size_t c = 0; before && c < b->soa.count; c++)
         if (!fresh[c]) b->area[c] = before[c];
     gn_free(before);
     return status;
 }
 
-static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                               const gn_solids *solids, const gn_pair_list *pairs,
+static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
                                gneiss_error *error) {
     gn_dem *d = dem;
-    uint8_t *fresh = gn_alloc(d->bonds.soa.count + pairs->count + 1);
+    uint8_t *fresh = gn_alloc(d->bonds.contacts.soa.count + pairs->count + 1);
     if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds");
     gneiss_status status = merge(dem, pairs, fresh, error);
-    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++)
-        if (fresh[c]) set_bond(ctx, dem, c, d->bonds.i[c], d->bonds.j[c]);
-    if (status == GNEISS_OK) status = find_new_areas(ctx, dem, boundary, solids, fresh, error);
+    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.contacts.soa.count; c++)
+        if (fresh[c]) set_bond(ctx, dem, c, d->bonds.contacts.i[c], d->bonds.contacts.j[c]);
+    if (status == GNEISS_OK) status = find_new_areas(ctx, dem, fresh, error);
     if (status == GNEISS_OK) share_out_energies(ctx, dem);
-    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++) {
+    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.contacts.soa.count; c++) {
         if (!fresh[c]) continue;
-        gn_contact_set(ctx, dem, &d->bonds, c);
-        take_shear(ctx, dem, &d->bonds, c);
+        gn_contact_set(ctx, dem, &d->bonds.contacts, c);
+        take_shear(ctx, dem, &d->bonds.contacts, c);
     }
     gn_free(fresh);
     GN_TRY(status);
     d->bonds_at_start += (int64_t)pairs->count;
-    gn_contacts_pad(&d->bonds, &d->particles);
-    gn_free(d->bond_sums); /* lists make room for it, and look at what is loose */
-    gn_free(d->loose);
-    d->bond_sums = NULL;
+    gn_free(d->loose); /* found again with the lists */
     d->loose = NULL;
-    return gn_partials_build(&d->bonds, d->particles.soa.count, ctx->threads, &d->bond_partials,
-                             error);
+    return gn_list_changed(ctx, dem, &d->bonds, error);
 }
 
-gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                           const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_pair_query query = bond_query(ctx, dem);
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
@@ -523,7 +513,17 @@ gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_bou
         bondable(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], &distance);
         status = check_bonded(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], distance, error);
     }
-    if (status == GNEISS_OK) status = add_bonds(ctx, dem, boundary, solids, &pairs, error);
+    if (status == GNEISS_OK) status = add_bonds(ctx, dem, &pairs, error);
     gn_pair_list_free(&pairs);
     return status;
 }
+
+static gn_effects bond_effects(gn_effects scene_effects) {
+    return gn_contact_list_effects(scene_effects, true);
+}
+
+const gn_list_kind gn_list_kind_bonds = {.record = "bonds",
+                                         .persistent = true,
+                                         .of_materials = true,
+                                         .effects_of = bond_effects,
+                                         .form = form_bonds};

@@ -18,7 +18,7 @@
 /* Means over the bonds: of the diameters, and of what a wave takes for a length in a chain of equal
  * masses m and springs k of length L, sqrt(m/k)/L. */
 static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_bursts *b) {
-    const gn_contacts *list = &dem->bonds;
+    const gn_contacts *list = &dem->bonds.contacts;
     const double *pos = dem->particles.pos, *vel = dem->particles.vel;
     double across = 0.0, slow = 0.0;
     size_t count = 0;

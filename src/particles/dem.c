@@ -20,6 +20,7 @@
 #include "particles/fragments.h"
 #include "particles/from_run.h"
 #include "particles/law.h"
+#include "particles/observe.h"
 #include "particles/particles_private.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
@@ -42,10 +43,7 @@ gneiss_status gn_dem_prepare(const gn_step_context *ctx, gn_dem *dem, gneiss_err
     GN_TRY(gn_hertz_prepare(ctx, dem, error));
     GN_TRY(gn_flow_prepare(ctx, dem, error));
     GN_TRY(gn_dem_use_threads(ctx, dem, error));
-    GN_TRY(gn_contact_kernel_choose(ctx->kernels, gn_contact_list_effects(ctx->effects, true),
-                                    &dem->bond_kernel, error));
-    GN_TRY(gn_contact_kernel_choose(ctx->kernels, gn_contact_list_effects(ctx->effects, false),
-                                    &dem->pair_kernel, error));
+    GN_TRY(gn_lists_choose_kernels(ctx, dem, error));
     return gn_motion_kernel_choose(ctx->kernels, ctx->effects, &dem->motion_kernel, error);
 }
 
@@ -82,19 +80,17 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     return GNEISS_OK;
 }
 
-static double bulk_factor(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids) {
+static double bulk_factor(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
     double porosity = ctx->scene.specimen.porosity;
-    if (porosity < 0.0) porosity = gn_world_porosity(ctx, dem, boundary, solids);
+    if (porosity < 0.0) porosity = gn_dem_porosity(ctx, dem);
     return 1.0 / (1.0 - porosity);
 }
 
 /* Sphere I = 2/5 m r^2, disc of unit thickness I = 1/2 m r^2. */
-static void set_masses(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids) {
+static void set_masses(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
-    double factor = bulk_factor(ctx, dem, boundary, solids);
+    double factor = bulk_factor(ctx, dem);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
         double mass = ctx->scene.materials[q->material[p]].density * factor *
@@ -156,11 +152,10 @@ static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                              const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_dem *d = dem;
     GN_TRY(gn_sets_assign(ctx, dem, error));
-    set_masses(ctx, dem, boundary, solids);
+    set_masses(ctx, dem);
     GN_TRY(take_velocities(ctx, dem, error));
     GN_TRY(gn_sets_apply(ctx, dem, error));
     GN_TRY(gn_flow_create(ctx, dem, error));
@@ -175,12 +170,11 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_
 
 /* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
  * contacts are that hold anything. */
-static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 gn_stages *stages, gneiss_error *error) {
+static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
+                                 gneiss_error *error) {
     bool said = ctx->scene.bonds_stage == stages->now + 1, on = ctx->scene.bonds == GN_SWITCH_ON;
     if (!(ctx->effects & GN_FX_BONDS)) return GNEISS_OK;
-    if (on && said) return gn_bonds_add(ctx, dem, boundary, solids, error);
+    if (on && said) return gn_bonds_add(ctx, dem, error);
     if (!on) gn_bonds_dissolve(ctx, dem);
     return GNEISS_OK;
 }
@@ -206,12 +200,12 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_motion_kernel_choose(w->ctx.kernels, w->ctx.effects, &w->dem.motion_kernel, error));
     /* What differs between stages has no storage; files say what there is. */
     w->dem.particles.soa.effects = w->ctx.effects;
-    w->dem.bonds.soa.effects = gn_contact_list_effects(w->ctx.effects, true);
-    w->dem.pairs.soa.effects = gn_contact_list_effects(w->ctx.effects, false);
-    if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.soa.effects;
-    GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.bonds, error));
-    GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.pairs, error));
-    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->stages, error));
+    gn_lists_set_effects(&w->ctx, &w->dem);
+    if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->of_materials)
+            GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
+    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->stages, error));
     w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
     gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */
     gn_near_forget(&w->ctx, &w->dem);      /* velocities and parameters may be others */
@@ -220,10 +214,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     GN_TRY(gn_soa_create(&gn_particle_record, &dem->particles, 0, ctx->effects, error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &dem->bonds, 0,
-                         gn_contact_list_effects(ctx->effects, true), error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &dem->pairs, 0,
-                         gn_contact_list_effects(ctx->effects, false), error));
+    for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_create_empty(ctx, dem, l, error));
     dem->verlet.skin = dem->verlet.skin_start = 1.0;
     dem->stable = INFINITY;
     return GNEISS_OK;
@@ -231,29 +222,20 @@ gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneis
 
 void gn_dem_free(gn_dem *d) {
     gn_soa_destroy(&gn_particle_record, &d->particles);
-    gn_soa_destroy(&gn_contact_record, &d->bonds);
-    gn_soa_destroy(&gn_contact_record, &d->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++) gn_contact_list_free(&d->list[l]);
     gn_soa_destroy(&gn_contact_record, &d->prepared);
-    gn_partials_free(&d->bond_partials);
-    gn_partials_free(&d->pair_partials);
     gn_deal_free(&d->deal);
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
     gn_flow_free(&d->flow);
     gn_near_free(&d->near);
-    void *blocks[] = {d->membrane,        d->patches,
-                      d->skin_gradient,   d->skin_body,
-                      d->index_of_id,     d->channel_set,
-                      d->set_reaction,    d->loose,
-                      d->prescribed.set,  d->prescribed.mask,
-                      d->prescribed.load, d->prescribed.velocity,
-                      d->bond_sums,       d->pair_sums,
-                      d->motion_sums,     d->vel_past,
-                      d->spin_past,       d->around,
-                      d->pieces.parent,   d->pieces.members,
-                      d->pieces.volume,   d->still,
-                      d->sleeper,         d->hertz,
-                      d->driven,          d->ways};
+    void *blocks[] = {
+        d->membrane,       d->patches,         d->skin_gradient,   d->skin_body,
+        d->index_of_id,    d->channel_set,     d->set_reaction,    d->loose,
+        d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
+        d->motion_sums,    d->vel_past,        d->spin_past,       d->around,
+        d->pieces.parent,  d->pieces.members,  d->pieces.volume,   d->still,
+        d->sleeper,        d->hertz,           d->driven,          d->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }
@@ -263,20 +245,22 @@ void gn_dem_free(gn_dem *d) {
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h) {
     gn_near_settle(ctx, dem);
     h = gn_soa_hash(&gn_particle_record, &dem->particles, h);
-    h = gn_soa_hash(&gn_contact_record, &dem->bonds, h);
-    h = gn_soa_hash(&gn_contact_record, &dem->pairs, h);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        h = gn_soa_hash(&gn_contact_record, &dem->list[l].contacts, h);
     return gn_flow_hash(ctx, dem, h);
 }
 
-static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
-    return list->soa.capacity * gn_record_bytes(&gn_contact_record, list->soa.effects) +
-           gn_partials_bytes(q, list->soa.count, 2);
+static size_t list_bytes(const gn_contact_list *list) {
+    const gn_soa *soa = &list->contacts.soa;
+    return soa->capacity * gn_record_bytes(&gn_contact_record, soa->effects) +
+           gn_partials_bytes(&list->partials, soa->count, 2);
 }
 
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_dem *d = dem;
     size_t each = gn_record_bytes(&gn_particle_record, ctx->effects) + 2 * sizeof(int32_t);
-    return d->particles.soa.capacity * each + list_bytes(&d->bonds, &d->bond_partials) +
-           list_bytes(&d->pairs, &d->pair_partials) + gn_near_bytes(dem) +
+    size_t bytes = d->particles.soa.capacity * each + gn_near_bytes(dem);
+    for (int l = 0; l < GN_LIST_COUNT; l++) bytes += list_bytes(&d->list[l]);
+    return bytes +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
 }

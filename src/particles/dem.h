@@ -20,6 +20,7 @@
 #include "measure/energy.h"
 #include "neigh/pairs.h"
 #include "particles/active_pairs.h"
+#include "particles/contact_lists.h"
 #include "particles/events.h"
 #include "particles/flow.h"
 #include "sched/deal.h"
@@ -53,7 +54,9 @@ typedef struct gn_resolution {
 
 /* What a step summed up to, over all blocks. */
 typedef struct gn_dem_sums {
-    gn_contact_sums bonds, pairs, walls; /* the last: contacts with walls and facets */
+    gn_contact_sums list[GN_LIST_COUNT]; /* of each contact list */
+    gn_contact_sums contacts;            /* of all lists */
+    gn_contact_sums walls;               /* of contacts with walls and facets */
     gn_motion_sums motion;
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
@@ -111,12 +114,17 @@ typedef struct gn_pieces {
 
 struct gn_dem {
     gn_particles particles;
-    gn_contacts bonds, pairs;
+    union {
+        struct { /* the contact lists by name */
+#define X(NAME, name) gn_contact_list name;
+            GN_CONTACT_LISTS(X)
+#undef X
+        };
+        gn_contact_list list[GN_LIST_COUNT];
+    };
     gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
     gn_sleeper *sleeper;  /* [particles] by id, with couple.convert; else NULL */
     uint8_t *still; /* [motion_blocks] no particle of it is awake, with couple.convert; else NULL */
-    gn_partials bond_partials, pair_partials;
-    gn_uniform bond_uniform, pair_uniform;
     int32_t *index_of_id; /* [ids] -1: gone, its row as well */
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
@@ -146,12 +154,10 @@ struct gn_dem {
     double gain; /* m/s, by how much what is driven changes in the coming step; else 0 */
     double push; /* m/s2, of applied forces at the last look, at most */
 
-    gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;
-    gn_deal deal;                           /* of steps among the threads */
-    gn_hold hold;                           /* particles that wait for an exchange */
-    gn_near near;                           /* pairs that can act before long */
-    gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
+    gn_deal deal; /* of steps among the threads */
+    gn_hold hold; /* particles that wait for an exchange */
+    gn_near near; /* pairs that can act before long */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
     gn_dem_sums done; /* in the last step */
@@ -188,8 +194,7 @@ gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss
 gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_packing *packing,
                             gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
-gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                              const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Takes what the scene of another stage says, before the lists are made anew. */
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */
@@ -302,7 +307,7 @@ void gn_dem_add_change(const gn_step_context *ctx, const double *past, const dou
                        size_t count, double halves[2]);
 /* What the kernels get in the coming step (dem_step.c). */
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_periodic_box *box, const gn_contacts *list,
+                                    const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure);
 gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   bool measure);

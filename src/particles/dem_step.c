@@ -2,9 +2,9 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
-#include "drive/box.h"
 #include "frame/balance.h"
 #include "frame/ledger.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/motion.h"
@@ -25,7 +25,7 @@
 /* --- what kernels get --- */
 
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_periodic_box *box, const gn_contacts *list,
+                                    const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure) {
     gn_contact_args a = {0};
     a.pos = dem->particles.pos;
@@ -34,9 +34,9 @@ gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *de
     a.pos_f = dem->particles.travel_f;
     a.vel_f = dem->particles.vel_f;
     a.spin_f = dem->particles.spin_f;
-    a.contacts = list;
-    a.uniform = list == &dem->bonds ? dem->bond_uniform : dem->pair_uniform;
-    a.partials = list == &dem->bonds ? &dem->bond_partials : &dem->pair_partials;
+    a.contacts = &list->contacts;
+    a.uniform = list->uniform;
+    a.partials = &list->partials;
     a.dt = ctx->dt_past;
     a.speed_most = dem->speed_most;
     a.flows = gn_box_moved(box);
@@ -61,8 +61,8 @@ gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_bo
                                   bool measure) {
     gn_motion_args a = {0};
     a.particles = &dem->particles;
-    a.bonds = &dem->bond_partials;
-    a.pairs = &dem->pair_partials;
+    a.lists = GN_LIST_COUNT;
+    for (int l = 0; l < GN_LIST_COUNT; l++) a.partials[l] = &dem->list[l].partials;
     a.wall_contacts = ctx->effects & GN_FX_WALLS ? &boundary->contacts : NULL;
     a.wall_first = boundary->first;
     a.prescribed = ctx->effects & GN_FX_PRESCRIBED ? &dem->prescribed : NULL;
@@ -76,6 +76,11 @@ gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_bo
     a.damping_lead = ctx->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
     return a;
+}
+
+static void list_args(const gn_world *w, bool measure, gn_contact_args args[GN_LIST_COUNT]) {
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        args[l] = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.list[l], measure);
 }
 
 /* --- forces and motion --- */
@@ -94,15 +99,15 @@ void gn_dem_forces(gn_world *w, bool measure) {
     if (w->ctx.effects & GN_FX_PRESCRIBED)
         gn_prescription_update(&w->ctx, &w->dem, w->ctx.time + 0.5 * w->ctx.dt);
     if (!d->particles.soa.count) return;
-    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds);
+    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds.contacts);
     if (w->ctx.dt_past > 0.0 && w->ctx.dt != w->ctx.dt_past && w->ctx.effects & GN_FX_ENERGY) {
         d->vel_past = gn_dem_kept(&d->particles, d->particles.vel);
         d->spin_past = gn_dem_kept(&d->particles, d->particles.spin);
     }
-    gn_contact_args bonds = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.bonds, measure);
-    gn_contact_args pairs = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &w->dem.pairs, measure);
+    gn_contact_args contacts[GN_LIST_COUNT];
+    list_args(w, measure, contacts);
     gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
-    gn_dem_sweep(w, &bonds, &pairs, &motion);
+    gn_dem_sweep(w, contacts, &motion);
 }
 
 /* In block order, whoever worked on them. */
@@ -121,8 +126,13 @@ static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count
 static void add_up(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    gn_dem_sums *s) {
     const gn_dem *d = dem;
-    s->bonds = add_contact_sums(d->bond_sums, d->bonds.soa.count ? d->bond_partials.blocks : 0);
-    s->pairs = add_contact_sums(d->pair_sums, d->pairs.soa.count ? d->pair_partials.blocks : 0);
+    s->contacts = (gn_contact_sums){0};
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contact_list *list = &d->list[l];
+        s->list[l] =
+            add_contact_sums(list->sums, list->contacts.soa.count ? list->partials.blocks : 0);
+        gn_contact_sums_add(&s->contacts, &s->list[l]);
+    }
     s->walls = add_contact_sums(boundary->sums, ctx->effects & GN_FX_WALLS ? d->motion_blocks : 0);
     if (boundary->body_contacts.soa.count) gn_contact_sums_add(&s->walls, &boundary->body_sums);
     if (boundary->pairs.count) gn_contact_sums_add(&s->walls, &boundary->pairs.sums);
@@ -174,10 +184,10 @@ void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
     gn_near_moved(ctx, dem);
     d->verlet.drift += ctx->dt * speed;
     d->verlet.closed += 2.0 * (ctx->dt * speed);
-    d->broken_tension += d->done.bonds.broken_tension;
-    d->broken_shear += d->done.bonds.broken_shear;
-    d->pressed = d->done.pairs.pressed + d->done.walls.pressed > 0;
-    d->contact_steps += (int64_t)(d->bonds.soa.count + d->pairs.soa.count);
+    d->broken_tension += d->done.list[GN_LIST_BONDS].broken_tension;
+    d->broken_shear += d->done.list[GN_LIST_BONDS].broken_shear;
+    d->pressed = d->done.list[GN_LIST_PAIRS].pressed + d->done.walls.pressed > 0;
+    d->contact_steps += (int64_t)gn_lists_count(d);
 }
 
 /* --- at another state than the last --- */
@@ -189,14 +199,14 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     w->ctx.dt_past = span;
     d->speed_most = 0.0;
     gn_near_forget(&w->ctx, &w->dem);
-    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds);
-    gn_contact_args bonds = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &d->bonds, measure);
-    gn_contact_args pairs = gn_dem_contact_args(&w->ctx, &w->dem, &w->box, &d->pairs, measure);
+    gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds.contacts);
+    gn_contact_args contacts[GN_LIST_COUNT];
+    list_args(w, measure, contacts);
     gn_motion_args motion = gn_dem_motion_args(&w->ctx, &w->dem, &w->boundary, measure);
     motion.dt_past = 0.0;
     motion.dt = kick;
     if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
-    gn_dem_sweep(w, &bonds, &pairs, &motion);
+    gn_dem_sweep(w, contacts, &motion);
     w->ctx.dt_past = past;
     add_up(&w->ctx, &w->dem, &w->boundary, &d->done);
     if (w->ctx.effects & GN_FX_PRESCRIBED) gn_reactions_sum(&w->ctx, &w->dem);
@@ -205,7 +215,7 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
 /* --- what came of it --- */
 
 static void book_contacts(const gn_dem_sums *s, gn_energy *e) {
-#define X(name, text) e->name += s->bonds.name + s->pairs.name + s->walls.name;
+#define X(name, text) e->name += s->contacts.name + s->walls.name;
     GN_CONTACT_LOSSES(X)
 #undef X
 }
@@ -225,12 +235,11 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     const double volume = gn_space_volume(w);
     ledger->kinetic = s->motion.kinetic;
     ledger->rotational = s->motion.rotational;
-    ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
-    ledger->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
-    ledger->elastic_bending = s->bonds.elastic_bending + s->pairs.elastic_bending;
+    ledger->elastic_normal = s->contacts.elastic_normal;
+    ledger->elastic_shear = s->contacts.elastic_shear;
+    ledger->elastic_bending = s->contacts.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
-    for (int k = 0; k < 9; k++)
-        stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / volume;
+    for (int k = 0; k < 9; k++) stress[k] = (s->contacts.stress[k] + s->walls.stress[k]) / volume;
     gn_membrane_stress(w, stress);
 }
 
@@ -241,8 +250,8 @@ static double carried(const gn_dem *dem, const gn_boundary *boundary, double *co
     const gn_wall_contacts *lists[] = {&boundary->contacts, &boundary->body_contacts};
     const gn_contact_sums none = {0},
                           *bodies = boundary->pairs.count ? &boundary->pairs.sums : &none;
-    double force = s->bonds.force + s->pairs.force + bodies->force;
-    *count = s->bonds.carrying + s->pairs.carrying + bodies->carrying;
+    double force = s->contacts.force + bodies->force;
+    *count = s->contacts.carrying + bodies->carrying;
     for (int k = 0; k < 2; k++)
         for (size_t c = 0; c < lists[k]->soa.count; c++) {
             const double *row = lists[k]->row + 8 * c, size = sqrt(gn_dot3(row, row));

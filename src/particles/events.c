@@ -32,7 +32,7 @@ static gneiss_status grow(gn_events *list, size_t more, gneiss_error *error) {
 /* Where the contact was at the instant of the forces: the ends have moved on since. */
 static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, double place[3]) {
     const gn_particles *q = &dem->particles;
-    const size_t i = (size_t)dem->bonds.i[c], j = (size_t)dem->bonds.j[c];
+    const size_t i = (size_t)dem->bonds.contacts.i[c], j = (size_t)dem->bonds.contacts.j[c];
     double d[3], at[3];
     gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d);
     for (size_t a = 0; a < 3; a++) {
@@ -47,7 +47,8 @@ static void place_of(const gn_step_context *ctx, const gn_dem *dem, size_t c, do
 
 static void add_event(const gn_step_context *ctx, gn_dem *dem, size_t c, int cause, double energy) {
     const gn_dem *d = dem;
-    int32_t a = d->particles.id[d->bonds.i[c]], b = d->particles.id[d->bonds.j[c]];
+    int32_t a = d->particles.id[d->bonds.contacts.i[c]],
+            b = d->particles.id[d->bonds.contacts.j[c]];
     gn_event *e = &dem->events.rows[dem->events.count++];
     *e = (gn_event){.step = ctx->step, .time = ctx->time, .energy = energy, .cause = cause};
     e->i = a < b ? a : b;
@@ -56,7 +57,7 @@ static void add_event(const gn_step_context *ctx, gn_dem *dem, size_t c, int cau
 }
 
 static void take_marks(const gn_step_context *ctx, gn_dem *dem, size_t c) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     const int what = b->happened[c];
     b->happened[c] = 0;
     if (what & GN_HAPPENED_SOFTENING) add_event(ctx, dem, c, GN_EVENT_SOFTENING, 0.0);
@@ -74,12 +75,12 @@ static int by_ends(const void *a, const void *b) {
 }
 
 gneiss_status gn_events_note(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    const gn_contacts *b = &dem->bonds;
-    const gn_contact_sums *all = &dem->done.bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
+    const gn_contact_sums *all = &dem->done.list[GN_LIST_BONDS];
     if (!b->happened || !(all->broken_tension + all->broken_shear + all->began)) return GNEISS_OK;
-    const size_t first = dem->events.count, length = dem->bond_partials.length;
-    for (size_t k = 0; k < dem->bond_partials.blocks; k++) {
-        const gn_contact_sums *s = &dem->bond_sums[k];
+    const size_t first = dem->events.count, length = dem->bonds.partials.length;
+    for (size_t k = 0; k < dem->bonds.partials.blocks; k++) {
+        const gn_contact_sums *s = &dem->bonds.sums[k];
         size_t end = (k + 1) * length < b->soa.count ? (k + 1) * length : b->soa.count;
         if (!(s->broken_tension + s->broken_shear + s->began)) continue;
         for (size_t c = k * length; c < end; c++) {

@@ -76,8 +76,8 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS)) return NULL;
     start(q, p->soa.count);
-    join_touching(ctx, dem, &dem->bonds, q->parent);
-    join_touching(ctx, dem, &dem->pairs, q->parent);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        join_touching(ctx, dem, &dem->list[l].contacts, q->parent);
     for (size_t k = 0; k < p->soa.count; k++)
         if (p->vel[4 * k + 3] > 0.0) q->members[gn_set_root(q->parent, (int32_t)k)]++;
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
@@ -89,8 +89,8 @@ const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem) {
 bool gn_world_has_loosened(const gn_dem *dem) {
     const gn_dem *d = dem;
     if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
-    for (size_t c = 0; c < d->bonds.soa.count; c++)
-        if (d->bonds.cause[c] == GN_BOND_DISSOLVED) return true;
+    for (size_t c = 0; c < d->bonds.contacts.soa.count; c++)
+        if (d->bonds.contacts.cause[c] == GN_BOND_DISSOLVED) return true;
     return false;
 }
 
@@ -100,7 +100,7 @@ size_t gn_world_body_groups(const gn_step_context *ctx, const gn_dem *dem, int32
     int32_t *parent = dem->pieces.parent, lead = 0;
     size_t groups = 0;
     memset(group, 0, n * sizeof *group);
-    if (!parent || !dem->bonds.soa.count) return 1;
+    if (!parent || !dem->bonds.contacts.soa.count) return 1;
     const int32_t *members = gn_world_bodies(ctx, dem);
     for (size_t p = 0; p < n; p++)
         if (members[p] > members[lead]) lead = (int32_t)p;
@@ -117,7 +117,7 @@ gn_fragments gn_world_fragments(const gn_step_context *ctx, const gn_dem *dem) {
     const gn_pieces *q = &dem->pieces;
     if (!(ctx->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
     start(q, n);
-    join(&dem->bonds, q->parent);
+    join(&dem->bonds.contacts, q->parent);
     return measure(ctx, dem, q->parent, q->volume, q->members);
 }
 
@@ -190,7 +190,7 @@ gneiss_status gn_fragments_list(const gn_step_context *ctx, const gn_dem *dem,
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles",
                        n);
     start(q, n);
-    join(&dem->bonds, q->parent);
+    join(&dem->bonds.contacts, q->parent);
     memset(list->of, -1, n * sizeof *list->of);
     sum_pieces(ctx, dem, list, list->of);
     qsort(list->row, list->count, sizeof *list->row, by_volume);

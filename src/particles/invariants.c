@@ -82,7 +82,8 @@ static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
             double d[3], gap = sqrt(gn_branch(ctx, x, y, d)) - x[3] - y[3];
             bool there = q->vel[4 * (int64_t)i + 3] > 0.0 && q->vel[4 * (int64_t)j + 3] > 0.0;
             there = there && !gn_conversion_hides(ctx, dem, i, j);
-            bool bond = listed(&dem->bonds, i, j), pair = listed(&dem->pairs, i, j);
+            bool bond = listed(&dem->bonds.contacts, i, j),
+                 pair = listed(&dem->pairs.contacts, i, j);
             assert(!(bond && pair));
             assert(bond || pair || !there || gap > dem->verlet.skin * (1.0 - 1e-9));
         }
@@ -91,11 +92,11 @@ static void assert_complete(const gn_step_context *ctx, const gn_dem *dem) {
 void gn_world_assert_lists(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
     assert_particles(dem);
-    assert_contacts(dem, &dem->bonds);
-    assert_contacts(dem, &dem->pairs);
     assert_wall_contacts(ctx, dem, boundary);
-    assert_partials(dem, &dem->bonds, &dem->bond_partials);
-    assert_partials(dem, &dem->pairs, &dem->pair_partials);
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        assert_contacts(dem, &dem->list[l].contacts);
+        assert_partials(dem, &dem->list[l].contacts, &dem->list[l].partials);
+    }
     assert_complete(ctx, dem);
 }
 #endif

@@ -155,7 +155,7 @@ double gn_touch_area(const gn_step_context *ctx, const gn_dem *dem, size_t parti
 /* Planes across e cut the bond area sum A L |n.e|/V of each of their own; the mean of |n.e| over
  * all e is 1/2, in 2D 2/pi. */
 double gn_law_cut(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     gn_law_model model = model_of(ctx, dem);
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {

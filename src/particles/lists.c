@@ -7,8 +7,8 @@
 #include "boundary/surface.h"
 #include "boundary/walls.h"
 #include "conversion/conversion.h"
-#include "drive/box.h"
 #include "frame/ledger.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "inflow/removal.h"
 #include "kernels/contact.h"
@@ -63,11 +63,12 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
 /* Those without bonds; where elements convert, those of which one has a part of the body at least:
  * bonds of others sleep, and their overlap, which is all theirs, is no contact. */
 static void drop_bonded(const gn_step_context *ctx, const gn_dem *dem, gn_pair_list *pairs) {
-    if (!dem->bonds.soa.count) return;
+    if (!dem->bonds.contacts.soa.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&dem->bonds, &at, i, j) || gn_conversion_hides(ctx, dem, i, j)) continue;
+        if (walk_to(&dem->bonds.contacts, &at, i, j) || gn_conversion_hides(ctx, dem, i, j))
+            continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
@@ -84,12 +85,12 @@ static void fill_part(const gn_step_context *ctx, const gn_dem *dem, const gn_pa
     size_t place = *at; /* in a register, as the ends are */
     for (size_t c = begin; c < end; c++) {
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
-        bool known = walk_to(&dem->pairs, &place, i, j);
+        bool known = walk_to(&dem->pairs.contacts, &place, i, j);
         from[c - begin] = known ? (int32_t)place : -1;
         if (!known) gn_contact_set(ctx, dem, now, c);
     }
     *at = place;
-    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &dem->pairs, from);
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &dem->pairs.contacts, from);
 }
 
 /* Fills the list from the pairs found; every thread walks through its part of the old list. */
@@ -100,7 +101,8 @@ static void fill_pairs(const gn_step_context *ctx, const gn_dem *dem, const gn_p
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
         if (begin < end)
-            at = gn_contacts_from(&dem->pairs, found->pair[begin][0], found->pair[begin][1]);
+            at = gn_contacts_from(&dem->pairs.contacts, found->pair[begin][0],
+                                  found->pair[begin][1]);
         for (size_t c = begin; c < end; c += PART)
             fill_part(ctx, dem, found, now, c, end - c < PART ? end : c + PART, &at);
     }
@@ -123,15 +125,20 @@ static gneiss_status make_pairs(const gn_step_context *ctx, gn_dem *dem, const g
                                          gn_contact_list_effects(ctx->effects, false), error);
     if (status == GNEISS_OK) {
         fill_pairs(ctx, dem, &found, &now);
-        gn_soa_destroy(&gn_contact_record, &dem->pairs);
-        dem->pairs = now;
-        gn_contacts_pad(&dem->pairs, &dem->particles);
-        status = gn_partials_build(&dem->pairs, dem->particles.soa.count, ctx->threads,
-                                   &dem->pair_partials, error);
+        gn_soa_destroy(&gn_contact_record, &dem->pairs.contacts);
+        dem->pairs.contacts = now;
+        status = gn_list_changed(ctx, dem, &dem->pairs, error);
     }
     gn_pair_list_free(&found);
     return status;
 }
+
+static gn_effects pair_effects(gn_effects scene_effects) {
+    return gn_contact_list_effects(scene_effects, false);
+}
+
+const gn_list_kind gn_list_kind_pairs = {
+    .record = "pairs", .of_materials = true, .effects_of = pair_effects};
 
 /* --- order --- */
 
@@ -227,14 +234,7 @@ static gneiss_status reorder(const gn_step_context *ctx, gn_dem *dem, gn_boundar
         for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
         gn_dem_number_ids(dem);
     }
-    if (status == GNEISS_OK && dem->bonds.soa.capacity) {
-        status = gn_contacts_rename(&dem->bonds, place, error);
-        gn_contacts_pad(&dem->bonds, &dem->particles);
-        if (status == GNEISS_OK)
-            status = gn_partials_build(&dem->bonds, n, ctx->threads, &dem->bond_partials, error);
-    }
-    if (status == GNEISS_OK && dem->pairs.soa.capacity)
-        status = gn_contacts_rename(&dem->pairs, place, error);
+    if (status == GNEISS_OK) status = gn_lists_follow_rows(ctx, dem, place, error);
     if (status == GNEISS_OK) status = gn_boundary_renumber(boundary, place, error);
     gn_free(order);
     gn_free(place);
@@ -258,10 +258,12 @@ static void wrap(const gn_step_context *ctx, gn_dem *dem) {
 
 /* What goes by the blocks of the lists: sums, and who works on what. */
 static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
-    gn_free(dem->pair_sums);
-    dem->pair_sums = gn_alloc_array(dem->pair_partials.blocks + 1, sizeof *dem->pair_sums);
-    if (!dem->bond_sums)
-        dem->bond_sums = gn_alloc_array(dem->bond_partials.blocks + 1, sizeof *dem->bond_sums);
+    bool held = true;
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        gn_contact_list *list = &dem->list[l];
+        if (!list->sums) list->sums = gn_alloc_array(list->partials.blocks + 1, sizeof *list->sums);
+        held = held && list->sums;
+    }
     if (!dem->motion_sums) {
         dem->motion_blocks = gn_blocks(dem->particles.soa.count, GN_PARTICLE_BLOCK);
         dem->motion_sums = gn_alloc_array(dem->motion_blocks + 1, sizeof *dem->motion_sums);
@@ -270,7 +272,7 @@ static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneis
     bool confined = ctx->effects & GN_FX_CONFINED;
     if (confined && !dem->around)
         dem->around = gn_alloc_array(dem->particles.soa.count + 1, 2 * sizeof(double));
-    if (!dem->pair_sums || !dem->bond_sums || !dem->motion_sums || (confined && !dem->around))
+    if (!held || !dem->motion_sums || (confined && !dem->around))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     gn_dem_sum_masses(dem);
     if (gn_converts(ctx)) GN_TRY(gn_conversion_find_still(dem, error));
@@ -364,22 +366,23 @@ static gn_uniform find_uniform(const gn_contacts *k) {
 
 void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem) {
     if (!(ctx->effects & GN_FX_CONTACT_DAMPING)) return;
-    gn_contacts_set_dashpots(ctx, dem, &dem->bonds);
-    gn_contacts_set_dashpots(ctx, dem, &dem->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_kinds[l]->of_materials)
+            gn_contacts_set_dashpots(ctx, dem, &dem->list[l].contacts);
     gn_near_repack(ctx, dem);
-    dem->bond_uniform = find_uniform(&dem->bonds);
-    dem->pair_uniform = find_uniform(&dem->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        dem->list[l].uniform = find_uniform(&dem->list[l].contacts);
 }
 
 /* What kernels read besides the records themselves, once lists and `ref` stand. */
 static void ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
-    dem->bond_uniform = find_uniform(&dem->bonds);
-    dem->pair_uniform = find_uniform(&dem->pairs);
     double period[3] = {0, 0, 0};
     if (ctx->effects & GN_FX_PERIODIC) memcpy(period, ctx->period, sizeof period);
     gn_particles_to_single(&dem->particles, dem->particles.ref, ctx->threads);
-    gn_contacts_to_single(&dem->bonds, &dem->particles, period, ctx->threads);
-    gn_contacts_to_single(&dem->pairs, &dem->particles, period, ctx->threads);
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        dem->list[l].uniform = find_uniform(&dem->list[l].contacts);
+        gn_contacts_to_single(&dem->list[l].contacts, &dem->particles, period, ctx->threads);
+    }
 }
 
 void gn_dem_masses_changed(const gn_step_context *ctx, gn_dem *dem) {
@@ -392,7 +395,7 @@ gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_check_domain(w, error));
     if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
     GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(gn_bonds_form(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_lists_form(&w->ctx, &w->dem, error));
     return gn_converts(&w->ctx) ? gn_conversion_lay_down(&w->ctx, &w->dem, &w->boundary, &w->solids,
                                                          &w->zones, error)
                                 : GNEISS_OK;
@@ -424,17 +427,13 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
                              gneiss_error *error) {
-    size_t n = dem->particles.soa.count;
     gn_dem_null_particles(ctx, dem);
     dem->index_of_id = gn_alloc_array((size_t)dem->ids + 1, sizeof *dem->index_of_id);
     if (!dem->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     GN_TRY(gn_pieces_create(ctx, dem, error));
     gn_dem_number_ids(dem);
-    gn_contacts_pad(&dem->bonds, &dem->particles);
-    gn_contacts_pad(&dem->pairs, &dem->particles);
-    GN_TRY(gn_partials_build(&dem->bonds, n, ctx->threads, &dem->bond_partials, error));
-    GN_TRY(gn_partials_build(&dem->pairs, n, ctx->threads, &dem->pair_partials, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_changed(ctx, dem, &dem->list[l], error));
     ready_kernels(ctx, dem);
     GN_TRY(ready_blocks(ctx, dem, error));
     gn_sinks_listed(ctx, dem);

@@ -41,13 +41,13 @@ static void add_rows(const gn_step_context *ctx, const gn_partials *of, double *
 }
 
 static gneiss_status add_list(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_periodic_box *box, const gn_contacts *list,
-                              const gn_partials *of, double *load, gneiss_error *error) {
+                              const gn_periodic_box *box, const gn_contact_list *list, double *load,
+                              gneiss_error *error) {
     gn_partials own;
     gn_contacts copy = {0};
-    if (!list->soa.count) return GNEISS_OK;
-    GN_TRY(own_rows(of, &own, error));
-    gneiss_status status = gn_contacts_evaluate(ctx, dem, box, list, &own, &copy, error);
+    if (!list->contacts.soa.count) return GNEISS_OK;
+    GN_TRY(own_rows(&list->partials, &own, error));
+    gneiss_status status = gn_contacts_evaluate(ctx, dem, box, &list->contacts, &own, &copy, error);
     if (status == GNEISS_OK) add_rows(ctx, &own, load);
     gn_soa_destroy(&gn_contact_record, &copy);
     gn_free(own.row);
@@ -128,8 +128,8 @@ gneiss_status gn_world_loads(const gn_step_context *ctx, const gn_dem *dem,
                              double *damping, gneiss_error *error) {
     const gn_dem *d = dem;
     memset(total, 0, 6 * d->particles.soa.count * sizeof *total);
-    GN_TRY(add_list(ctx, dem, box, &d->bonds, &d->bond_partials, total, error));
-    GN_TRY(add_list(ctx, dem, box, &d->pairs, &d->pair_partials, total, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        GN_TRY(add_list(ctx, dem, box, &d->list[l], total, error));
     add_walls(ctx, boundary, total);
     for (size_t p = 0; p < d->particles.soa.count; p++)
         complete(ctx, dem, p, total + 6 * p, damping + 6 * p);

@@ -1,5 +1,6 @@
 /* The contacts as they are at the present positions, for output. */
 #include "particles/observe.h"
+#include "base/ball.h"
 #include "base/effects.h"
 #include "base/error.h"
 #include "frame/step_context.h"
@@ -25,10 +26,11 @@ gneiss_status gn_contacts_evaluate(const gn_step_context *ctx, const gn_dem *dem
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &dem->particles);
     /* Of all bonds: of some alone it stays what it was in the last step. */
-    if (list == &dem->bonds) gn_dem_confine(ctx, dem, copy);
-    gn_contact_args args = gn_dem_contact_args(ctx, dem, box, copy, false);
+    if (list == &dem->bonds.contacts) gn_dem_confine(ctx, dem, copy);
+    gn_contact_args args =
+        gn_dem_contact_args(ctx, dem, box, &(gn_contact_list){.contacts = *copy}, false);
+    args.contacts = copy;
     args.partials = partials;
-    args.uniform = (gn_uniform){0};
     args.dt = 0.0;
     /* Without partial sums any cut into blocks will do. */
     size_t count = copy->soa.count, length = partials ? partials->length : GN_CONTACT_BLOCK;
@@ -58,15 +60,31 @@ gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_periodic_box *box, gn_observed *observed,
                                gneiss_error *error) {
     *observed = (gn_observed){0};
-    gneiss_status status =
-        gn_contacts_evaluate(ctx, dem, box, &dem->bonds, NULL, &observed->bonds, error);
-    if (status == GNEISS_OK)
-        status = gn_contacts_evaluate(ctx, dem, box, &dem->pairs, NULL, &observed->pairs, error);
+    gneiss_status status = GNEISS_OK;
+    for (int l = 0; status == GNEISS_OK && l < GN_LIST_COUNT; l++)
+        if (dem->list[l].contacts.soa.capacity)
+            status = gn_contacts_evaluate(ctx, dem, box, &dem->list[l].contacts, NULL,
+                                          &observed->list[l], error);
     if (status != GNEISS_OK) gn_observed_free(observed);
     return status;
 }
 
 void gn_observed_free(gn_observed *observed) {
-    gn_soa_destroy(&gn_contact_record, &observed->bonds);
-    gn_soa_destroy(&gn_contact_record, &observed->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++) gn_soa_destroy(&gn_contact_record, &observed->list[l]);
+}
+
+double gn_dem_mean_radius(const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return sum / (double)q->soa.count;
+}
+
+double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
+    double solid = 0.0;
+    if (ctx->volume_source == GN_VOLUME_OF_SOURCES)
+        return 0.0; /* a volume of their own is all they have */
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
+    return 1.0 - solid / ctx->volume;
 }

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "particles/contact_lists.h"
 #include "soa/records.h"
 
 #include <stddef.h>
@@ -18,11 +19,17 @@ gneiss_status gn_contacts_observe(const gn_step_context *ctx, const gn_dem *dem,
 /* The lists with the forces of the present positions in their rows (velocities and tangential
  * forces of the last step): for output. The world is not changed; the copies are the caller's. */
 typedef struct gn_observed {
-    gn_contacts bonds, pairs;
+    gn_contacts list[GN_LIST_COUNT];
 } gn_observed;
 gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_periodic_box *box, gn_observed *observed,
                                gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
+
+/* m; of all rows of particles. */
+double gn_dem_mean_radius(const gn_dem *dem);
+
+/* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
+double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

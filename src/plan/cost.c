@@ -155,7 +155,7 @@ static gneiss_status time_world(gn_world *world, timed *found, gneiss_error *err
     gn_history_free(&history);
     found->row = fmax(0.0, with_row - found->step);
     found->particles = (double)world->dem.particles.soa.count;
-    found->contacts = (double)(world->dem.bonds.soa.count + world->dem.pairs.soa.count);
+    found->contacts = (double)gn_lists_count(&world->dem);
     found->elements = (double)gn_elements_totals(&world->solids).elements;
     return status;
 }

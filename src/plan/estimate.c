@@ -2,6 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/new.h"
+#include "particles/observe.h"
 #include "scene/stages.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@
 /* Returns the direction cosine of a bond with the axis. */
 static double direction_cosine(const gn_step_context *ctx, const gn_dem *dem, size_t c,
                                double *length) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     const double *x = dem->particles.pos + 4 * (size_t)b->i[c],
                  *y = dem->particles.pos + 4 * (size_t)b->j[c];
     double d[3], square = 0.0;
@@ -28,7 +29,7 @@ static double direction_cosine(const gn_step_context *ctx, const gn_dem *dem, si
  * + 2 B e f + D f^2), from k_n with the strain component direction_cosine each bond and k_t with
  * that across it. Sides without stress: f = -B/D e, and E = A - B^2/D. */
 static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_estimate *estimate) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     double A = 0.0, B = 0.0, D = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         double length, n = direction_cosine(ctx, dem, c, &length), square = n * n,
@@ -47,7 +48,7 @@ static void uniform_strain(const gn_step_context *ctx, const gn_dem *dem, gn_est
  * displacement of its end. */
 static void breaking_strains(const gn_step_context *ctx, const gn_dem *dem, size_t c,
                              double poisson, double *tension, double *slip) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     double sign = gn_scene_test(&ctx->scene)->sign;
     double length, n = direction_cosine(ctx, dem, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
@@ -79,13 +80,13 @@ static double combined_breaking_strain(const gn_scene *scene, double tension, do
 static gneiss_status find_breaking(const gn_step_context *ctx, const gn_dem *dem,
                                    gn_estimate *estimate, gneiss_error *error) {
     const double share = 0.05;
-    const size_t count = dem->bonds.soa.count;
+    const size_t count = dem->bonds.contacts.soa.count;
     GN_FREED double *tension = NULL, *slip = NULL;
     size_t holding = 0;
     GN_TRY(gn_new(&tension, count + 1, "bonds", error));
     GN_TRY(gn_new(&slip, count + 1, "bonds", error));
     for (size_t c = 0; c < count; c++) {
-        if (!gn_contact_bonded(&dem->bonds, c)) continue;
+        if (!gn_contact_bonded(&dem->bonds.contacts, c)) continue;
         breaking_strains(ctx, dem, c, estimate->poisson, &tension[holding], &slip[holding]);
         holding++;
     }
@@ -187,7 +188,7 @@ gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
         return GNEISS_OK;
     }
     estimate->across = groups.across;
-    estimate->radius = gn_world_mean_radius(dem);
+    estimate->radius = gn_dem_mean_radius(dem);
     estimate->bulk_density = gn_test_bulk_density(ctx, dem, solids);
     estimate->compliance = wall_compliance(ctx, dem);
     if (estimate->compliance > 0.0)

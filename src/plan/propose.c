@@ -56,7 +56,7 @@ static double rows_of(const gn_step_context *ctx, const gn_plan *plan,
 
 /* Returns the s of one particle in a step, its contacts included. */
 static double particle_step(const gn_dem *dem, const gn_cost *cost) {
-    double contacts = (double)(dem->bonds.soa.count + dem->pairs.soa.count);
+    double contacts = (double)gn_lists_count(dem);
     return cost->particle + cost->contact * contacts / (double)dem->particles.soa.count;
 }
 

@@ -1,6 +1,7 @@
 #include "run/budget.h"
 
 #include "accuracy/accuracy.h"
+#include "laboratory/section.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -166,15 +166,11 @@ static gneiss_status put_kept(const gn_run *run, gn_h5 *file, gneiss_error *erro
 
 static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
-    const int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
-                  pairs = (int64_t)w->dem.pairs.soa.effects,
-                  hash =
-                      (int64_t)gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
+    const int64_t format = FORMAT, hash = (int64_t)gn_world_hash(&w->ctx, &w->dem, &w->boundary,
+                                                                 &w->solids, &w->box);
     const gn_progress progress = gn_run_progress(run);
     const gn_h5_attribute list[] = {{"format", .whole = &format},
                                     {"state_hash", .whole = &hash},
-                                    {"bond_effects", .whole = &bonds},
-                                    {"pair_effects", .whole = &pairs},
                                     {"version", .text = gn_version()},
                                     {"scene_file", .text = w->ctx.scene.source},
                                     {"seconds", .number = &progress.seconds},

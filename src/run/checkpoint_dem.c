@@ -100,8 +100,10 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     size_t groups;
     const gn_near_kept kept = gn_near_keep(&w->ctx, &w->dem, &groups);
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
-    GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
-    GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_used(&w->ctx.scene, l))
+            GN_TRY(gn_h5_put_record(file, gn_list_kinds[l]->record, &gn_contact_record,
+                                    &w->dem.list[l].contacts, error));
     GN_TRY(gn_h5_put(file, "near", GN_F64, 1, sizeof kept / 8, 0, &kept, NULL, NULL, error));
     GN_TRY(gn_h5_put(file, "near_paths", GN_F64, w->dem.near.path_count, PATH, 0, w->dem.near.paths,
                      NULL, NULL, error));
@@ -169,8 +171,9 @@ static gneiss_status check_records(const gn_dem *d, const char *path, gneiss_err
     GN_TRY(gn_checkpoint_check_record("particles", &gn_particle_record, q, path, error));
     GN_TRY(
         gn_checkpoint_check_numbers("particles", q->id, q->soa.count, (size_t)d->ids, path, error));
-    GN_TRY(gn_checkpoint_check_record("bonds", &gn_contact_record, &d->bonds, path, error));
-    GN_TRY(gn_checkpoint_check_record("pairs", &gn_contact_record, &d->pairs, path, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        GN_TRY(gn_checkpoint_check_record(gn_list_kinds[l]->record, &gn_contact_record,
+                                          &d->list[l].contacts, path, error));
     return gn_checkpoint_check_record("prepared", &gn_contact_record, &d->prepared, path, error);
 }
 
@@ -182,10 +185,9 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
           isfinite(d->verlet.closed)))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected positive steps and intervals, found others", path);
-    if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) &&
-        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w) &&
-        good_patches(w))
-        return GNEISS_OK;
+    bool good = good_contacts(&d->prepared, n);
+    for (int l = 0; l < GN_LIST_COUNT; l++) good = good && good_contacts(&d->list[l].contacts, n);
+    if (good && good_particles(w) && good_prescription(w) && good_patches(w)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);
 }
@@ -234,8 +236,6 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
 }
 
 gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
-    gn_effects bonded = gn_contact_list_effects(w->ctx.effects, true);
-    gn_effects unbonded = gn_contact_list_effects(w->ctx.effects, false);
     gn_dem *d = &w->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
@@ -251,8 +251,11 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
     GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->ctx.effects,
                             error));
-    GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
-    GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (gn_list_used(&w->ctx.scene, l))
+            GN_TRY(gn_h5_get_record(file, gn_list_kinds[l]->record, &gn_contact_record,
+                                    &d->list[l].contacts,
+                                    gn_list_kinds[l]->effects_of(w->ctx.effects), error));
     GN_TRY(get_near(w, file, path, error));
     if (gn_converts(&w->ctx)) GN_TRY(get_sleepers(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));

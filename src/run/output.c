@@ -42,7 +42,7 @@
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
                                  const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
-    const size_t count = w->dem.bonds.soa.count;
+    const size_t count = w->dem.bonds.contacts.soa.count;
     const gn_output_source bonds = gn_output_bonds(v);
     gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
@@ -297,7 +297,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
         {"steps", .whole = &steps},
         {"dt", .number = &w->ctx.dt},
         {"volume", .number = &w->ctx.volume},
-        {"volume_of", .text = gn_world_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids)},
+        {"volume_of", .text = gn_world_volume_source(&w->ctx)},
         {"seconds", .number = &progress.seconds},
         {"cpu_seconds", .number = &progress.cpu_seconds},
         {"origin", .number = w->ctx.scene.origin, .count = 3},
@@ -602,7 +602,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_observed seen;
     GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
+    size_t contacts = 0;
+    for (int l = 0; l < GN_LIST_COUNT; l++) contacts += touching(&seen.list[l]);
     gn_observed_free(&seen);
     char hash[24], path[GN_PATH_SIZE + 32];
     snprintf(
@@ -617,8 +618,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     summary_relaxation(w, j);
     gn_output_flow(run, j);
     gn_json_number(j, "volume", w->ctx.volume);
-    gn_json_text(j, "volume_of",
-                 gn_world_volume_source(&w->ctx, &w->dem, &w->boundary, &w->solids));
+    gn_json_text(j, "volume_of", gn_world_volume_source(&w->ctx));
     gn_json_number(j, "energy_residual",
                    w->ctx.effects & GN_FX_ENERGY ? gn_energy_residual(&w->ledger.reading) : NAN);
     if (status == GNEISS_OK) status = summary_warnings(run, j, error);

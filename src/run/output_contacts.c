@@ -112,15 +112,15 @@ static bool pressed(const gn_world *w, size_t c) {
 /* Counts the contacts, or writes them if it is given room. */
 static size_t list_contacts(const gn_output_view *v, gn_output_contact *to) {
     const gn_world *w = v->world;
-    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs},
-                      *seen[] = {&v->seen->bonds, &v->seen->pairs};
     size_t count = 0;
-    for (int k = 0; k < 2; k++)
-        for (size_t c = 0; c < lists[k]->soa.count; c++) {
-            if (!acts(lists[k], seen[k], c)) continue;
-            if (to) to[count] = between(v, lists[k], seen[k], c);
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &w->dem.list[l].contacts, *seen = &v->seen->list[l];
+        for (size_t c = 0; c < list->soa.count; c++) {
+            if (!acts(list, seen, c)) continue;
+            if (to) to[count] = between(v, list, seen, c);
             count++;
         }
+    }
     return count;
 }
 

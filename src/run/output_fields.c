@@ -169,7 +169,7 @@ static const gn_output_field of_particles[] = {
 /* --- bonds --- */
 
 void gn_output_bond_ends(const gn_output_view *v, size_t bond, int32_t ends[2]) {
-    const gn_contacts *b = &v->world->dem.bonds;
+    const gn_contacts *b = &v->world->dem.bonds.contacts;
     int32_t i = v->row[b->i[bond]], j = v->row[b->j[bond]];
     ends[0] = i < j ? i : j;
     ends[1] = i < j ? j : i;
@@ -177,7 +177,7 @@ void gn_output_bond_ends(const gn_output_view *v, size_t bond, int32_t ends[2]) 
 
 /* State and strengths are the world's; the copy only has the forces. */
 static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
-    const gn_contacts *seen = &v->seen->bonds;
+    const gn_contacts *seen = &v->seen->list[GN_LIST_BONDS];
     const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
     force[0] = row[0];
     force[1] = row[1];
@@ -186,8 +186,8 @@ static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
 
 static double normal_of(const gn_output_view *v, size_t c, const double force[3]) {
     const gn_world *w = v->world;
-    const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.i[c],
-                 *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.j[c];
+    const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.contacts.i[c],
+                 *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.contacts.j[c];
     double d[3], d2 = gn_branch(&w->ctx, x, y, d), along = 0.0;
     for (int a = 0; a < 3; a++) along += force[a] * d[a];
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
@@ -195,7 +195,7 @@ static double normal_of(const gn_output_view *v, size_t c, const double force[3]
 
 /* Computes normal and shear forces, which three fields use. */
 static void split_forces(gn_output_view *v) {
-    const size_t count = v->world->dem.bonds.soa.count;
+    const size_t count = v->world->dem.bonds.contacts.soa.count;
 #pragma omp parallel for schedule(static) num_threads(v->world->ctx.threads)
     for (size_t c = 0; c < count; c++) {
         double force[3], square = 0.0;
@@ -209,7 +209,7 @@ static void split_forces(gn_output_view *v) {
 /* The normal n is that of the present positions. */
 static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
     const gn_world *w = v->world;
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     const gn_law *law = gn_law_of(b->soa.effects);
     double n[3], n2 = gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)b->i[c],
                                 w->dem.particles.pos + 4 * (int64_t)b->j[c], n);
@@ -219,12 +219,12 @@ static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
 }
 
 static double criterion_of(const gn_output_view *v, size_t c) {
-    const gn_contacts *b = &v->world->dem.bonds;
+    const gn_contacts *b = &v->world->dem.bonds.contacts;
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
     gn_law_moments m = moments_of(v, c);
     gn_contacts now = *b; /* with the pressure around bonds that belongs to these forces */
-    now.confined = v->seen->bonds.confined;
+    now.confined = v->seen->list[GN_LIST_BONDS].confined;
     now.confined_f = NULL;
     double share = law->criterion(&now, c, v->normal[c], m.normal, v->shear[c] + m.shear);
     /* Forces are those of the present positions, to which a softening bond has not responded yet.
@@ -250,28 +250,31 @@ static double end_of(const gn_output_view *v, size_t c, int end) {
 
 READ(first, end_of(v, k, 0))
 READ(second, end_of(v, k, 1))
-READ(state, gn_output_bond_state(&w->dem.bonds, k))
-READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
-READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
-READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
+READ(state, gn_output_bond_state(&w->dem.bonds.contacts, k))
+READ(tension_damage, gn_softening_condition(&w->dem.bonds.contacts, k).tension)
+READ(shear_damage, gn_softening_condition(&w->dem.bonds.contacts, k).shear)
+READ(permanent, gn_softening_condition(&w->dem.bonds.contacts, k).permanent)
 static bool was_bonded(const gn_contacts *bonds, size_t c) {
     return bonds->cause[c] != GN_INTACT && bonds->cause[c] != GN_BOND_NEVER;
 }
 
-READ(broken_time, was_bonded(&w->dem.bonds, k) ? w->dem.bonds.broken_time[k] : NAN)
+READ(broken_time,
+     was_bonded(&w->dem.bonds.contacts, k) ? w->dem.bonds.contacts.broken_time[k] : NAN)
 READ(normal_force, v->normal[k])
 READ(shear_force, v->shear[k])
 READ(criterion, criterion_of(v, k))
 
-READ(rest_length, w->dem.bonds.length0[k])
-READ(area, w->dem.bonds.area[k])
-READ(contact_stress, v->normal[k] / w->dem.bonds.area[k])
-READ(shear_stress, v->shear[k] / w->dem.bonds.area[k])
+READ(rest_length, w->dem.bonds.contacts.length0[k])
+READ(area, w->dem.bonds.contacts.area[k])
+READ(contact_stress, v->normal[k] / w->dem.bonds.contacts.area[k])
+READ(shear_stress, v->shear[k] / w->dem.bonds.contacts.area[k])
 
 /* Returns 1 if the first end has the smaller id and so comes first in files, else -1. */
 static double turn_of(const gn_world *w, size_t c) {
-    return w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]] ? 1.0
-                                                                                           : -1.0;
+    return w->dem.particles.id[w->dem.bonds.contacts.i[c]] <
+                   w->dem.particles.id[w->dem.bonds.contacts.j[c]]
+               ? 1.0
+               : -1.0;
 }
 
 static void read_force(const void *view, size_t c, double *value) {
@@ -340,9 +343,9 @@ gn_output_source gn_output_particles(const gn_output_view *v) {
 
 gn_output_source gn_output_bonds(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_bond_outputs,       v,    w->ctx.effects,
-                              w->dem.bonds.soa.count, NULL, NULL,
-                              w->ctx.scene.asked};
+    return (gn_output_source){
+        &gn_bond_outputs,  v, w->ctx.effects, w->dem.bonds.contacts.soa.count, NULL, NULL,
+        w->ctx.scene.asked};
 }
 
 /* --- quantities of several particles --- */
@@ -359,7 +362,7 @@ static void count_contacts(const gn_contacts *list, const gn_contacts *seen, dou
 
 /* Bonds of dormant particles are stored separately and not broken; they do not count as damage. */
 static void damage_of_the_awake(const gn_world *w, double *damage) {
-    const gn_contacts *b = &w->dem.bonds;
+    const gn_contacts *b = &w->dem.bonds.contacts;
     const int32_t *bonds0 = w->dem.particles.bonds0;
     memset(damage, 0, w->dem.particles.soa.count * sizeof *damage);
     for (size_t c = 0; bonds0 && c < b->soa.count; c++) {
@@ -389,7 +392,7 @@ static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
                                   gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count, bonds = seen->bonds.soa.count;
+    size_t n = w->dem.particles.soa.count, bonds = seen->list[GN_LIST_BONDS].soa.count;
     *v = (gn_output_view){.world = w,
                           .seen = seen,
                           .damage = calloc(n + 1, sizeof(double)),
@@ -407,11 +410,10 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     int32_t row = 0;
     for (int64_t id = 0; id < w->dem.ids; id++)
         if (w->dem.index_of_id[id] >= 0) v->row[w->dem.index_of_id[id]] = row++;
-    gn_assembly assembly = gn_world_assembly(&w->ctx, &w->dem, &w->boundary);
-    assembly.bonds = &seen->bonds;
-    assembly.pairs = &seen->pairs;
-    const double solid = (1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids)) *
-                         w->ctx.volume / gn_space_volume(w);
+    gn_assembly assembly = gn_assembly_of(&w->ctx, &w->dem, &w->boundary);
+    for (int l = 0; l < GN_LIST_COUNT; l++) assembly.list[l] = &seen->list[l];
+    const double solid =
+        (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * w->ctx.volume / gn_space_volume(w);
     gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status =
         gn_coupled_add_stress(&w->ctx, &w->dem, &w->solids, &w->zones, v->stress, error);
@@ -422,10 +424,10 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
         return status;
     }
     if (w->ctx.effects & GN_FX_BONDS)
-        gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
+        gn_damage_particles(&w->dem.particles, &w->dem.bonds.contacts, v->damage);
     if (gn_converts(&w->ctx)) damage_of_the_awake(w, v->damage);
-    count_contacts(&w->dem.bonds, &seen->bonds, v->coordination);
-    count_contacts(&w->dem.pairs, &seen->pairs, v->coordination);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        count_contacts(&w->dem.list[l].contacts, &seen->list[l], v->coordination);
     split_forces(v);
     return GNEISS_OK;
 }

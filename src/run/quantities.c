@@ -250,9 +250,10 @@ static double broken(const gn_world *w) {
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
     for (size_t c = 0; (w->dem.lost || w->ctx.scene.stage_count || w->ctx.scene.sink_count) &&
-                       c < w->dem.bonds.soa.count;
+                       c < w->dem.bonds.contacts.soa.count;
          c++)
-        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT && w->dem.bonds.cause[c] != GN_BOND_NEVER;
+        left += w->dem.bonds.contacts.cause[c] >= GN_BOND_LEFT &&
+                w->dem.bonds.contacts.cause[c] != GN_BOND_NEVER;
     return (double)left;
 }
 READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))

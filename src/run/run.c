@@ -156,7 +156,7 @@ static int64_t broken(const gn_run *run) {
  * breaks on first contact. */
 static bool broken_through(const gn_run *run) {
     const double d = (double)run->world.ctx.scene.dimension,
-                 section = pow((double)run->world.dem.bonds.soa.count, (d - 1.0) / d);
+                 section = pow((double)run->world.dem.bonds.contacts.soa.count, (d - 1.0) / d);
     return broken(run) > 0 && (double)broken(run) >= 0.1 * section;
 }
 

@@ -147,7 +147,7 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
 /* Warns of bonds that would have to soften over less than the length of their own spring
  * (snap-back). */
 static void warn_of_softening(const gn_run *run, gn_warnings *list) {
-    const gn_contacts *b = &run->world.dem.bonds;
+    const gn_contacts *b = &run->world.dem.bonds.contacts;
     if (run->world.ctx.scene.softening == GN_SOFTENING_NONE) return;
     size_t count = gn_softening_too_long(b);
     if (!count) return;
@@ -172,7 +172,7 @@ static bool softens_in_shear(const gn_scene *s) {
 }
 
 static void warn_of_shear(const gn_run *run, gn_warnings *list) {
-    const gn_contacts *b = &run->world.dem.bonds;
+    const gn_contacts *b = &run->world.dem.bonds.contacts;
     const gn_scene *s = &run->world.ctx.scene;
     if (s->softening == GN_SOFTENING_NONE || !softens_in_shear(s)) return;
     size_t count = gn_softening_brittle_in_shear(b);

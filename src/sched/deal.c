@@ -66,7 +66,7 @@ static size_t block_count(const gn_deal_list *list) {
 /* Reserves half as much again: rebuilt lists differ little in length. */
 static bool hold_tasks(gn_deal *deal) {
     deal->tasks = 0;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) deal->tasks += block_count(&deal->list[l]);
+    for (int l = 0; l < deal->lists; l++) deal->tasks += block_count(&deal->list[l]);
     if (deal->task && deal->tasks <= deal->room) return true;
     free_tasks(deal);
     const size_t room = deal->tasks + deal->tasks / 2 + 1;
@@ -91,10 +91,10 @@ static bool hold_particles(gn_deal *deal, size_t blocks) {
     return false;
 }
 
-gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
+gneiss_status gn_deal_lists(gn_deal *deal, const gn_deal_list *lists, int count,
                             size_t particle_blocks, gneiss_error *error) {
-    deal->list[0] = one;
-    deal->list[1] = other;
+    deal->lists = count;
+    for (int l = 0; l < count; l++) deal->list[l] = lists[l];
     deal->team = 0;
     if (hold_tasks(deal) && hold_particles(deal, particle_blocks)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY,
@@ -121,7 +121,7 @@ static size_t block_at(const gn_deal_list *list, int32_t particle) {
 static int lead_of(const gn_deal *deal) {
     size_t most = 0;
     int lead = 0;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) {
+    for (int l = 0; l < deal->lists; l++) {
         const gn_deal_list *list = &deal->list[l];
         size_t items = block_count(list) ? block_count(list) * list->partials->length : 0;
         if (items > most) lead = l;
@@ -149,7 +149,7 @@ static void cut_lists(gn_deal *deal, int lead, int threads) {
     const gn_deal_list *leading = &deal->list[lead];
     for (int t = 0; t <= threads; t++) {
         const size_t cut = cut_wanted(deal, leading, t, threads);
-        for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (int l = 0; l < deal->lists; l++)
             deal->cut[l][t] = cut_of(&deal->list[l], leading, cut);
     }
     deal->team = threads;
@@ -197,7 +197,7 @@ typedef struct span {
 
 static span threads_of(const gn_deal *deal, size_t p) {
     span s = {deal->team, -1, false};
-    for (int l = 0; l < GN_DEAL_LISTS; l++) {
+    for (int l = 0; l < deal->lists; l++) {
         if (last_touch(&deal->list[l], p) < 0) continue;
         int32_t first = holder(deal, l, first_touch(&deal->list[l], p));
         int32_t last = holder(deal, l, last_touch(&deal->list[l], p));
@@ -221,7 +221,8 @@ static int64_t last_in_share(const gn_deal *deal, int l, int t, size_t p) {
 }
 
 static size_t task_of(const gn_deal *deal, int l, size_t block) {
-    return l ? block_count(&deal->list[0]) + block : block;
+    while (l-- > 0) block += block_count(&deal->list[l]);
+    return block;
 }
 
 /* A thread's tasks while they are ordered. `next` is the first block of each list that is not yet
@@ -244,13 +245,13 @@ static void append(gn_deal *deal, sequence *order, int l, size_t end) {
  * end. */
 static void put_in_order(gn_deal *deal, int t) {
     sequence s = {.t = t};
-    for (int l = 0; l < GN_DEAL_LISTS; l++) s.next[l] = deal->cut[l][t];
+    for (int l = 0; l < deal->lists; l++) s.next[l] = deal->cut[l][t];
     for (size_t k = deal->owned_first[t]; k < deal->owned_first[t + 1]; k++) {
-        for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (int l = 0; l < deal->lists; l++)
             append(deal, &s, l, (size_t)(last_in_share(deal, l, t, (size_t)deal->owned[k]) + 1));
         deal->after[k] = (int32_t)s.length;
     }
-    for (int l = 0; l < GN_DEAL_LISTS; l++) append(deal, &s, l, deal->cut[l][t + 1]);
+    for (int l = 0; l < deal->lists; l++) append(deal, &s, l, deal->cut[l][t + 1]);
     deal->task_first[t + 1] = deal->task_first[t] + s.length;
 }
 
@@ -373,11 +374,10 @@ static size_t task_at(const gn_deal *deal, int t, uint64_t place) {
 }
 
 static void work_on_task(worker *thread, size_t task) {
-    const size_t first = block_count(&thread->deal->list[0]);
-    if (task < first)
-        thread->work->items(thread->context, 0, task);
-    else
-        thread->work->items(thread->context, 1, task - first);
+    const gn_deal_list *list = thread->deal->list;
+    int l = 0;
+    for (; task >= block_count(&list[l]); l++) task -= block_count(&list[l]);
+    thread->work->items(thread->context, l, task);
     thread->tasks++;
 }
 
@@ -426,7 +426,7 @@ static double await(const _Atomic uint64_t *word, uint64_t wanted) {
  * particles are done. */
 static uint64_t needed(const gn_deal *deal, int t, size_t p) {
     uint64_t wanted = 0;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) {
+    for (int l = 0; l < deal->lists; l++) {
         const int64_t last = last_in_share(deal, l, t, p);
         if (last < 0) continue;
         const uint64_t count = (uint64_t)deal->place[task_of(deal, l, (size_t)last)] + 1;

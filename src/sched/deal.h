@@ -1,4 +1,4 @@
-/* Work distribution among threads for one sweep over items (contacts of up to two lists, or finite
+/* Work distribution among threads for one sweep over items (contacts of some lists, or finite
  * elements) and particles (or nodes). Each thread has a share of each list and processes its blocks
  * in order. A block of particles follows as soon as the last block of items that reads or loads it
  * is done, while its partial sums are in the cache.
@@ -33,12 +33,12 @@
 
 #include <stdatomic.h>
 
-enum { GN_DEAL_LISTS = 2 };
+enum { GN_DEAL_LISTS = 4 }; /* at most */
 
 /* A list of items; it is empty without partial sums. */
 typedef struct gn_deal_list {
     const gn_partials *partials;
-    /* [items] a particle of each item, in ascending order; only for two lists */
+    /* [items] a particle of each item, in ascending order; only for more than one list */
     const int32_t *leader;
 } gn_deal_list;
 
@@ -59,12 +59,13 @@ typedef struct gn_deal {
     int threads;        /* largest number of threads */
     double *share;      /* [threads + 1] fraction of the work before a thread's own */
     gn_deal_mark *mark; /* [threads] */
+    int lists;
     gn_deal_list list[GN_DEAL_LISTS];
     size_t *cut[GN_DEAL_LISTS]; /* [threads + 1] first block of a thread's share of a list */
     int team;                   /* threads of the present cuts; 0: cuts are to be made */
     uint64_t sweeps;            /* number of sweeps so far */
 
-    /* Blocks of items are tasks; those of the second list follow those of the first. */
+    /* Blocks of items are tasks, those of one list after those of another. */
     size_t tasks, room;
     int32_t *task;      /* [tasks] by threads, in the order in which their particles need them */
     size_t *task_first; /* [threads + 1] */
@@ -96,9 +97,9 @@ typedef struct gn_deal_work {
 gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error);
 void gn_deal_free(gn_deal *deal);
 
-/* Sets the lists and the number of particle blocks; to be called again whenever a list was
- * rebuilt. */
-gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
+/* Sets the lists, `count` of them, and the number of particle blocks; to be called again whenever a
+ * list was rebuilt. */
+gneiss_status gn_deal_lists(gn_deal *deal, const gn_deal_list *lists, int count,
                             size_t particle_blocks, gneiss_error *error);
 
 /* Chooses the team (deal->team threads) and the cuts of the coming round of one or more sweeps. */

@@ -98,13 +98,13 @@ static void read_bonds(search *run) {
     bond_force *old = run->before;
     run->before = run->now;
     run->now = old;
-    for (size_t c = 0; c < run->w->dem.bonds.soa.count; c++)
+    for (size_t c = 0; c < run->w->dem.bonds.contacts.soa.count; c++)
         run->now[c].holds = gn_trial_bond(&run->trial, c, &run->now[c].normal, run->now[c].shear);
 }
 
 /* Returns the value of a bond's failure criterion `share` increments after the last one. */
 static double criterion(const search *run, size_t c, double share) {
-    const gn_contacts *list = &run->w->dem.bonds;
+    const gn_contacts *list = &run->w->dem.bonds.contacts;
     const bond_force *a = &run->before[c], *b = &run->now[c];
     double t[3];
     for (int k = 0; k < 3; k++) t[k] = b->shear[k] + share * (b->shear[k] - a->shear[k]);
@@ -117,7 +117,7 @@ static double criterion(const search *run, size_t c, double share) {
 static double increments_left(const search *run, double most, size_t *bond) {
     double least = most;
     bool any = false;
-    for (size_t c = 0; c < run->w->dem.bonds.soa.count; c++) {
+    for (size_t c = 0; c < run->w->dem.bonds.contacts.soa.count; c++) {
         if (!run->now[c].holds || !(criterion(run, c, least) >= 1.0)) continue;
         double low = 0.0, high = least;
         for (int k = 0; k < 60 && high - low > 1e-12 * high; k++) {
@@ -133,7 +133,7 @@ static double increments_left(const search *run, double most, size_t *bond) {
 
 /* Returns the time of the first failure, s; INFINITY: not before the end. */
 static double time_of_break(search *run) {
-    const gn_contacts *list = &run->w->dem.bonds;
+    const gn_contacts *list = &run->w->dem.bonds.contacts;
     size_t c = 0;
     if (!(run->span > 0.0)) return INFINITY;
     double left = increments_left(run, (run->w->ctx.scene.end - run->w->ctx.time) / run->span, &c);
@@ -367,7 +367,8 @@ static gneiss_status leave(search *run, gneiss_error *error) {
 }
 
 static gneiss_status allocate(search *run, gneiss_error *error) {
-    size_t particles = run->w->dem.particles.soa.count, bonds = run->w->dem.bonds.soa.count;
+    size_t particles = run->w->dem.particles.soa.count,
+           bonds = run->w->dem.bonds.contacts.soa.count;
     run->path = gn_alloc_array(particles + 1, N * sizeof *run->path);
     run->rate = gn_alloc_array(particles + 1, N * sizeof *run->rate);
     run->before = gn_alloc_array(bonds + 1, sizeof *run->before);
@@ -379,7 +380,7 @@ static gneiss_status allocate(search *run, gneiss_error *error) {
 
 /* Returns the weakest bond strength, N. */
 static double weakest(const gn_dem *dem) {
-    const gn_contacts *list = &dem->bonds;
+    const gn_contacts *list = &dem->bonds.contacts;
     double least = INFINITY;
     for (size_t c = 0; c < list->soa.count; c++) {
         if (!gn_contact_bonded(list, c)) continue;
@@ -404,7 +405,7 @@ static gneiss_status find(search *run, gneiss_error *error) {
 gneiss_status gn_first_break_start(gn_world *world, const gn_first_break_watch *watch,
                                    gn_first_break *found, gneiss_error *error) {
     *found = (gn_first_break){0};
-    if (!world->dem.bonds.soa.count)
+    if (!world->dem.bonds.contacts.soa.count)
         return refuse(world, error, "first_break: expected bonds, found none in this specimen");
     search s = {.w = world, .watch = watch, .found = found};
     gneiss_status status = find(&s, error);

@@ -147,7 +147,7 @@ static void find_inverse(const gn_step_context *ctx, const gn_dem *dem, const gn
 static gneiss_status find_ties(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_solids *solids, const gn_zones *zones, ties *t,
                                gneiss_error *error) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     size_t n = dem->particles.soa.count;
     *t = (ties){.share = share_of_bonds(ctx, dem)};
     t->inverse = gn_alloc_array(n + 1, sizeof *t->inverse);
@@ -242,7 +242,7 @@ static bool rattles(const gn_step_context *ctx, const gn_dem *dem, size_t i, siz
  */
 static gneiss_status find_crowds(const gn_step_context *ctx, const gn_dem *dem, const ties *t,
                                  double **sum, gneiss_error *error) {
-    const gn_contacts *k = &dem->pairs;
+    const gn_contacts *k = &dem->pairs.contacts;
     *sum = NULL;
     if (!gn_world_rings(ctx, dem) || !k->soa.count) return GNEISS_OK;
     *sum = gn_alloc_array(dem->particles.soa.count, sizeof **sum);
@@ -419,8 +419,9 @@ static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
     GN_TRY(find_ties(ctx, dem, solids, zones, &t, error));
     gneiss_status status = find_crowds(ctx, dem, &t, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(ctx, dem, &t, &dem->pairs, crowd, f);
-        if (t.apart || t.share > 0.0 || t.wedged) meet_pairs(ctx, dem, &t, &dem->bonds, crowd, f);
+        meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
+        if (t.apart || t.share > 0.0 || t.wedged)
+            meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
         meet_walls(ctx, dem, boundary, solids, zones, &t, f);
         meet_bodies(ctx, boundary, f);
     }

@@ -37,7 +37,7 @@ static const double MATTERS = 1e-6;
 
 /* J: of normal springs at their strength, broken ones as well, so that the measure stays. */
 static double held_at_most(const gn_dem *dem) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         const double kn = gn_contact_spring(dem, b, c).kn;
@@ -83,7 +83,7 @@ static void look(const gn_step_context *ctx, const gn_dem *dem, const gn_contact
 }
 
 void gn_bonds_left(const gn_dem *dem, uint8_t *left) {
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gn_contact_bonded(b, c)) continue;
         left[b->i[c]] = (uint8_t)(left[b->i[c]] > 0 ? 2 : 1);
@@ -127,8 +127,8 @@ gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint
     if (!(least > 0.0 && least < INFINITY)) return GNEISS_OK;
     slot *of = gn_alloc_array(n + 1, sizeof *of);
     if (!of) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
-    look(ctx, dem, &dem->pairs, adrift, of);
-    look(ctx, dem, &dem->bonds, adrift, of);
+    look(ctx, dem, &dem->pairs.contacts, adrift, of);
+    look(ctx, dem, &dem->bonds.contacts, adrift, of);
     for (size_t p = 0; p < n; p++) {
         adrift[p] = adrift[p] && of[p].sides > 1 && of[p].energy >= least;
         *any |= adrift[p];

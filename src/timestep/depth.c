@@ -39,7 +39,7 @@ static void note(const gn_step_context *ctx, gn_dem *dem, double overlap, double
 
 static void look_at_pairs(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
-    const gn_contacts *k = &dem->pairs;
+    const gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *a = q->pos + 4 * i, *b = q->pos + 4 * j;

@@ -11,7 +11,6 @@
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
-#include "drive/control.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
@@ -91,7 +90,7 @@ static void raise(gn_dem *dem, size_t p, double to) {
 
 static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
-    const gn_contacts *k = &dem->pairs;
+    const gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
@@ -107,7 +106,7 @@ static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
 
 static void keep_pairs(gn_dem *dem) {
     const gn_particles *q = &dem->particles;
-    gn_contacts *k = &dem->pairs;
+    gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         k->most[c] = pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);

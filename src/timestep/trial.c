@@ -39,8 +39,7 @@ static gneiss_status allocate(gn_trial *t, gneiss_error *error) {
 }
 
 static void free_lists(gn_trial *t) {
-    gn_soa_destroy(&gn_contact_record, &t->bonds);
-    gn_soa_destroy(&gn_contact_record, &t->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++) gn_soa_destroy(&gn_contact_record, &t->contacts[l]);
     gn_soa_destroy(&gn_wall_contact_record, &t->touches);
 }
 
@@ -61,10 +60,12 @@ static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
     gn_near_settle(&w->ctx, &w->dem);
     free_lists(t);
-    GN_TRY(
-        gn_soa_copy(&gn_contact_record, &t->bonds, &w->dem.bonds, w->dem.bonds.soa.effects, error));
-    GN_TRY(
-        gn_soa_copy(&gn_contact_record, &t->pairs, &w->dem.pairs, w->dem.pairs.soa.effects, error));
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &w->dem.list[l].contacts;
+        if (list->soa.capacity)
+            GN_TRY(
+                gn_soa_copy(&gn_contact_record, &t->contacts[l], list, list->soa.effects, error));
+    }
     if (!(w->ctx.effects & GN_FX_WALLS)) return GNEISS_OK;
     return gn_soa_copy(&gn_wall_contact_record, &t->touches, &w->boundary.contacts,
                        w->boundary.contacts.soa.effects, error);
@@ -88,8 +89,9 @@ static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
 static void restore_lists(gn_trial *t) {
     gn_world *w = t->world;
     gn_near_repack(&w->ctx, &w->dem);
-    gn_soa_take(&gn_contact_record, &w->dem.bonds, &t->bonds);
-    gn_soa_take(&gn_contact_record, &w->dem.pairs, &t->pairs);
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        if (t->contacts[l].soa.capacity)
+            gn_soa_take(&gn_contact_record, &w->dem.list[l].contacts, &t->contacts[l]);
     if (w->ctx.effects & GN_FX_WALLS)
         gn_soa_take(&gn_wall_contact_record, &w->boundary.contacts, &t->touches);
 }
@@ -176,7 +178,7 @@ static void read_loads(gn_trial *t, const double *path, double rate) {
 static void weigh_loads(gn_trial *t) {
     const gn_world *w = t->world;
     const gn_dem_sums *s = &w->dem.done;
-    double sum = 0.0, most = -1.0, contacts = s->bonds.carrying + s->pairs.carrying;
+    double sum = 0.0, most = -1.0, contacts = s->contacts.carrying;
     const unsigned places = w->ctx.effects & GN_FX_SPACE ? 0x7u : 0x3u;
     size_t free = 0; /* in some direction */
     for (size_t p = 0; p < t->count; p++) {
@@ -192,15 +194,14 @@ static void weigh_loads(gn_trial *t) {
     }
     t->mean_load = free ? sum / (double)free : 0.0;
     t->most_load = sqrt(fmax(most, 0.0));
-    t->mean_force = contacts > 0.0 ? (s->bonds.force + s->pairs.force) / contacts : 0.0;
+    t->mean_force = contacts > 0.0 ? s->contacts.force / contacts : 0.0;
 }
 
 static void note_losses(gn_trial *t) {
     const gn_dem_sums *s = &t->world->dem.done;
-    t->friction += s->bonds.friction + s->pairs.friction + s->walls.friction;
-    t->contact_damping +=
-        s->bonds.contact_damping + s->pairs.contact_damping + s->walls.contact_damping;
-    t->broken += s->bonds.broken_tension + s->bonds.broken_shear;
+    t->friction += s->contacts.friction + s->walls.friction;
+    t->contact_damping += s->contacts.contact_damping + s->walls.contact_damping;
+    t->broken += s->contacts.broken_tension + s->contacts.broken_shear;
 }
 
 /* First the path, which loads the tangential springs as it is long; what closed or opened on it
@@ -228,7 +229,7 @@ void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
 
 bool gn_trial_bond(const gn_trial *t, size_t c, double *normal, double shear[3]) {
     const gn_world *w = t->world;
-    const gn_contacts *list = &w->dem.bonds;
+    const gn_contacts *list = &w->dem.bonds.contacts;
     if (!gn_contact_bonded(list, c)) return false;
     double d[3];
     double length = sqrt(gn_branch(&w->ctx, w->dem.particles.pos + 4 * (int64_t)list->i[c],
@@ -263,13 +264,15 @@ static bool touch_slips(const gn_step_context *ctx, const gn_boundary *boundary,
 
 static uint8_t *find_slips(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary) {
-    size_t bonds = dem->bonds.soa.count, pairs = dem->pairs.soa.count;
+    const size_t contacts = gn_lists_count(dem);
     size_t touches = ctx->effects & GN_FX_WALLS ? boundary->contacts.soa.count : 0;
-    uint8_t *slips = gn_alloc(bonds + pairs + touches + 1);
+    uint8_t *slips = gn_alloc(contacts + touches + 1), *to = slips;
     if (!slips) return NULL;
-    for (size_t c = 0; c < bonds; c++) slips[c] = pair_slips(ctx, dem, &dem->bonds, c);
-    for (size_t c = 0; c < pairs; c++) slips[bonds + c] = pair_slips(ctx, dem, &dem->pairs, c);
-    for (size_t c = 0; c < touches; c++) slips[bonds + pairs + c] = touch_slips(ctx, boundary, c);
+    for (int l = 0; l < GN_LIST_COUNT; l++) {
+        const gn_contacts *list = &dem->list[l].contacts;
+        for (size_t c = 0; c < list->soa.count; c++) *to++ = pair_slips(ctx, dem, list, c);
+    }
+    for (size_t c = 0; c < touches; c++) *to++ = touch_slips(ctx, boundary, c);
     return slips;
 }
 

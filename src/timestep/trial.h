@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "frame/parts.h"
 #include "limit/equilibrium.h"
+#include "particles/contact_lists.h"
 #include "soa/records.h"
 
 #include <stdbool.h>
@@ -20,7 +21,7 @@ typedef struct gn_trial {
 
     /* The state gone out from. */
     double *pos; /* [count][4] */
-    gn_contacts bonds, pairs;
+    gn_contacts contacts[GN_LIST_COUNT];
     gn_wall_contacts touches;
     double (*wall)[4];       /* [walls] point, travel */
     double (*wall_force)[3]; /* [walls] N */

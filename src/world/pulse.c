@@ -36,7 +36,7 @@ static void start(const gn_scene *s, gn_particles *q) {
  * where it began, normal springs against tangential ones. */
 static void shear_bonds(const gn_step_context *ctx, gn_dem *dem) {
     const gn_particles *q = &dem->particles;
-    const gn_contacts *b = &dem->bonds;
+    const gn_contacts *b = &dem->bonds.contacts;
     for (size_t c = 0; (b->shear || b->shear_f) && b->kt && c < b->soa.count; c++) {
         const size_t i = 4 * (size_t)b->i[c], j = 4 * (size_t)b->j[c];
         double n[3], u[3];

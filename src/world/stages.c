@@ -85,7 +85,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
 /* --- a first stage in which nothing happens --- */
 
 static bool pairs_press(const gn_step_context *ctx, const gn_dem *dem) {
-    const gn_contacts *pairs = &dem->pairs;
+    const gn_contacts *pairs = &dem->pairs.contacts;
     for (size_t c = 0; c < pairs->soa.count; c++) {
         const double *x = dem->particles.pos + 4 * (size_t)pairs->i[c],
                      *y = dem->particles.pos + 4 * (size_t)pairs->j[c], sum = x[3] + y[3];

@@ -15,7 +15,7 @@
 /* What a thread takes with it. The first one books time under the phases. */
 typedef struct work {
     gn_world *w;
-    const gn_contact_args *bonds, *pairs;
+    const gn_contact_args *contacts; /* [GN_LIST_COUNT] */
     const gn_motion_args *motion;
     bool books;
     double mark;
@@ -36,26 +36,25 @@ static void waited(void *context, double seconds) {
     k->mark += seconds;
 }
 
-/* Bonds (list 0) or unbonded pairs. */
-static void contacts(void *context, int list, size_t block) {
+static void work_on_contacts(void *context, int list, size_t block) {
     work *k = context;
     gn_world *w = k->w;
-    const gn_contact_args *args = list ? k->pairs : k->bonds;
-    gn_contact_kernel *kernel = list ? w->dem.pair_kernel : w->dem.bond_kernel;
-    gn_contact_sums *sums = list ? w->dem.pair_sums : w->dem.bond_sums;
+    const gn_contact_args *args = &k->contacts[list];
+    const gn_phase phase = list == GN_LIST_PAIRS ? GN_PHASE_pairs : GN_PHASE_bonds;
+    gn_contact_sums *sums = w->dem.list[list].sums;
     size_t length = args->partials->length, count = args->contacts->soa.count;
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
-    if (list && w->dem.near.on) {
+    if (list == GN_LIST_PAIRS && w->dem.near.on) {
         gn_near_work(&w->ctx, &w->dem, args, block, &sums[block]);
-        book(k, GN_PHASE_pairs);
+        book(k, phase);
         return;
     }
-    kernel(args, block * length, end, &sums[block]);
+    w->dem.list[list].kernel(args, block * length, end, &sums[block]);
     if (args->measure && w->ctx.effects & GN_FX_CONTACT_FORCES)
         gn_box_sum_stress(&w->ctx, &w->dem, args->contacts, block * length, end,
                           sums[block].stress);
-    book(k, list ? GN_PHASE_pairs : GN_PHASE_bonds);
+    book(k, phase);
 }
 
 /* Walls and motion of a block of particles, whose contacts are done. */
@@ -77,21 +76,22 @@ static void move(void *context, size_t block) {
 }
 
 gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
-    return gn_deal_lists(&dem->deal, (gn_deal_list){&dem->bond_partials, dem->bonds.i},
-                         (gn_deal_list){&dem->pair_partials, dem->pairs.i}, dem->motion_blocks,
-                         error);
+    gn_deal_list lists[GN_LIST_COUNT];
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
+    return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 
-void gn_dem_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
+void gn_dem_sweep(gn_world *w, const gn_contact_args contacts[GN_LIST_COUNT],
                   const gn_motion_args *motion) {
-    static const gn_deal_work blocks = {contacts, move, waited};
+    static const gn_deal_work blocks = {work_on_contacts, move, waited};
     const double begin = gn_now();
     const bool booked = w->ctx.step % GN_BOOKED == 0;
     gn_deal_begin(&w->dem.deal);
-    gn_near_begin(&w->ctx, &w->dem, pairs);
+    gn_near_begin(&w->ctx, &w->dem, &contacts[GN_LIST_PAIRS]);
 #pragma omp parallel num_threads(w->dem.deal.team)
     {
-        work k = {w, bonds, pairs, motion, .mark = gn_now()};
+        work k = {w, contacts, motion, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
         gn_deal_sweep(&w->dem.deal, 0, &blocks, &k);
         if (booked && omp_get_num_threads() > 1) {
