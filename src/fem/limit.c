@@ -3,7 +3,7 @@
 #include "fem/internal.h"
 
 #include "base/eigen.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 
 #include <math.h>
@@ -168,13 +168,13 @@ static void set_limit(const linear_system *system, worst best, gn_fem_limit *lim
 static gneiss_status find_bound(const linear_system *system, gn_fem_limit *limit,
                                 gneiss_error *error) {
     const size_t blocks = (system->solid->elements.soa.count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
-    worst *all = gn_alloc_array(blocks + 1, sizeof *all), best = {INFINITY, -1};
-    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
+    worst best = {INFINITY, -1};
+    GN_FREED worst *all = NULL;
+    GN_TRY(gn_new(&all, blocks, "blocks of elements", error));
     for (int way = 0; way < 2; way++) {
         worst w = worst_of_all(system, way == 1, all);
         if (w.value < best.value) best = w;
     }
-    gn_free(all);
     set_limit(system, best, limit);
     return GNEISS_OK;
 }
@@ -490,12 +490,13 @@ static void find_culprits(const linear_system *system, const double *mode, gn_fe
 static gneiss_status find_sharp(const linear_system *linear, double tolerance, gn_fem_limit *limit,
                                 gneiss_error *error) {
     const bool pressure = linear->solid->form == GN_FEM_PRESSURE;
-    size_t n = linear->solid->nodes.soa.count * (size_t)(linear->dimension + pressure);
-    double *mode = gn_alloc_array(n + 1, sizeof *mode);
-    if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
+    const size_t nodes = linear->solid->nodes.soa.count, d = (size_t)linear->dimension,
+                 n = nodes * (d + pressure);
+    GN_FREED double *mode = NULL;
+    GN_TRY(gn_new(&mode, n, "components of the fastest mode", error));
     /* Fixed components have no part in the mode. */
     for (size_t k = 0; k < n; k++) mode[k] = gn_random_symmetric(1, k);
-    for (size_t k = 0; k < linear->solid->nodes.soa.count * (size_t)linear->dimension; k++)
+    for (size_t k = 0; k < nodes * d; k++)
         if (!(linear->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
     const gn_eigen_system system = {.n = n,
@@ -504,16 +505,13 @@ static gneiss_status find_sharp(const linear_system *linear, double tolerance, g
                                     .metric = pressure ? gn_fem_linear_metric : NULL,
                                     .context = linear,
                                     .threads = linear->solid->threads};
-    gneiss_status status = gn_eigen_largest_of(&system, tolerance, mode, &top, error);
-    if (status == GNEISS_OK) {
-        limit->iterations = top.vectors;
-        limit->frequency = sqrt(top.value);
-        limit->sharp = fmax(2.0 / limit->frequency, limit->bound);
-        limit->sharp_low = fmax(2.0 / sqrt(top.value + top.residual), limit->bound);
-        find_culprits(linear, mode, limit);
-    }
-    gn_free(mode);
-    return status;
+    GN_TRY(gn_eigen_largest_of(&system, tolerance, mode, &top, error));
+    limit->iterations = top.vectors;
+    limit->frequency = sqrt(top.value);
+    limit->sharp = fmax(2.0 / limit->frequency, limit->bound);
+    limit->sharp_low = fmax(2.0 / sqrt(top.value + top.residual), limit->bound);
+    find_culprits(linear, mode, limit);
+    return GNEISS_OK;
 }
 
 /* --- both --- */

@@ -1,8 +1,8 @@
 /* Sets of nodes, prescribed motions and loads. */
 #include "fem/internal.h"
 
-#include "base/memory.h"
 #include "base/names.h"
+#include "base/new.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -77,12 +77,10 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in) {
 
 static gneiss_status collect(const uint8_t *chosen, size_t nodes, gn_fem_set *set,
                              gneiss_error *error) {
+    size_t count = 0;
+    for (size_t n = 0; n < nodes; n++) count += chosen[n];
     set->count = 0;
-    for (size_t n = 0; n < nodes; n++) set->count += chosen[n];
-    set->node = gn_alloc_array(set->count + 1, sizeof *set->node);
-    if (!set->node)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a set of %zu nodes", set->count);
-    set->count = 0;
+    GN_TRY(gn_new(&set->node, count, "nodes of a set", error));
     for (size_t n = 0; n < nodes; n++)
         if (chosen[n]) set->node[set->count++] = (int32_t)n;
     return GNEISS_OK;
@@ -92,20 +90,14 @@ static gneiss_status chosen_nodes(const gn_fem_solid *solid, const gn_mesh_group
                                   gn_fem_set *set, gneiss_error *error) {
     gn_mesh mesh = solid->mesh;
     const gn_mesh_elements *list = gn_fem_elements_of(&mesh, group->dimension);
-    uint8_t *chosen = gn_alloc_array(solid->nodes.soa.count + 1, sizeof *chosen);
-    uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
-    gneiss_status status = GNEISS_OK;
-    if (chosen && in) {
-        gn_fem_mark_group(list, group->tag, in);
-        size_t nodes = (size_t)list->nodes;
-        for (size_t k = 0; k < list->count * nodes; k++)
-            if (in[k / nodes]) chosen[list->node[k]] = 1;
-        status = collect(chosen, solid->nodes.soa.count, set, error);
-    } else
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
-    gn_free(chosen);
-    gn_free(in);
-    return status;
+    const size_t nodes = (size_t)list->nodes;
+    GN_FREED uint8_t *chosen = NULL, *in = NULL;
+    GN_TRY(gn_new(&chosen, solid->nodes.soa.count, "nodes", error));
+    GN_TRY(gn_new(&in, list->count, "elements", error));
+    gn_fem_mark_group(list, group->tag, in);
+    for (size_t k = 0; k < list->count * nodes; k++)
+        if (in[k / nodes]) chosen[list->node[k]] = 1;
+    return collect(chosen, solid->nodes.soa.count, set, error);
 }
 
 gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group, gn_fem_set *set,
@@ -120,19 +112,18 @@ gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group
 
 gneiss_status gn_fem_nodes_in_box(const gn_fem_solid *solid, const double lower[3],
                                   const double upper[3], gn_fem_set *set, gneiss_error *error) {
+    const size_t nodes = solid->nodes.soa.count;
+    GN_FREED uint8_t *chosen = NULL;
     *set = (gn_fem_set){0};
-    size_t nodes = solid->nodes.soa.count;
-    uint8_t *chosen = gn_alloc_array(nodes + 1, sizeof *chosen);
-    if (!chosen) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
+    GN_TRY(gn_new(&chosen, nodes, "nodes", error));
     for (size_t n = 0; n < nodes; n++) {
         const double *x = solid->nodes.start + 4 * n;
         chosen[n] = 1;
         for (int k = 0; k < solid->dimension; k++)
             chosen[n] &= gn_fem_between(solid, x, k, lower[k], upper[k]);
     }
-    gneiss_status status = collect(chosen, nodes, set, error);
-    gn_free(chosen);
-    if (status != GNEISS_OK || set->count) return status;
+    GN_TRY(collect(chosen, nodes, set, error));
+    if (set->count) return GNEISS_OK;
     gn_fem_set_free(set);
     return gn_fail(
         error, GNEISS_ERROR_INPUT,
@@ -243,8 +234,8 @@ gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const 
     const gn_mesh_elements *list = gn_fem_elements_of(&solid->mesh, facets);
     const gn_mesh_group *found = gn_fem_find_group(&solid->mesh, group, facets);
     size_t loaded = 0, nodes = (size_t)solid->dimension;
-    uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
-    if (!in) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose facets");
+    GN_FREED uint8_t *in = NULL;
+    GN_TRY(gn_new(&in, list->count, "facets", error));
     if (found) gn_fem_mark_group(list, found->tag, in);
     for (size_t f = 0; f < list->count; f++) {
         if (!in[f]) continue;
@@ -255,7 +246,6 @@ gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const 
                 part * traction[k % nodes];
         loaded++;
     }
-    gn_free(in);
     return loaded ? GNEISS_OK : gn_fem_no_group(solid->name, &solid->mesh, group, facets, error);
 }
 
@@ -264,19 +254,18 @@ gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const 
 /* Collects nodes with a weight above zero. */
 static gneiss_status collect_load(const double *weight, size_t nodes, gn_fem_load *load,
                                   gneiss_error *error) {
+    size_t count = 0;
+    for (size_t n = 0; n < nodes; n++) count += weight[n] > 0.0;
     *load = (gn_fem_load){0};
-    for (size_t n = 0; n < nodes; n++) load->count += weight[n] > 0.0;
-    load->node = gn_alloc_array(load->count + 1, sizeof *load->node);
-    load->share = gn_alloc_array(load->count + 1, sizeof *load->share);
-    if (!load->node || !load->share) {
+    GN_TRY(gn_new(&load->node, count, "nodes of a load", error));
+    if (gn_new(&load->share, count, "nodes of a load", error) != GNEISS_OK) {
         gn_fem_load_free(load);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a load on %zu nodes", nodes);
+        return GNEISS_ERROR_MEMORY;
     }
-    size_t k = 0;
     for (size_t n = 0; n < nodes; n++) {
         if (!(weight[n] > 0.0)) continue;
-        load->node[k] = (int32_t)n;
-        load->share[k++] = weight[n];
+        load->node[load->count] = (int32_t)n;
+        load->share[load->count++] = weight[n];
     }
     return GNEISS_OK;
 }
@@ -312,43 +301,35 @@ gneiss_status gn_fem_load_on_facets(const gn_fem_solid *solid, const char *group
     const gn_mesh_group *found =
         group ? gn_fem_find_group(&solid->mesh, group, solid->dimension - 1) : NULL;
     size_t nodes = (size_t)solid->dimension, chosen = 0;
-    uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
-    double *area = gn_alloc_array(solid->nodes.soa.count + 1, sizeof *area);
-    gneiss_status status = GNEISS_OK;
+    GN_FREED uint8_t *in = NULL;
+    GN_FREED double *area = NULL;
     *load = (gn_fem_load){0};
-    if (!in || !area)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose facets");
-    else {
-        if (found) gn_fem_mark_group(list, found->tag, in);
-        for (size_t f = 0; f < list->count; f++) {
-            const int32_t *node = list->node + nodes * f;
-            if (!(group ? in[f] : starts_in(solid, node, nodes, lower, upper))) continue;
-            double part = facet_area(solid, node) / (double)nodes;
-            for (size_t k = 0; k < nodes; k++) area[node[k]] += part;
-            chosen++;
-        }
-        status = chosen ? collect_load(area, solid->nodes.soa.count, load, error)
-                        : no_facets(solid, group, lower, upper, error);
+    GN_TRY(gn_new(&in, list->count, "facets", error));
+    GN_TRY(gn_new(&area, solid->nodes.soa.count, "nodes", error));
+    if (found) gn_fem_mark_group(list, found->tag, in);
+    for (size_t f = 0; f < list->count; f++) {
+        const int32_t *node = list->node + nodes * f;
+        if (!(group ? in[f] : starts_in(solid, node, nodes, lower, upper))) continue;
+        double part = facet_area(solid, node) / (double)nodes;
+        for (size_t k = 0; k < nodes; k++) area[node[k]] += part;
+        chosen++;
     }
-    gn_free(in);
-    gn_free(area);
-    return status;
+    return chosen ? collect_load(area, solid->nodes.soa.count, load, error)
+                  : no_facets(solid, group, lower, upper, error);
 }
 
 gneiss_status gn_fem_load_on_nodes(const gn_fem_solid *solid, const gn_fem_set *set,
                                    gn_fem_load *load, gneiss_error *error) {
-    size_t nodes = solid->nodes.soa.count;
-    double *mass = gn_alloc_array(nodes + 1, sizeof *mass);
+    GN_FREED double *mass = NULL;
     *load = (gn_fem_load){0};
-    if (!mass) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a load");
+    GN_TRY(gn_new(&mass, solid->nodes.soa.count, "nodes", error));
     for (size_t k = 0; k < set->count; k++) {
         size_t n = (size_t)set->node[k];
         mass[n] = 1.0 / solid->nodes.vel[4 * n + 3];
     }
-    gneiss_status status = collect_load(mass, nodes, load, error);
-    gn_free(mass);
-    if (status == GNEISS_OK) gn_fem_load_normalise(load);
-    return status;
+    GN_TRY(collect_load(mass, solid->nodes.soa.count, load, error));
+    gn_fem_load_normalise(load);
+    return GNEISS_OK;
 }
 
 void gn_fem_load_normalise(gn_fem_load *load) {

@@ -12,7 +12,7 @@
  */
 #include "fem/internal.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "soa/single.h"
 
 #include <math.h>
@@ -88,16 +88,13 @@ static gneiss_status choose_rate(gn_fem_solid *solid, gneiss_error *error) {
 }
 
 gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error) {
-    size_t rows = (size_t)solid->partials.first[solid->partials.blocks] + 1;
+    const size_t rows = (size_t)solid->partials.first[solid->partials.blocks];
     solid->dilation_kernel = solid->kernels->dilation[solid->dimension == 3];
     solid->pressure_kernel = solid->kernels->pressure;
-    solid->growth_row = gn_alloc_array(rows, 2 * sizeof *solid->growth_row);
-    solid->slope_row = gn_alloc_array(rows, 2 * sizeof *solid->slope_row);
-    solid->pressure_sums = gn_alloc_array(solid->motion_blocks + 1, sizeof *solid->pressure_sums);
-    solid->pressure = gn_alloc_array(solid->nodes.soa.count + 1, sizeof *solid->pressure);
-    if (!solid->growth_row || !solid->slope_row || !solid->pressure_sums || !solid->pressure)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the pressures of %zu nodes",
-                       solid->name, solid->nodes.soa.count);
+    GN_TRY(gn_new(&solid->growth_row, 2 * (rows + 1), "partial sums of volumes", error));
+    GN_TRY(gn_new(&solid->slope_row, 2 * (rows + 1), "partial sums of pressures", error));
+    GN_TRY(gn_new(&solid->pressure_sums, solid->motion_blocks + 1, "blocks of nodes", error));
+    GN_TRY(gn_new(&solid->pressure, solid->nodes.soa.count + 1, "pressures of nodes", error));
     weigh(solid);
     gn_fem_positions_changed(solid);
     return choose_rate(solid, error);

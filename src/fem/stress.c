@@ -1,7 +1,7 @@
 /* Stresses at the present positions, for output, in scalar code. */
 #include "fem/internal.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "neigh/pairs.h"
 
 #include <math.h>
@@ -68,8 +68,8 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
                                   double (*nodal)[6], gneiss_error *error) {
     const gn_elements *q = &solid->elements;
     const size_t nodes = solid->nodes.soa.count;
-    double *volume = gn_alloc_array(nodes + 1, sizeof *volume);
-    if (!volume) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
+    GN_FREED double *volume = NULL;
+    GN_TRY(gn_new(&volume, nodes, "nodes", error));
     memset(nodal, 0, nodes * sizeof *nodal);
     for (size_t e = 0; e < q->soa.count; e++)
         for (int a = 0; a <= solid->dimension; a++) {
@@ -79,27 +79,25 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
         }
     for (size_t n = 0; n < nodes; n++) /* without elements: zero */
         for (int c = 0; c < 6 && volume[n] > 0.0; c++) nodal[n][c] /= volume[n];
-    gn_free(volume);
     return GNEISS_OK;
 }
 
 gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
                                     gneiss_error *error) {
     const size_t nodes = solid->nodes.soa.count, elements = solid->elements.soa.count;
+    GN_FREED double(*stress)[6] = NULL;
     if (solid->form == GN_FEM_PRESSURE) {
         gn_fem_find_pressures(solid);
         memcpy(pressure, solid->pressure, nodes * sizeof *pressure);
         return GNEISS_OK;
     }
-    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
-    if (!stress) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
+    GN_TRY(gn_new(&stress, elements + nodes, "elements and nodes", error));
     gn_fem_element_stress(solid, stress);
     double(*nodal)[6] = stress + elements;
-    gneiss_status status = gn_fem_nodal_stress(solid, (const double(*)[6])stress, nodal, error);
+    GN_TRY(gn_fem_nodal_stress(solid, (const double(*)[6])stress, nodal, error));
     for (size_t n = 0; n < nodes; n++)
         pressure[n] = (nodal[n][0] + nodal[n][1] + nodal[n][2]) / 3.0;
-    gn_free(stress);
-    return status;
+    return GNEISS_OK;
 }
 
 /* f_a = -V F S grad N_a. */
@@ -318,33 +316,28 @@ static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *grou
 /* gn_mesh_boundary replaces the listed facets, so that it works on a copy. */
 static gneiss_status all_facets(const gn_fem_solid *solid, int32_t **corner, size_t *count,
                                 gneiss_error *error) {
-    gn_mesh from = solid->mesh, mesh = {0};
-    int dimension = solid->dimension;
+    const int dimension = solid->dimension;
+    gn_mesh from = solid->mesh;
+    GN_FREED_BY(gn_mesh_free)
+    gn_mesh mesh = {.lines.nodes = 2,
+                    .triangles.nodes = 3,
+                    .tetrahedra.nodes = 4,
+                    .node_count = from.node_count};
     const gn_mesh_elements *solids = gn_fem_elements_of(&from, dimension);
-    gn_mesh_elements *copy = gn_fem_elements_of(&mesh, dimension);
-    size_t nodes = (size_t)dimension + 1, bytes = nodes * solids->count * sizeof *solids->node;
-    mesh.lines.nodes = 2;
-    mesh.triangles.nodes = 3;
-    mesh.tetrahedra.nodes = 4;
-    mesh.node_count = from.node_count;
-    mesh.node = gn_alloc_array(from.node_count + 1, 3 * sizeof *mesh.node);
+    gn_mesh_elements *copy = gn_fem_elements_of(&mesh, dimension),
+                     *facets = gn_fem_elements_of(&mesh, dimension - 1);
+    const size_t nodes = ((size_t)dimension + 1) * solids->count;
     copy->count = solids->count;
-    copy->node = gn_alloc(bytes);
-    copy->group = gn_alloc_array(solids->count + 1, sizeof *copy->group);
-    gneiss_status status = mesh.node && copy->node && copy->group ? GNEISS_OK : no_memory(error);
-    if (status == GNEISS_OK) {
-        memcpy(mesh.node, from.node, 3 * from.node_count * sizeof *mesh.node);
-        memcpy(copy->node, solids->node, bytes);
-        status = gn_mesh_boundary(&mesh, dimension, solid->name, error);
-    }
-    if (status == GNEISS_OK) {
-        gn_mesh_elements *facets = gn_fem_elements_of(&mesh, dimension - 1);
-        *corner = facets->node;
-        *count = facets->count;
-        facets->node = NULL;
-    }
-    gn_mesh_free(&mesh);
-    return status;
+    GN_TRY(gn_new(&mesh.node, 3 * from.node_count, "coordinates of nodes", error));
+    GN_TRY(gn_new(&copy->node, nodes, "nodes of elements", error));
+    GN_TRY(gn_new(&copy->group, solids->count, "elements", error));
+    memcpy(mesh.node, from.node, 3 * from.node_count * sizeof *mesh.node);
+    memcpy(copy->node, solids->node, nodes * sizeof *copy->node);
+    GN_TRY(gn_mesh_boundary(&mesh, dimension, solid->name, error));
+    *corner = facets->node;
+    *count = facets->count;
+    facets->node = NULL;
+    return GNEISS_OK;
 }
 
 gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32_t **corner,

@@ -1,5 +1,5 @@
 #include "fem/structured.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/random.h"
 #include "fem/internal.h"
 
@@ -395,14 +395,12 @@ enum { SUPPORT_LEFT = GN_GRID_HOLE + 1, SUPPORT_RIGHT, LOAD, MOUTH_LEFT, MOUTH_R
 
 static gneiss_status add_marks(const beam *shape, gn_mesh *mesh, gneiss_error *error) {
     gn_mesh_elements *list = shape->z.count > 1 ? &mesh->lines : &mesh->points;
-    size_t most = 5 * shape->z.count;
+    const size_t most = 5 * shape->z.count;
     gn_free(list->node);
     gn_free(list->group);
-    list->node = gn_alloc_array(most, (size_t)list->nodes * sizeof *list->node);
-    list->group = gn_alloc_array(most, sizeof *list->group);
-    list->also = gn_alloc_array(most, sizeof *list->also);
-    if (!list->node || !list->group || !list->also)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the groups of a beam");
+    GN_TRY(gn_new(&list->node, most * (size_t)list->nodes, "nodes of groups", error));
+    GN_TRY(gn_new(&list->group, most, "elements of groups", error));
+    GN_TRY(gn_new(&list->also, most, "elements of groups", error));
     add_mark(shape, mesh, shape->left, 0, SUPPORT_LEFT);
     add_mark(shape, mesh, shape->right, 0, SUPPORT_RIGHT);
     list->also_count = list->count;
@@ -438,8 +436,9 @@ static void add_names(const beam *shape, int dimension, gn_mesh *mesh) {
 /* Leaves out the nodes that only cells of the notch used. */
 static gneiss_status drop_unused(int dimension, gn_mesh *mesh, gneiss_error *error) {
     const gn_mesh_elements *solids = gn_fem_elements_of(mesh, dimension);
-    int32_t *place = gn_alloc_array(mesh->node_count + 1, sizeof *place), kept = 0;
-    if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mesh of a beam");
+    int32_t kept = 0;
+    GN_FREED int32_t *place = NULL;
+    GN_TRY(gn_new(&place, mesh->node_count, "nodes of a mesh", error));
     for (size_t k = 0; k < solids->count * (size_t)solids->nodes; k++) place[solids->node[k]] = 1;
     for (size_t n = 0; n < mesh->node_count; n++) {
         if (!place[n]) continue;
@@ -452,7 +451,6 @@ static gneiss_status drop_unused(int dimension, gn_mesh *mesh, gneiss_error *err
         for (size_t k = 0; k < list->count * (size_t)list->nodes; k++)
             list->node[k] = place[list->node[k]];
     }
-    gn_free(place);
     return GNEISS_OK;
 }
 

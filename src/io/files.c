@@ -53,19 +53,15 @@ static void remove_parents(char *path, size_t first) {
 /* access() does not detect quotas, missing inodes and network file systems that map the user:
  * create a file. */
 static gneiss_status check_writable(const char *path, gneiss_error *error) {
-    char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
-    if (!probe) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", path);
-    gneiss_status status = GNEISS_OK;
+    GN_FREED char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
+    if (!probe) return gn_no_memory(error, path);
     int descriptor = mkstemp(probe);
-    if (descriptor < 0) {
-        status = gn_fail(error, GNEISS_ERROR_IO, "%s: nothing can be written there: %s", path,
-                         strerror(errno));
-    } else {
-        close(descriptor);
-        unlink(probe);
-    }
-    free(probe);
-    return status;
+    if (descriptor < 0)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: nothing can be written there: %s", path,
+                       strerror(errno));
+    close(descriptor);
+    unlink(probe);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_make_directory(const char *path, gneiss_error *error) {

@@ -1,6 +1,7 @@
 #include "io/listing.h"
 
 #include "base/error.h"
+#include "base/new.h"
 #include "io/atomic_file.h"
 
 #include <dirent.h>
@@ -21,14 +22,10 @@ char *gn_step_path(const char *directory, const char *prefix, int64_t step, cons
 
 gneiss_status gn_step_remove(const char *directory, const char *prefix, int64_t step,
                              const char *suffix, gneiss_error *error) {
-    char *path = gn_step_path(directory, prefix, step, suffix);
-    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
-    gneiss_status status = GNEISS_OK;
-    if (unlink(path) != 0 && errno != ENOENT)
-        status =
-            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
-    free(path);
-    return status;
+    GN_FREED char *path = gn_step_path(directory, prefix, step, suffix);
+    if (!path) return gn_no_memory(error, "a name");
+    if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
 }
 
 /* Returns the step in `name`, -1 if it does not have exactly the form of gn_step_path. *rest is the
@@ -122,14 +119,10 @@ static const char prefix[] = "checkpoint", suffix[] = ".h5";
 gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
                                  gneiss_error *error) {
     *path = NULL;
-    if (step < 0) {
-        gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
-        return GNEISS_ERROR_INTERNAL;
-    }
+    if (step < 0)
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
     *path = gn_step_path(directory, prefix, step, suffix);
-    if (*path) return GNEISS_OK;
-    gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
-    return GNEISS_ERROR_MEMORY;
+    return *path ? GNEISS_OK : gn_no_memory(error, "a name");
 }
 
 gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
@@ -167,16 +160,11 @@ static char *free_name(const char *path) {
 }
 
 gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error) {
-    char *path;
+    GN_FREED char *path = NULL;
     GN_TRY(gn_checkpoint_path(directory, step, &path, error));
-    char *name = free_name(path);
-    gneiss_status status = GNEISS_OK;
-    if (!name)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
-    else if (rename(path, name) != 0)
-        status = gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be renamed to %s: %s", path, name,
-                         strerror(errno));
-    free(name);
-    free(path);
-    return status;
+    GN_FREED char *name = free_name(path);
+    if (!name) return gn_no_memory(error, "a name");
+    if (rename(path, name) == 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be renamed to %s: %s", path, name,
+                   strerror(errno));
 }

@@ -1,6 +1,6 @@
 #include "pack/store.h"
 
-#include "base/memory.h"
+#include "base/new.h"
 #include "base/version.h"
 #include "io/atomic_file.h"
 #include "io/files.h"
@@ -72,43 +72,38 @@ static gneiss_status put_contacts(gn_h5 *file, const gn_pack_quality *quality,
 
 /* Writes the iterations of the fit as group `trace`. */
 static gneiss_status put_trace(gn_h5 *file, const gn_pack_result *result, gneiss_error *error) {
-    size_t n = result->trace_count, stride = sizeof *result->trace;
-    int64_t *whole = gn_alloc_array(3 * n + 1, sizeof *whole);
-    if (!whole) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu iterations", n);
+    const size_t n = result->trace_count, stride = sizeof *result->trace;
+    const gn_pack_trace empty = {0}, *t = n ? result->trace : &empty;
+    const struct {
+        const char *name, *text;
+        const double *values; /* NULL: the next column of `whole` */
+    } columns[] = {{"trace/iteration", "iterations of the fit", NULL},
+                   {"trace/stage", "0 spread, 1 compress, 2 decompress, 3 close, 4 separate", NULL},
+                   {"trace/pairs", "pairs that count in the sum of squares", NULL},
+                   {"trace/energy", "sum of squares, relative", &t->state.energy},
+                   {"trace/gap_rms", "root mean square gap of the pairs that count, over r_i + r_j",
+                    &t->state.gap_rms},
+                   {"trace/overlap_max", "largest overlap over r_i + r_j", &t->state.overlap_max}};
+    GN_FREED int64_t *whole = NULL;
+    GN_TRY(gn_new(&whole, 3 * n, "iterations", error));
     for (size_t k = 0; k < n; k++) {
         whole[k] = result->trace[k].state.iteration;
         whole[n + k] = result->trace[k].stage;
         whole[2 * n + k] = (int64_t)result->trace[k].state.pairs;
     }
-    static const struct {
-        const char *name, *text;
-    } column[] = {{"trace/iteration", "iterations of the fit"},
-                  {"trace/stage", "0 spread, 1 compress, 2 decompress, 3 close, 4 separate"},
-                  {"trace/pairs", "pairs that count in the sum of squares"}};
-    gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; k < 3 && status == GNEISS_OK; k++)
-        status = gn_h5_put(file, column[k].name, GN_I64, n, 1, 0, whole + k * n, "1",
-                           column[k].text, error);
-    gn_free(whole);
-    const gn_pack_trace empty = {0}, *t = n ? result->trace : &empty;
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "trace/energy", GN_F64, n, 1, stride, &t->state.energy, "1",
-                           "sum of squares, relative", error);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "trace/gap_rms", GN_F64, n, 1, stride, &t->state.gap_rms, "1",
-                           "root mean square gap of the pairs that count, over r_i + r_j", error);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "trace/overlap_max", GN_F64, n, 1, stride, &t->state.overlap_max,
-                           "1", "largest overlap over r_i + r_j", error);
-    return status;
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+        if (columns[k].values)
+            GN_TRY(gn_h5_put(file, columns[k].name, GN_F64, n, 1, stride, columns[k].values, "1",
+                             columns[k].text, error));
+        else
+            GN_TRY(gn_h5_put(file, columns[k].name, GN_I64, n, 1, 0, whole + k * n, "1",
+                             columns[k].text, error));
+    return GNEISS_OK;
 }
 
 static gneiss_status put_request(gn_h5 *file, const gn_scene *scene, gneiss_error *error) {
-    char *text = gn_scene_write_specimen(scene);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the request");
-    gneiss_status status = gn_h5_put_text(file, "request", text, error);
-    free(text);
-    return status;
+    GN_FREED char *text = gn_scene_write_specimen(scene);
+    return text ? gn_h5_put_text(file, "request", text, error) : gn_no_memory(error, "the request");
 }
 
 static gneiss_status put_all(gn_h5 *file, const gn_scene *scene, const gn_pack_result *result,
@@ -139,8 +134,9 @@ static gneiss_status write_packing(const char *path, const gn_scene *scene,
 
 static gneiss_status write_snapshot(const char *directory, const gn_packing *packing,
                                     gneiss_error *error) {
-    double *block = gn_alloc_array(packing->count + 1, 4 * sizeof *block);
-    if (!block) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a snapshot");
+    GN_FREED double *block = NULL;
+    GN_FREED_BY(gn_snapshot_times_free) gn_snapshot_times times = {0};
+    GN_TRY(gn_new(&block, 4 * packing->count, "coordinates of particles", error));
     double *radius = block + 3 * packing->count;
     for (size_t k = 0; k < packing->count; k++) {
         memcpy(block + 3 * k, packing->sphere + 4 * k, 3 * sizeof *block);
@@ -151,12 +147,8 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *pac
                             .points = block,
                             .point_array_count = 1,
                             .point_arrays = &array};
-    gneiss_status status = gn_snapshot_write(directory, "particles", &snapshot, error);
-    gn_free(block);
-    gn_snapshot_times times = {0};
-    if (status == GNEISS_OK) status = gn_snapshot_series(directory, "particles", 0, &times, error);
-    gn_snapshot_times_free(&times);
-    return status;
+    GN_TRY(gn_snapshot_write(directory, "particles", &snapshot, error));
+    return gn_snapshot_series(directory, "particles", 0, &times, error);
 }
 
 /* packing.h5 marks the folder as complete: an earlier one is removed first and the new one is
@@ -251,25 +243,21 @@ static char *cache_path(const char *key) {
 /* ---- reading ---- */
 
 static gneiss_status get_trace(const gn_h5 *file, gn_pack_result *result, gneiss_error *error) {
-    size_t n;
-    GN_TRY(gn_h5_rows(file, "trace/iteration", &n, error));
-    result->trace = gn_alloc_array(n + 1, sizeof *result->trace);
-    int64_t *whole = gn_alloc_array(3 * n + 1, sizeof *whole);
-    gneiss_status status =
-        result->trace && whole ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     static const char *const names[] = {"trace/iteration", "trace/stage", "trace/pairs"};
-    for (size_t k = 0; k < 3 && status == GNEISS_OK; k++)
-        status = gn_h5_get(file, names[k], GN_I64, n, 1, 0, whole + k * n, error);
-    for (size_t k = 0; k < n && status == GNEISS_OK; k++) {
-        result->trace[k].state.iteration = (int)whole[k];
-        result->trace[k].state.pairs = (size_t)whole[2 * n + k];
+    size_t n;
+    GN_FREED int64_t *whole = NULL;
+    GN_TRY(gn_h5_rows(file, "trace/iteration", &n, error));
+    GN_TRY(gn_new(&result->trace, n, "iterations", error));
+    GN_TRY(gn_new(&whole, 3 * n, "iterations", error));
+    for (size_t k = 0; k < 3; k++)
+        GN_TRY(gn_h5_get(file, names[k], GN_I64, n, 1, 0, whole + k * n, error));
+    for (size_t k = 0; k < n; k++) {
         if (whole[n + k] < 0 || whole[n + k] >= GN_PACK_STAGES)
-            status = gn_fail(error, GNEISS_ERROR_INPUT, "trace/stage: %" PRId64, whole[n + k]);
-        else
-            result->trace[k].stage = (gn_pack_stage)whole[n + k];
+            return gn_fail(error, GNEISS_ERROR_INPUT, "trace/stage: %" PRId64, whole[n + k]);
+        result->trace[k].state.iteration = (int)whole[k];
+        result->trace[k].stage = (gn_pack_stage)whole[n + k];
+        result->trace[k].state.pairs = (size_t)whole[2 * n + k];
     }
-    gn_free(whole);
-    GN_TRY(status);
     result->trace_count = n;
     if (n == 0) return GNEISS_OK;
     size_t stride = sizeof *result->trace;
@@ -299,15 +287,13 @@ static gneiss_status check_spheres(const gn_pack_result *result, gneiss_error *e
 
 static gneiss_status get_packing(const gn_h5 *file, const char *key, gn_pack_result *result,
                                  gneiss_error *error) {
-    char *found = NULL;
-    GN_TRY(gn_h5_get_text(file, "key", &found, error));
-    bool same = strcmp(found, key) == 0;
-    free(found);
-    if (!same) return gn_fail(error, GNEISS_ERROR_INPUT, "it holds another packing");
+    GN_FREED char *found = NULL;
     gn_packing *p = &result->packing;
+    GN_TRY(gn_h5_get_text(file, "key", &found, error));
+    if (strcmp(found, key) != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "it holds another packing");
     GN_TRY(gn_h5_rows(file, "sphere", &p->count, error));
-    p->sphere = gn_alloc_array(p->count + 1, 4 * sizeof *p->sphere);
-    if (!p->sphere) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_TRY(gn_new(&p->sphere, 4 * p->count, "coordinates of particles", error));
     GN_TRY(gn_h5_get(file, "sphere", GN_F64, p->count, 4, 0, p->sphere, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "volume", &result->volume, 1, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &result->seconds, 1, error));
@@ -330,18 +316,14 @@ static gneiss_status put_packing(gn_h5 *file, const char *key, const gn_pack_res
 
 static gneiss_status keep(const char *path, const char *key, const gn_pack_result *result,
                           gneiss_error *error) {
-    char *folder = strdup(path);
-    if (!folder) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    GN_FREED char *folder = strdup(path);
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
+    if (!folder) return gn_no_memory(error, "a name");
     *strrchr(folder, '/') = '\0';
-    gneiss_status status = gn_make_directory(folder, error);
-    free(folder);
-    gn_h5 *file = NULL;
-    if (status == GNEISS_OK) status = gn_h5_create(path, &file, error);
-    if (status != GNEISS_OK) return status;
-    status = put_packing(file, key, result, error);
-    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_DURABLE, error);
-    gn_h5_close(file);
-    return status;
+    GN_TRY(gn_make_directory(folder, error));
+    GN_TRY(gn_h5_create(path, &file, error));
+    GN_TRY(put_packing(file, key, result, error));
+    return gn_h5_commit(&file, GN_DURABLE, error);
 }
 
 static bool look_up(const char *path, const char *key, gn_pack_result *result, char *note,

@@ -1,6 +1,7 @@
 #include "run/budget.h"
 
 #include "accuracy/accuracy.h"
+#include "base/new.h"
 #include "laboratory/section.h"
 
 #include <math.h>
@@ -51,11 +52,11 @@ static int by_size(const void *a, const void *b) {
 static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
     const double *stress = gn_history_column(h, "stress"),
                  *kinetic = gn_history_column(h, "energy_kinetic");
+    GN_FREED double *share = NULL;
     *found = NAN;
     if (!stress || !kinetic || !h->row_count) return GNEISS_OK;
     size_t last = row_of_largest(h, stress), first = last / 2, count = last + 1 - first;
-    double *share = calloc(count, sizeof *share);
-    if (!share) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the error budget");
+    GN_TRY(gn_new(&share, count, "rows of the error budget", error));
     for (size_t k = 0; k < count; k++) {
         double stored = 0.0;
         for (size_t c = 0; c < h->column_count; c++)
@@ -65,7 +66,6 @@ static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_er
     }
     qsort(share, count, sizeof *share, by_size);
     *found = share[count / 2];
-    free(share);
     return GNEISS_OK;
 }
 

@@ -1,6 +1,7 @@
 /* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
 #include "base/effects.h"
 #include "base/error.h"
+#include "base/new.h"
 #include "base/resident.h"
 #include "base/timer.h"
 #include "base/vec3.h"
@@ -169,16 +170,14 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
 /* Writes the names of the stages, one line each; the history holds the stage of each row. */
 static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_scene *s = &run->world.ctx.scene;
-    size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1) + 1;
+    size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1);
+    GN_FREED char *text = NULL;
     if (!s->stage_count) return GNEISS_OK;
-    char *text = calloc(size, 1);
-    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of stages");
+    GN_TRY(gn_new(&text, size, "bytes of the names of stages", error));
     for (size_t k = 0; k < s->stage_count; k++)
         used +=
             (size_t)snprintf(text + used, size - used, "%s%s", k ? "\n" : "", s->stages[k].name);
-    gneiss_status status = gn_h5_attribute_text(file, "/", "stages", text, error);
-    free(text);
-    return status;
+    return gn_h5_attribute_text(file, "/", "stages", text, error);
 }
 
 /* Reports the corrections of the momentum that changes of the particles' masses would have
@@ -265,11 +264,9 @@ static gneiss_status put_space(const gn_world *w, gn_h5 *file, gneiss_error *err
 }
 
 gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    char *scene = gn_scene_write(&w->ctx.given);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
-    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
-    free(scene);
-    return status;
+    GN_FREED char *scene = gn_scene_write(&w->ctx.given);
+    return scene ? gn_h5_put_text(file, "scene", scene, error)
+                 : gn_no_memory(error, "the text of the scene");
 }
 
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -388,43 +385,34 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
 }
 
 static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    gn_observed seen;
-    gn_output_view view;
+    GN_FREED_BY(gn_observed_free) gn_observed seen = {0};
+    GN_FREED_BY(gn_output_view_free) gn_output_view view = {0};
     if (!w->dem.particles.soa.count && !(w->ctx.effects & GN_FX_BONDS)) return GNEISS_OK;
     GN_TRY(gn_world_observe(&w->ctx, &w->dem, &w->box, &seen, error));
-    gneiss_status status = gn_output_view_make(w, &seen, &view, error);
-    if (status == GNEISS_OK) {
-        const gn_output_source particles = gn_output_particles(&view),
-                               bonds = gn_output_bonds(&view);
-        if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
-        if (status == GNEISS_OK && w->ctx.effects & GN_FX_BONDS)
-            status = gn_output_put(&bonds, file, error);
-        if (status == GNEISS_OK && shows_contacts(w))
-            status = gn_output_contacts_put(&view, file, error);
-        gn_output_view_free(&view);
-    }
-    gn_observed_free(&seen);
-    return status;
+    GN_TRY(gn_output_view_make(w, &seen, &view, error));
+    const gn_output_source particles = gn_output_particles(&view), bonds = gn_output_bonds(&view);
+    if (w->dem.particles.soa.count) GN_TRY(gn_output_put(&particles, file, error));
+    if (w->ctx.effects & GN_FX_BONDS) GN_TRY(gn_output_put(&bonds, file, error));
+    return shows_contacts(w) ? gn_output_contacts_put(&view, file, error) : GNEISS_OK;
 }
 
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
+    const gn_world *w = &run->world;
+    GN_FREED_BY(gn_h5_close_at) gn_h5 *file = NULL;
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
-    gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
-    gn_h5_demand_finite(file, !run->world.outcome.bad);
-    gneiss_status status = put_header(run, file, error);
-    if (status == GNEISS_OK) status = put_tables(run, file, error);
-    if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_owners_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = put_state(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_fragments_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_events_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
-    if (status == GNEISS_OK) return gn_h5_commit(&file, GN_DURABLE, error);
-    gn_h5_close(file);
-    return status;
+    gn_h5_demand_finite(file, !w->outcome.bad);
+    GN_TRY(put_header(run, file, error));
+    GN_TRY(put_tables(run, file, error));
+    GN_TRY(gn_elements_results(w, file, error));
+    GN_TRY(gn_bodies_results(w, file, error));
+    GN_TRY(gn_owners_results(w, file, error));
+    GN_TRY(put_state(w, file, error));
+    GN_TRY(gn_fragments_results(w, file, error));
+    GN_TRY(gn_events_results(w, file, error));
+    GN_TRY(gn_output_lost(w, file, error));
+    return gn_h5_commit(&file, GN_DURABLE, error);
 }
 
 /* --- summary.json --- */

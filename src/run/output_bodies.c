@@ -2,7 +2,7 @@
 #include "run/output_table.h"
 
 #include "base/error.h"
-#include "base/memory.h"
+#include "base/new.h"
 #include "boundary/bodies.h"
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
@@ -60,19 +60,15 @@ static void fill(view *v) {
 }
 
 static gneiss_status make_view(const gn_world *w, view *v, gneiss_error *error) {
+    const size_t corners = w->boundary.body_corner_count;
     *v = (view){.world = w,
                 .vertices = w->boundary.body_vertex_count,
                 .corners = (size_t)w->ctx.scene.dimension};
-    v->facets = w->boundary.body_corner_count / v->corners;
-    v->place = gn_alloc_array(v->vertices + 1, 3 * sizeof *v->place);
-    v->vertex_body = gn_alloc_array(v->vertices + 1, sizeof *v->vertex_body);
-    v->facet_body = gn_alloc_array(v->facets + 1, sizeof *v->facet_body);
-    v->corner = gn_alloc_array(w->boundary.body_corner_count + 1, sizeof *v->corner);
-    if (!v->place || !v->vertex_body || !v->facet_body || !v->corner) {
-        free_view(v);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu facets",
-                       v->facets);
-    }
+    v->facets = corners / v->corners;
+    GN_TRY(gn_new(&v->place, 3 * v->vertices, "coordinates of vertices", error));
+    GN_TRY(gn_new(&v->vertex_body, v->vertices, "vertices", error));
+    GN_TRY(gn_new(&v->facet_body, v->facets, "facets", error));
+    GN_TRY(gn_new(&v->corner, corners, "corners", error));
     fill(v);
     return GNEISS_OK;
 }
@@ -172,9 +168,9 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
                                     gneiss_error *error) {
     const gn_world *w = v->world;
     const gn_output_source vertices = vertices_of(v), facets = facets_of(v);
-    gn_output_arrays points = {0}, cells = {0};
-    gneiss_status status = gn_output_arrays_read(&vertices, &points, error);
-    if (status == GNEISS_OK) status = gn_output_arrays_read(&facets, &cells, error);
+    GN_FREED_BY(gn_output_arrays_free) gn_output_arrays points = {0}, cells = {0};
+    GN_TRY(gn_output_arrays_read(&vertices, &points, error));
+    GN_TRY(gn_output_arrays_read(&facets, &cells, error));
     const gn_snapshot s = {.bad = w->outcome.bad,
                            .time = w->ctx.time,
                            .step = w->ctx.step,
@@ -187,33 +183,26 @@ static gneiss_status write_snapshot(const view *v, const char *directory, const 
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
                            .line_arrays = cells.of};
-    if (status == GNEISS_OK) status = gn_snapshot_write(directory, name, &s, error);
-    gn_output_arrays_free(&points);
-    gn_output_arrays_free(&cells);
-    return status;
+    return gn_snapshot_write(directory, name, &s, error);
 }
 
 gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const char *name,
                                  gneiss_error *error) {
-    view v;
+    GN_FREED_BY(free_view) view v = {0};
     if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
-    gneiss_status status = write_snapshot(&v, directory, name, error);
-    free_view(&v);
-    return status;
+    return write_snapshot(&v, directory, name, error);
 }
 
 /* Writes the names, one per line. */
 static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     size_t used = 0, size = w->ctx.scene.body_count * (GN_NAME_SIZE + 1) + 1;
-    char *names = gn_alloc(size);
-    if (!names) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of bodies");
+    GN_FREED char *names = NULL;
+    GN_TRY(gn_new(&names, size, "bytes of the names of bodies", error));
     for (size_t k = 0; k < w->ctx.scene.body_count; k++)
         used += (size_t)snprintf(names + used, size - used, "%s%s", k ? "\n" : "",
                                  w->ctx.scene.bodies[k].name);
-    gneiss_status status = gn_h5_put_text(file, "bodies/name", names, error);
-    gn_free(names);
-    return status;
+    return gn_h5_put_text(file, "bodies/name", names, error);
 }
 
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
@@ -230,12 +219,10 @@ static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
 }
 
 gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    view v;
+    GN_FREED_BY(free_view) view v = {0};
     if (!w->ctx.scene.body_count) return GNEISS_OK;
     GN_TRY(make_view(w, &v, error));
-    gneiss_status status = put_view(&v, file, error);
-    free_view(&v);
-    return status;
+    return put_view(&v, file, error);
 }
 
 /* ---- final values of the quantities that the history has of each body or motion, in their groups
@@ -256,14 +243,11 @@ static gneiss_status put_rows(const gn_world *w, const gn_quantity_group *g, con
                               gn_h5 *file, gneiss_error *error) {
     char path[160];
     size_t owners = g->count(w), parts = 1;
-    double *rows = calloc(owners + 1, GN_SHAPE_MOST * sizeof *rows);
-    if (!rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s/%s", g->ends, q->name);
+    GN_FREED double *rows = NULL;
+    GN_TRY(gn_new(&rows, owners * GN_SHAPE_MOST, q->name, error));
     for (size_t k = 0; k < owners; k++) parts = read_parts(w, q, k, rows + parts * k);
     snprintf(path, sizeof path, "%s/%s", g->ends, q->name);
-    gneiss_status status =
-        gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, q->unit, q->text, error);
-    free(rows);
-    return status;
+    return gn_h5_put(file, path, GN_F64, owners, parts, 0, rows, q->unit, q->text, error);
 }
 
 /* Writes GROUP/<owner>/<quantity>. */

@@ -3,6 +3,7 @@
 #include "run/output_contacts.h"
 
 #include "base/error.h"
+#include "base/new.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
@@ -271,17 +272,13 @@ static gneiss_status write_lines(const gn_output_contacts *all, const char *dire
 gneiss_status gn_output_contacts_snapshot(const gn_output_view *v, const char *directory,
                                           const char *name, const gn_snapshot *points,
                                           gneiss_error *error) {
-    gn_output_contacts all;
+    GN_FREED_BY(contacts_free) gn_output_contacts all = {0};
+    GN_FREED double *place = NULL;
+    GN_FREED int32_t *ends = NULL;
     GN_TRY(contacts_make(v, &all, error));
-    double *place = calloc(points->point_count + all.surfaces + 1, 3 * sizeof *place);
-    int32_t *ends = calloc(all.count + 1, 2 * sizeof *ends);
-    gneiss_status status =
-        place && ends ? write_lines(&all, directory, name, points, place, ends, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of contacts");
-    free(place);
-    free(ends);
-    contacts_free(&all);
-    return status;
+    GN_TRY(gn_new(&place, 3 * (points->point_count + all.surfaces), "coordinates", error));
+    GN_TRY(gn_new(&ends, 2 * all.count, "ends of contacts", error));
+    return write_lines(&all, directory, name, points, place, ends, error);
 }
 
 gneiss_status gn_output_contacts_put(const gn_output_view *v, gn_h5 *file, gneiss_error *error) {
