@@ -50,11 +50,10 @@ static void print_line(const pack_display *display, const gn_pack_progress *prog
 static void print_json(const gn_pack_progress *progress) {
     gn_json *json = gn_json_begin();
     gn_json_text(json, "packing", gn_pack_stage_name(progress->stage));
-    gn_json_integer(json, "particles", (int64_t)progress->particles);
-    gn_json_integer(json, "iteration", progress->state.iteration);
-    gn_json_number(json, "fraction", progress->fraction);
-    gn_json_number(json, "gap_rms", progress->state.gap_rms);
-    gn_json_number(json, "overlap_max", progress->state.overlap_max);
+    GN_JSON_NUMBERS(json, {"particles", (double)progress->particles},
+                    {"iteration", (double)progress->state.iteration},
+                    {"fraction", progress->fraction}, {"gap_rms", progress->state.gap_rms},
+                    {"overlap_max", progress->state.overlap_max});
     char *text = gn_json_finish(json, false);
     if (text) puts(text);
     free(text);
@@ -186,9 +185,8 @@ static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *result,
 
 static void print_quality_json(const gn_pack_result *result, const gn_pack_quality *quality) {
     gn_json *json = gn_json_begin();
-    gn_json_integer(json, "particles", (int64_t)result->packing.count);
-    gn_json_number(json, "volume", result->volume);
-    gn_json_number(json, "seconds", result->seconds);
+    GN_JSON_NUMBERS(json, {"particles", (double)result->packing.count}, {"volume", result->volume},
+                    {"seconds", result->seconds});
     gn_json_bool(json, "from_cache", result->from_cache);
     gn_json_bool(json, "in_time", result->in_time);
     gn_json_integer(json, "iterations", (int64_t)result->trace_count);

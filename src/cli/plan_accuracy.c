@@ -145,17 +145,16 @@ static void print_plan(const gn_plan *plan, const gn_world *world) {
 static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
                           const gn_proposal *proposal) {
     gn_json_object(json, key);
-    gn_json_number(json, "pace", proposal->pace);
-    gn_json_number(json, "closing", plan->estimate.closing_velocity * proposal->pace);
+    GN_JSON_NUMBERS(json, {"pace", proposal->pace},
+                    {"closing", plan->estimate.closing_velocity * proposal->pace});
     if (!plan->groups.mesh) gn_json_number(json, "particles", proposal->particles);
     gn_json_integer(json, "packings", proposal->packings);
     if (plan->groups.mesh) gn_json_number(json, "cell", proposal->cell);
     gn_json_number(json, "safety", proposal->safety);
     gn_json_text(json, "precision", proposal->mixed ? "mixed" : "double");
     gn_json_text(json, "start", proposal->first_break ? "first_break" : "rest");
-    gn_json_number(json, "mass_scaling", proposal->step_ratio);
-    gn_json_number(json, "added_mass", proposal->added_mass);
-    gn_json_number(json, "error", proposal->error);
+    GN_JSON_NUMBERS(json, {"mass_scaling", proposal->step_ratio},
+                    {"added_mass", proposal->added_mass}, {"error", proposal->error});
     gn_json_object(json, "causes");
     for (size_t k = 0; k < proposal->causes.count; k++)
         gn_json_number(json, proposal->causes.cause[k].name, proposal->causes.cause[k].error);
@@ -164,27 +163,20 @@ static void json_proposal(gn_json *json, const char *key, const gn_plan *plan,
     for (size_t k = 0; k < proposal->causes.note_count; k++)
         gn_json_text(json, NULL, proposal->causes.note[k]);
     gn_json_end(json);
-    gn_json_number(json, "steps", proposal->steps);
-    gn_json_number(json, "seconds", proposal->seconds);
+    GN_JSON_NUMBERS(json, {"steps", proposal->steps}, {"seconds", proposal->seconds});
     gn_json_end(json);
 }
 
 static void json_estimate(gn_json *json, const gn_estimate *estimate) {
     gn_json_object(json, "estimate");
     gn_json_text(json, "study", estimate->study);
-    gn_json_number(json, "closing", estimate->closing_velocity);
-    gn_json_number(json, "path", estimate->path_strain);
-    gn_json_number(json, "end", estimate->end_strain);
-    gn_json_number(json, "uniform_modulus", estimate->uniform_modulus);
-    gn_json_number(json, "uniform_poisson", estimate->poisson);
-    gn_json_number(json, "breaking_strain", estimate->breaking_strain);
-    gn_json_number(json, "modulus", estimate->modulus);
-    gn_json_number(json, "wave", estimate->wave_speed);
-    gn_json_number(json, "strength", estimate->strength);
-    gn_json_number(json, "strain", estimate->strain);
-    gn_json_number(json, "compliance", estimate->compliance);
-    gn_json_number(json, "speed", estimate->speed);
-    gn_json_number(json, "across", estimate->across);
+    GN_JSON_NUMBERS(json, {"closing", estimate->closing_velocity}, {"path", estimate->path_strain},
+                    {"end", estimate->end_strain}, {"uniform_modulus", estimate->uniform_modulus},
+                    {"uniform_poisson", estimate->poisson},
+                    {"breaking_strain", estimate->breaking_strain}, {"modulus", estimate->modulus},
+                    {"wave", estimate->wave_speed}, {"strength", estimate->strength},
+                    {"strain", estimate->strain}, {"compliance", estimate->compliance},
+                    {"speed", estimate->speed}, {"across", estimate->across});
     gn_json_end(json);
 }
 
@@ -193,15 +185,13 @@ static void json_plan(const gn_plan *plan, const gn_world *world) {
     gn_json_number(json, "wanted", plan->wanted.error);
     gn_json_text(json, "reading", plan->wanted.reading);
     gn_json_bool(json, "reached", plan->reached);
-    gn_json_number(json, "dt", world->ctx.dt);
-    gn_json_integer(json, "particles", (int64_t)world->dem.particles.soa.count);
-    gn_json_integer(json, "contacts", (int64_t)gn_lists_count(&world->dem));
+    GN_JSON_NUMBERS(json, {"dt", world->ctx.dt},
+                    {"particles", (double)world->dem.particles.soa.count},
+                    {"contacts", (double)gn_lists_count(&world->dem)});
     gn_json_object(json, "cost");
-    gn_json_number(json, "particle", plan->cost[0].particle);
-    gn_json_number(json, "contact", plan->cost[0].contact);
-    gn_json_number(json, "element", plan->cost[0].element);
-    gn_json_number(json, "row", plan->cost[0].row);
-    gn_json_number(json, "setup", plan->setup);
+    GN_JSON_NUMBERS(json, {"particle", plan->cost[0].particle}, {"contact", plan->cost[0].contact},
+                    {"element", plan->cost[0].element}, {"row", plan->cost[0].row},
+                    {"setup", plan->setup});
     gn_json_end(json);
     json_estimate(json, &plan->estimate);
     json_proposal(json, "as_is", plan, &plan->current);

@@ -113,22 +113,19 @@ const char *gn_format_count(double value, char *text, size_t size) {
 
 static void progress_json(const gn_progress *progress) {
     gn_json *json = gn_json_begin();
-    gn_json_integer(json, "step", progress->step);
-    gn_json_number(json, "time", progress->time);
-    gn_json_number(json, "end", progress->end);
+    GN_JSON_NUMBERS(json, {"step", (double)progress->step}, {"time", progress->time},
+                    {"end", progress->end});
     if (progress->stages) gn_json_text(json, "stage", progress->stage);
-    gn_json_number(json, "seconds", progress->seconds);
-    gn_json_number(json, "particle_steps_per_second", progress->particle_steps_per_second);
-    gn_json_number(json, "contact_steps_per_second", progress->contact_steps_per_second);
+    GN_JSON_NUMBERS(json, {"seconds", progress->seconds},
+                    {"particle_steps_per_second", progress->particle_steps_per_second},
+                    {"contact_steps_per_second", progress->contact_steps_per_second});
     if (progress->element_steps_per_second > 0.0)
         gn_json_number(json, "element_steps_per_second", progress->element_steps_per_second);
     gn_json_number(json, "eta", progress->eta);
     gn_json_bool(json, "eta_at_most", progress->eta_at_most);
-    gn_json_number(json, "unbalanced", progress->unbalanced);
-    gn_json_integer(json, "broken", progress->broken);
-    gn_json_number(json, "energy_residual", progress->residual);
-    gn_json_number(json, "stress", progress->stress);
-    gn_json_number(json, "strain", progress->strain);
+    GN_JSON_NUMBERS(json, {"unbalanced", progress->unbalanced},
+                    {"broken", (double)progress->broken}, {"energy_residual", progress->residual},
+                    {"stress", progress->stress}, {"strain", progress->strain});
     gn_json_bool(json, "finished", progress->finished);
     char *text = gn_json_finish(json, false);
     if (text) puts(text);

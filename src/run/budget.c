@@ -217,8 +217,8 @@ static void summary_of(const gn_error_causes *c, const char *name, double value,
     for (size_t k = 0; k < c->count; k++) {
         gn_json_object(j, NULL);
         gn_json_text(j, "name", c->cause[k].name);
-        gn_json_number(j, "error", fabs(value) * c->cause[k].error);
-        gn_json_number(j, "bias", fabs(value) * c->cause[k].bias);
+        GN_JSON_NUMBERS(j, {"error", fabs(value) * c->cause[k].error},
+                        {"bias", fabs(value) * c->cause[k].bias});
         gn_json_text(j, "is", c->cause[k].measured ? "measured" : "estimated");
         gn_json_end(j);
     }
@@ -233,9 +233,8 @@ void gn_budget_summary(const gn_budget *b, const gn_readings *r, gn_json *j) {
     gn_json_object(j, "error_budget");
     if (b->absent[0]) gn_json_text(j, "absent", b->absent);
     if (!b->absent[0]) {
-        gn_json_number(j, "speed", b->speed);
-        gn_json_number(j, "end_imbalance", b->imbalance);
-        gn_json_number(j, "kinetic_over_elastic", b->kinetic);
+        GN_JSON_NUMBERS(j, {"speed", b->speed}, {"end_imbalance", b->imbalance},
+                        {"kinetic_over_elastic", b->kinetic});
     }
     for (int k = 0; k < GN_READING_COUNT; k++)
         if (b->of[k].count) summary_of(&b->of[k], names[k], value_of(r, (gn_reading)k), j);

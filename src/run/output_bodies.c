@@ -327,9 +327,7 @@ double gn_sink_steady_rate(const gn_history *h, const char *sink) {
 static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
     gn_json_object(j, NULL);
     gn_json_text(j, "name", name);
-    gn_json_integer(j, "number", (int64_t)number);
-    gn_json_number(j, "mass", mass);
-    gn_json_number(j, "energy", energy);
+    GN_JSON_NUMBERS(j, {"number", (double)number}, {"mass", mass}, {"energy", energy});
 }
 
 void gn_output_flow(const gn_run *run, gn_json *j) {
@@ -339,8 +337,8 @@ void gn_output_flow(const gn_run *run, gn_json *j) {
     for (size_t k = 0; k < w->ctx.scene.source_count; k++) {
         const gn_source_state *s = &w->dem.flow.sources[k];
         begin_entry(j, w->ctx.scene.sources[k].name, s->number, s->mass, s->energy);
-        gn_json_number(j, "behind", gn_flow_behind(&w->ctx, &w->dem, k));
-        gn_json_integer(j, "without_room", (int64_t)s->full);
+        GN_JSON_NUMBERS(j, {"behind", gn_flow_behind(&w->ctx, &w->dem, k)},
+                        {"without_room", (double)s->full});
         gn_json_end(j);
     }
     gn_json_end(j);

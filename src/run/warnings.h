@@ -4,8 +4,9 @@
 
 #include "run/run.h"
 
-/* Appends a warning; the caller fills in its text. */
-gn_warning *gn_warnings_add(gn_warnings *list, const char *name);
+/* Appends a warning; the caller may append to its text. */
+gn_warning *gn_warn(gn_warnings *list, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Warnings about the readings. */
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error);

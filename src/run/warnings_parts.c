@@ -15,21 +15,19 @@
 static void warn_of_lost(const gn_run *run, gn_warnings *list) {
     size_t count = gn_coupled_lost(&run->world.ctx, &run->world.zones);
     if (!count) return;
-    gn_warning *to = gn_warnings_add(list, "zones_lost");
-    snprintf(to->text, sizeof to->text,
-             "%zu particles left coupling zones; the elements there still represent only their "
-             "share of the material",
-             count);
+    gn_warn(list, "zones_lost",
+            "%zu particles left coupling zones; the elements there still represent only their "
+            "share of the material",
+            count);
 }
 
 static void warn_of_zones(const gn_run *run, gn_warnings *list) {
     size_t count = gn_coupled_broken(&run->world.dem);
     if (!count) return;
-    gn_warning *to = gn_warnings_add(list, "zones_broken");
-    snprintf(to->text, sizeof to->text,
-             "%zu bonds broke in coupling zones, where elements remain intact: the zone must be "
-             "farther away from the crack",
-             count);
+    gn_warn(list, "zones_broken",
+            "%zu bonds broke in coupling zones, where elements remain intact: the zone must be "
+            "farther away from the crack",
+            count);
 }
 
 /* Warns of elements behind walls at the end of the run. */
@@ -40,12 +38,12 @@ static void warn_of_walls(const gn_run *run, gn_warnings *list) {
     for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.wall_count; k++) {
         const gn_wall_passed passed = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, k);
         if (!passed.behind || count++) continue;
-        to = gn_warnings_add(list, "elements_pass_walls");
-        snprintf(to->text, sizeof to->text,
-                 "%zu nodes of elements are behind wall '%.60s', by at most %.3g m: elements and "
-                 "walls have no contact with each other; support or load elements by a motion or a "
-                 "load of their own",
-                 passed.behind, w->ctx.scene.walls[k].name, passed.deepest);
+        to = gn_warn(
+            list, "elements_pass_walls",
+            "%zu nodes of elements are behind wall '%.60s', by at most %.3g m: elements and "
+            "walls have no contact with each other; support or load elements by a motion or a "
+            "load of their own",
+            passed.behind, w->ctx.scene.walls[k].name, passed.deepest);
     }
     const size_t used = to ? strlen(to->text) : 0;
     if (count > 1)
@@ -59,12 +57,11 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
         gn_zone_figures f;
         gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, k, &f);
         if (!gn_zone_is_off(&f)) continue;
-        gn_warning *to = gn_warnings_add(list, "zones_masses");
-        snprintf(to->text, sizeof to->text,
-                 "the particles of couple.zones[%zu] have %.2f times the mass that the elements "
-                 "leave them: they must fill the zone from side to side, with the elements' "
-                 "density (density_basis bulk)",
-                 k, f.mass);
+        gn_warn(list, "zones_masses",
+                "the particles of couple.zones[%zu] have %.2f times the mass that the elements "
+                "leave them: they must fill the zone from side to side, with the elements' "
+                "density (density_basis bulk)",
+                k, f.mass);
         return;
     }
 }
@@ -75,12 +72,11 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
         gn_zone_figures f;
         gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, k, &f);
         if (!f.beyond) continue;
-        gn_warning *to = gn_warnings_add(list, "zones_beyond");
-        snprintf(to->text, sizeof to->text,
-                 "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
-                 "`to`, where elements carry the whole load: the plane must pass through the "
-                 "outermost centres",
-                 f.beyond, f.particles, k);
+        gn_warn(list, "zones_beyond",
+                "%zu of the %zu particles of couple.zones[%zu] are beyond the plane through its "
+                "`to`, where elements carry the whole load: the plane must pass through the "
+                "outermost centres",
+                f.beyond, f.particles, k);
         return;
     }
 }
@@ -88,17 +84,16 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
 static void warn_of_packing(const gn_run *run, gn_warnings *list) {
     const gn_packing_differs *d = &run->world.zones.state.differs;
     if (!(d->modulus[0] > 0.0)) return;
-    gn_warning *to = gn_warnings_add(list, "packing_differs");
     const bool space = run->world.ctx.scene.dimension == 3;
     char last[32] = "";
     if (space) snprintf(last, sizeof last, ", %.4g", d->tension[2]);
-    snprintf(to->text, sizeof to->text,
-             "the packing has a modulus of %.4g Pa (confined; along the axes with free sides %.4g, "
-             "%.4g%s Pa) and a density of %.4g kg/m3, under an affine strain; elements that "
-             "convert to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: conversion changes the "
-             "material; calibrate the particles to the elements' E and nu",
-             d->modulus[0], d->tension[0], d->tension[1], last, d->density[0], d->modulus[1],
-             d->tension[3], d->density[1]);
+    gn_warn(list, "packing_differs",
+            "the packing has a modulus of %.4g Pa (confined; along the axes with free sides %.4g, "
+            "%.4g%s Pa) and a density of %.4g kg/m3, under an affine strain; elements that "
+            "convert to it have %.4g Pa (%.4g Pa) and %.4g kg/m3: conversion changes the "
+            "material; calibrate the particles to the elements' E and nu",
+            d->modulus[0], d->tension[0], d->tension[1], last, d->density[0], d->modulus[1],
+            d->tension[3], d->density[1]);
 }
 
 /* The largest share of the energy throughput that conversions may generate. The difference between
@@ -131,11 +126,10 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     const gn_energy *e = &run->world.ledger.reading;
     const double made = -e->conversion;
     if (!(run->world.ctx.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
-    gn_warning *to = gn_warnings_add(list, "energy_conversion");
     char what[320];
     say_what_made(&run->world.zones.state.parts, what, sizeof what);
-    snprintf(
-        to->text, sizeof to->text,
+    gn_warn(
+        list, "energy_conversion",
         "conversion of elements to particles generated %.3g of the energy throughput of %.4g J: %s",
         made / gn_energy_scale(e), gn_energy_scale(e), what);
 }
@@ -147,15 +141,14 @@ static const double turned_most = 0.01;
 static void warn_of_jumps(const gn_run *run, gn_warnings *list) {
     const gn_corrections *c = &run->world.zones.state.corrected;
     if (!(c->most > turned_most * c->scale)) return;
-    gn_warning *to = gn_warnings_add(list, "conversion_missed");
-    snprintf(to->text, sizeof to->text,
-             "conversion of elements to particles changed the body's angular momentum by up to "
-             "%.3g kg m2/s in total, %.2g %% of its largest value (or of m v r of its vibration), "
-             "its moment of inertia by %.2g %% and the position of its centre of mass by %.2g m, "
-             "which the zones could not correct; zones of more elements (couple.convert.width), "
-             "and elements of two particle diameters and more, reduce this",
-             c->most, 100.0 * c->most / c->scale, 100.0 * c->inertia,
-             sqrt(gn_dot3(c->centre, c->centre)));
+    gn_warn(list, "conversion_missed",
+            "conversion of elements to particles changed the body's angular momentum by up to "
+            "%.3g kg m2/s in total, %.2g %% of its largest value (or of m v r of its vibration), "
+            "its moment of inertia by %.2g %% and the position of its centre of mass by %.2g m, "
+            "which the zones could not correct; zones of more elements (couple.convert.width), "
+            "and elements of two particle diameters and more, reduce this",
+            c->most, 100.0 * c->most / c->scale, 100.0 * c->inertia,
+            sqrt(gn_dot3(c->centre, c->centre)));
 }
 
 static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
@@ -169,11 +162,12 @@ static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
     const double times[] = {r->broke, r->loose, r->tired,
                             r->missed - r->broke - r->loose - r->tired};
     if (!(r->missed > 0.0)) return;
-    gn_warning *to = gn_warnings_add(list, "relaxation");
-    int used = snprintf(to->text, sizeof to->text,
-                        "%.0f of %.0f relaxations of converted particles left more than %g of the "
-                        "mean contact force out of balance, at most %.2g (t = %.4g s)",
-                        r->missed, r->count, w->ctx.scene.couple.convert.relax, r->worst, r->time);
+    gn_warning *to =
+        gn_warn(list, "relaxation",
+                "%.0f of %.0f relaxations of converted particles left more than %g of the "
+                "mean contact force out of balance, at most %.2g (t = %.4g s)",
+                r->missed, r->count, w->ctx.scene.couple.convert.relax, r->worst, r->time);
+    int used = (int)strlen(to->text);
     for (int k = 0; k < 4; k++)
         if (times[k] > 0.0 && used < (int)sizeof to->text)
             used += snprintf(to->text + used, sizeof to->text - (size_t)used, "; in %.0f %s",
@@ -190,16 +184,15 @@ static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_e
         gn_conversion_begun(&w->solids))
         return GNEISS_OK;
     GN_TRY(gn_conversion_most_loaded(&w->ctx, &w->solids, &w->most_loaded, &n, error));
-    gn_warning *to = gn_warnings_add(list, "nothing_converted");
     char where[GN_POINT_SIZE + 96] = "";
     if (n.share > 0.0)
         snprintf(where, sizeof where, " in element %d at %.90s m at t = %.4g s", n.element,
                  gn_point_text(w->ctx.scene.origin, n.place, at), n.time);
-    snprintf(to->text, sizeof to->text,
-             "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
-             100.0 * n.share, where,
-             n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
-                           : "no check followed (couple.convert.every)");
+    gn_warn(list, "nothing_converted",
+            "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
+            100.0 * n.share, where,
+            n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
+                          : "no check followed (couple.convert.every)");
     return GNEISS_OK;
 }
 
@@ -224,24 +217,22 @@ static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
     if (!run->finished) return;
     const double past = w->ctx.time - w->dem.membrane->since;
     if (w->ctx.scene.membrane.ramp - past <= w->ctx.dt) return;
-    gn_warning *to = gn_warnings_add(list, "membrane_ramp");
-    snprintf(to->text, sizeof to->text,
-             "the pressure had reached %.4g Pa, %.3g of its target, when the run ended after %.4g "
-             "s: membrane.ramp is %.4g s",
-             w->dem.membrane->pressure, past / w->ctx.scene.membrane.ramp, past,
-             w->ctx.scene.membrane.ramp);
+    gn_warn(list, "membrane_ramp",
+            "the pressure had reached %.4g Pa, %.3g of its target, when the run ended after %.4g "
+            "s: membrane.ramp is %.4g s",
+            w->dem.membrane->pressure, past / w->ctx.scene.membrane.ramp, past,
+            w->ctx.scene.membrane.ramp);
 }
 
 /* Warns of patches with a bounded stretch. */
 static void warn_of_stretch(const gn_run *run, gn_warnings *list) {
     const double unlike = run->world.dem.membrane->unlike;
     if (!(unlike > 0.0)) return;
-    gn_warning *to = gn_warnings_add(list, "membrane_stretch");
-    snprintf(to->text, sizeof to->text,
-             "on up to %.3g of the area of the membrane the particles have moved such that it "
-             "would be stretched three times more or less than the whole; it was moved with the "
-             "whole there, and the pressure is not at its target",
-             unlike);
+    gn_warn(list, "membrane_stretch",
+            "on up to %.3g of the area of the membrane the particles have moved such that it "
+            "would be stretched three times more or less than the whole; it was moved with the "
+            "whole there, and the pressure is not at its target",
+            unlike);
 }
 
 static double in_row(const gn_run *run, const char *column, size_t row) {
@@ -286,12 +277,11 @@ static void warn_of_work(const gn_run *run, gn_warnings *list) {
         held += in_row(run, takes_up[k], row);
     const double work = in_row(run, "energy_work_applied", row);
     if (!(work > most * held)) return;
-    gn_warning *to = gn_warnings_add(list, "membrane_work");
-    snprintf(to->text, sizeof to->text,
-             "the membrane has done %.3g J of work on an intact specimen at its pressure, of which "
-             "%.3g J are stored or were dissipated in contacts: the rest was done on grains that "
-             "roll or fly below the membrane, and the pressure on them is wrong",
-             work, held);
+    gn_warn(list, "membrane_work",
+            "the membrane has done %.3g J of work on an intact specimen at its pressure, of which "
+            "%.3g J are stored or were dissipated in contacts: the rest was done on grains that "
+            "roll or fly below the membrane, and the pressure on them is wrong",
+            work, held);
 }
 
 void gn_warn_of_membrane(const gn_run *run, gn_warnings *list) {
@@ -382,8 +372,8 @@ void gn_warn_of_servos(const gn_run *run, gn_warnings *list) {
         used += tell_of_servo(run, wall, axis, mean, share, text + used, sizeof text - used);
     }
     if (!count) return;
-    gn_warning *to = gn_warnings_add(list, "servo_not_held");
-    size_t at = (size_t)snprintf(to->text, sizeof to->text, "%s", text);
+    gn_warning *to = gn_warn(list, "servo_not_held", "%s", text);
+    size_t at = strlen(to->text);
     if (count > SERVOS_NAMED)
         at += (size_t)snprintf(to->text + at, sizeof to->text - at, "; and %zu more",
                                count - SERVOS_NAMED);
@@ -402,9 +392,8 @@ static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_readings *r, gn_warnings *list) {
     if (!(r->end_imbalance > imbalance_limit)) return;
-    gn_warning *to = gn_warnings_add(list, "end_imbalance");
-    snprintf(
-        to->text, sizeof to->text,
+    gn_warn(
+        list, "end_imbalance",
         "the forces of the two ends of the test differ by %.0f %% of their mean: because of "
         "inertia (fast loading) or background damping of a rigid motion, because something else "
         "loads or supports the specimen, or because an end omits a part (it may be a list)",
@@ -416,13 +405,13 @@ static const double rise_limit = 0.05;
 
 static void warn_of_rows(const gn_readings *r, gn_warnings *list) {
     if (isnan(r->peak_stress) || !(r->peak_rise > rise_limit)) return;
-    gn_warning *to = gn_warnings_add(list, "peak_rows");
-    int used =
-        snprintf(to->text, sizeof to->text,
-                 "the peak was read from a row of the history whose stress is %.0f %% above that "
-                 "of the row before: between rows it may have been %.4g Pa instead of %.4g Pa",
-                 100.0 * r->peak_rise / (1.0 - r->peak_rise), (1.0 + r->peak_rise) * r->peak_stress,
-                 r->peak_stress);
+    gn_warning *to =
+        gn_warn(list, "peak_rows",
+                "the peak was read from a row of the history whose stress is %.0f %% above that "
+                "of the row before: between rows it may have been %.4g Pa instead of %.4g Pa",
+                100.0 * r->peak_rise / (1.0 - r->peak_rise), (1.0 + r->peak_rise) * r->peak_stress,
+                r->peak_stress);
+    int used = (int)strlen(to->text);
     if (r->peak_rise >= 1.0)
         used = snprintf(to->text, sizeof to->text,
                         "the peak, %.4g Pa, was read from the first row of the history with a "
@@ -443,25 +432,23 @@ static void warn_of_beginning(const gn_readings *r, gn_warnings *list) {
     /* Without a peak the largest stress of the test is used. */
     const double most = isnan(r->peak_stress) ? r->largest_stress : r->peak_stress;
     if (!(r->initial_fall > initial_limit * most)) return;
-    gn_warning *to = gn_warnings_add(list, "initial_stress");
-    snprintf(to->text, sizeof to->text,
-             "the ends carried %.4g Pa before they moved, and %.4g Pa of that vanished: it is not "
-             "part of the readings, but may have broken bonds (ends that start inside particles "
-             "push them away: use passive: true of walls, or ends farther out)",
-             r->initial_stress, r->initial_fall);
+    gn_warn(list, "initial_stress",
+            "the ends carried %.4g Pa before they moved, and %.4g Pa of that vanished: it is not "
+            "part of the readings, but may have broken bonds (ends that start inside particles "
+            "push them away: use passive: true of walls, or ends farther out)",
+            r->initial_stress, r->initial_fall);
 }
 
 /* Warns of a body of varying section without a shape that gives its volume. */
 static void warn_of_section(const gn_run *run, const gn_readings *r, gn_warnings *list) {
     const gn_bar_section *x = &run->world.section;
     if (!(x->mean > 0.0) || x->guessed == 0.0 || isnan(r->young_modulus)) return;
-    gn_warning *to = gn_warnings_add(list, "uneven_section");
-    snprintf(to->text, sizeof to->text,
-             "the section varies along %c (%.3g of the mean at the narrowest section) and no shape "
-             "gives it: moduli are those of a prism of %.4g m2, not of the material (pack a shape, "
-             "or write a packing with `gneiss pack`)",
-             "xyz"[run->world.ctx.scene.test.axis], x -> narrowest / x -> mean,
-             run -> world.ctx.test_area);
+    gn_warn(list, "uneven_section",
+            "the section varies along %c (%.3g of the mean at the narrowest section) and no shape "
+            "gives it: moduli are those of a prism of %.4g m2, not of the material (pack a shape, "
+            "or write a packing with `gneiss pack`)",
+            "xyz"[run->world.ctx.scene.test.axis], x -> narrowest / x -> mean,
+            run -> world.ctx.test_area);
 }
 
 /* Tells whether the test had a stress in its sense. Some stages unload the load of others, so all
@@ -480,13 +467,12 @@ static void warn_of_nothing(const gn_run *run, const gn_readings *r, gn_warnings
     const gn_scene *s = &run->world.ctx.scene;
     if (!gn_scene_tested(s) || !run->finished || run->history.row_count < 2) return;
     if (measured(run, r)) return;
-    gn_warning *to = gn_warnings_add(list, "nothing_measured");
-    snprintf(to->text, sizeof to->text, "the test has no strength and no modulus: %s%s",
-             gn_run_staged(run) ? "the stress never had the sense of the test"
-                                : r->reason[GN_READING_largest_stress],
-             gn_scene_test(s)->ends
-                 ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
-                 : "");
+    gn_warn(list, "nothing_measured", "the test has no strength and no modulus: %s%s",
+            gn_run_staged(run) ? "the stress never had the sense of the test"
+                               : r->reason[GN_READING_largest_stress],
+            gn_scene_test(s)->ends
+                ? " (do the ends move, in the sense of the test, and reach the specimen in time?)"
+                : "");
 }
 
 /* Warns that the model ended the run (conversion/conversion.c) before the end of the test. */
@@ -494,12 +480,11 @@ static void warn_of_halted_peak(const gn_run *run, const gn_readings *r, gn_warn
     const double drop = gn_scene_peak_drop(&run->world.ctx.scene);
     if (!run->finished || !run->world.outcome.halt[0] || isnan(r->peak_stress)) return;
     if (!(r->peak_fall < drop)) return;
-    gn_warning *to = gn_warnings_add(list, "peak_halted");
-    snprintf(to->text, sizeof to->text,
-             "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g "
-             "Pa from which strengths were read, not the %.1f %% with which a test ends: it might "
-             "have risen above that again",
-             100.0 * r->peak_fall, r->peak_stress, 100.0 * drop);
+    gn_warn(list, "peak_halted",
+            "conversion ended the run (conversion_halted) with the stress %.1f %% below the %.4g "
+            "Pa from which strengths were read, not the %.1f %% with which a test ends: it might "
+            "have risen above that again",
+            100.0 * r->peak_fall, r->peak_stress, 100.0 * drop);
 }
 
 gneiss_status gn_warn_of_readings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
