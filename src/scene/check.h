@@ -15,6 +15,11 @@ typedef struct check {
 check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
                        size_t index);
 
+/* Checks the elements of a list that were read without problems, and keeps their problems. */
+typedef gneiss_status gn_check_one(const check *section, const gn_scene *scene, size_t index);
+gneiss_status gn_check_list(const check *section, const char *list, size_t count,
+                            gn_check_one *one);
+
 /* Fails at the value of `key`, or, if it is not given, at the section around it; "" stands for the
  * checked element. */
 gneiss_status gn_check_fail(const check *section, const char *key, const char *format, ...)

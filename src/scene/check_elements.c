@@ -83,7 +83,8 @@ static gneiss_status check_mesh(const check *section, const gn_scene *scene) {
 
 /* ---- materials, motions, loads ---- */
 
-static gneiss_status check_poisson(const check *section, const gn_element_material *material) {
+static gneiss_status check_poisson(const check *section, const gn_scene *scene, size_t index) {
+    const gn_element_material *material = &scene->elements.materials[index];
     if (material->poisson < 0.5) return GNEISS_OK;
     return gn_check_fail(section, "poisson",
                          "expected a value below 0.5, because an explicit scheme has no stable "
@@ -117,8 +118,8 @@ static gneiss_status check_motion(const check *section, const gn_scene *scene, s
     return gn_check_plane_motion(section, scene, &motion->motion);
 }
 
-static gneiss_status check_load(const check *section, const gn_scene *scene,
-                                const gn_element_load *load) {
+static gneiss_status check_load(const check *section, const gn_scene *scene, size_t index) {
+    const gn_element_load *load = &scene->elements.loads[index];
     GN_TRY(check_region(section, scene, &load->region));
     if (load->has_traction == load->has_force)
         return gn_check_fail(section, "force", "expected traction or force, found %s",
@@ -153,27 +154,14 @@ gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
     if (gn_check_is_valid(&c, "elements"))
         GN_TRY(gn_check_keep_problem(&c, check_whole(&c, scene)));
-    for (size_t k = 0; k < elements->material_count; k++) {
-        check element = gn_check_element(reader, root, "elements.materials", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_poisson(&element, &elements->materials[k])));
-    }
-    for (size_t k = 0; k < elements->motion_count; k++) {
-        check element = gn_check_element(reader, root, "elements.motions", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_motion(&element, scene, k)));
-    }
-    for (size_t k = 0; k < elements->load_count; k++) {
-        check element = gn_check_element(reader, root, "elements.loads", k);
-        if (gn_check_element_is_valid(&element))
-            GN_TRY(gn_check_keep_problem(&c, check_load(&element, scene, &elements->loads[k])));
-    }
-    return GNEISS_OK;
+    GN_TRY(gn_check_list(&c, "elements.materials", elements->material_count, check_poisson));
+    GN_TRY(gn_check_list(&c, "elements.motions", elements->motion_count, check_motion));
+    return gn_check_list(&c, "elements.loads", elements->load_count, check_load);
 }
 
 /* ---- cross-key checks of `couple` ---- */
 
-static gneiss_status check_zone(const check *section, const gn_scene *scene, size_t index) {
+static gneiss_status check_edges(const check *section, const gn_scene *scene, size_t index) {
     const gn_couple_zone *zone = &scene->couple.zones[index];
     if (!zone->edge_count)
         return gn_check_fail(section, "edges", "expected at least one, found none");
@@ -211,6 +199,11 @@ static gneiss_status check_other(const check *section, const gn_scene *scene, si
                                  "couple.zones[%zu]",
                                  k);
     return GNEISS_OK;
+}
+
+static gneiss_status check_zone(const check *section, const gn_scene *scene, size_t index) {
+    GN_TRY(gn_check_keep_problem(section, check_edges(section, scene, index)));
+    return check_other(section, scene, index);
 }
 
 /* Refuses keys that exclude coupling zones. */
@@ -390,11 +383,5 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep_problem(&c, check_convert(&c, scene, root)));
     if (!scene->couple.zone_count && !scene->couple.has_convert)
         return gn_check_fail(&c, "couple.zones", "expected at least one, found none");
-    for (size_t k = 0; k < scene->couple.zone_count; k++) {
-        check element = gn_check_element(reader, root, "couple.zones", k);
-        if (!gn_check_element_is_valid(&element)) continue;
-        GN_TRY(gn_check_keep_problem(&c, check_zone(&element, scene, k)));
-        GN_TRY(gn_check_keep_problem(&c, check_other(&element, scene, k)));
-    }
-    return GNEISS_OK;
+    return gn_check_list(&c, "couple.zones", scene->couple.zone_count, check_zone);
 }

@@ -186,16 +186,8 @@ static gneiss_status check_beside(const check *section, const gn_scene *scene) {
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root) {
     const gn_scene *s = reader->scene;
     const check scene = {.reader = reader, .map = root};
-    for (size_t k = 0; k < s->source_count; k++) {
-        check element = gn_check_element(reader, root, "sources", k);
-        if (!gn_check_element_is_valid(&element)) continue;
-        GN_TRY(gn_check_keep_problem(&element, check_source(&element, s, k)));
-    }
-    for (size_t k = 0; k < s->sink_count; k++) {
-        check element = gn_check_element(reader, root, "sinks", k);
-        if (!gn_check_element_is_valid(&element)) continue;
-        GN_TRY(gn_check_keep_problem(&element, check_sink(&element, s, k)));
-    }
+    GN_TRY(gn_check_list(&scene, "sources", s->source_count, check_source));
+    GN_TRY(gn_check_list(&scene, "sinks", s->sink_count, check_sink));
     if (!s->source_count && !s->sink_count) return GNEISS_OK;
     if (!gn_check_is_valid(&scene, "sources") || !gn_check_is_valid(&scene, "specimen"))
         return GNEISS_OK;
@@ -317,13 +309,8 @@ static gneiss_status check_body(const check *section, const gn_scene *scene, siz
 }
 
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root) {
-    const gn_scene *scene = reader->scene;
-    for (size_t k = 0; k < scene->body_count; k++) {
-        check element = gn_check_element(reader, root, "bodies", k);
-        if (!gn_check_element_is_valid(&element)) continue;
-        GN_TRY(gn_check_keep_problem(&element, check_body(&element, scene, k)));
-    }
-    return GNEISS_OK;
+    const check c = {.reader = reader, .map = root};
+    return gn_check_list(&c, "bodies", reader->scene->body_count, check_body);
 }
 
 /* ---- checks of fields that files hold on request ---- */
