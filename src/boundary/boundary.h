@@ -75,8 +75,7 @@ void gn_boundary_free(gn_boundary *boundary);
 /* Finds what is near each particle, in the order that the particles have; `first`: at the start,
  * where a passive wall takes contacts as they are. */
 gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones, bool first,
-                                  gneiss_error *error);
+                                  bool first, gneiss_error *error);
 /* There is another number of particles: what goes by it is made with the next lists. */
 void gn_boundary_resized(gn_boundary *boundary);
 /* All that follows from contacts, which were read. */

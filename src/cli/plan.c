@@ -484,8 +484,7 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     char text[GNEISS_MESSAGE_SIZE];
     GN_FREED gn_overlap *overlaps = NULL;
     GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
-    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, &world->solids,
-                             &world->zones, overlaps, error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
     GN_TRY(print_bodies(world, overlaps, warnings, error));
     if (gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary, &world->box, overlaps, text,
                           sizeof text)) {

@@ -223,8 +223,7 @@ static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
             warn_of_inside("behind wall", scene->walls[k].name,
                            gn_wall_overlap(&world->dem, &world->boundary, k).inside);
     GN_TRY(gn_new(&overlaps, world->boundary.surface_count, "surfaces", error));
-    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, &world->solids,
-                             &world->zones, overlaps, error));
+    GN_TRY(gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error));
     for (size_t k = 0; k < world->boundary.surface_count; k++)
         if (k < scene->body_count)
             warn_of_inside("inside body", scene->bodies[k].name, overlaps[k].inside);

@@ -235,8 +235,7 @@ void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
  * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const uint8_t *slips, double rate,
+                           const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the

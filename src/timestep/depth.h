@@ -28,9 +28,8 @@ typedef struct gn_depth {
 /* Looks at what is listed, as it is now, into world->dem.depth: whenever lists are made, and in
  * measured steps if that was some steps ago. What cannot move is left out. */
 gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            const gn_solids *solids, const gn_zones *zones, gneiss_error *error);
+                            gneiss_error *error);
 gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones,
                                   gneiss_error *error);
 
 /* Whose contact it was. */

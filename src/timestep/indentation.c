@@ -143,14 +143,13 @@ static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
 }
 
 static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                              const gn_solids *solids, const gn_zones *zones, size_t row) {
+                              size_t row) {
     size_t count = 0, p = (size_t)boundary->contacts.i[row];
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
     double v[3];
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    row = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, row, dem->verlet.skin, found,
-                                 &count);
+    row = gn_surface_contacts_at(ctx, dem, boundary, row, dem->verlet.skin, found, &count);
     for (size_t k = 0; k < count; k++) {
         surface_velocity(dem, boundary, &found[k], v);
         meet(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
@@ -158,13 +157,12 @@ static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *bo
     return row;
 }
 
-static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_solids *solids, const gn_zones *zones) {
+static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
         if (wall >= ctx->scene.wall_count) {
-            c = look_at_surface(ctx, dem, boundary, solids, zones, c);
+            c = look_at_surface(ctx, dem, boundary, c);
             continue;
         }
         gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
@@ -175,13 +173,12 @@ static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     }
 }
 
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones) {
+void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     dem->push = applied(ctx, dem);
     for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, least);
     look_at_pairs(ctx, dem);
-    look_at_walls(ctx, dem, boundary, solids, zones);
+    look_at_walls(ctx, dem, boundary);
     keep_pairs(dem);
     gn_near_repack(ctx, dem);
 }

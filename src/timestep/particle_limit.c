@@ -40,8 +40,7 @@ static void free_data(spectrum_data *d) {
 }
 
 static gneiss_status make_data(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, double reach, spectrum_data *d,
+                               const gn_boundary *boundary, double reach, spectrum_data *d,
                                gneiss_error *error) {
     size_t walls = ctx->scene.wall_count, n = dem->particles.soa.count;
     size_t materials = ctx->scene.material_count;
@@ -62,8 +61,8 @@ static gneiss_status make_data(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] =
             dem->particles.slot[p] >= 0 ? dem->prescribed.mask[dem->particles.slot[p]] : 0;
-    gneiss_status status = gn_surface_springs(ctx, dem, boundary, solids, zones, reach, &d->surface,
-                                              &d->surface_count, error);
+    gneiss_status status =
+        gn_surface_springs(ctx, dem, boundary, reach, &d->surface, &d->surface_count, error);
     if (status != GNEISS_OK) free_data(d);
     return status;
 }
@@ -155,13 +154,12 @@ static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_e
 }
 
 gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids,
-                                   const gn_zones *zones, bool listed, gn_spectrum_user *use,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     double reach = listed ? dem->verlet.skin : 0.0;
-    GN_TRY(make_data(ctx, dem, boundary, solids, zones, reach, &data, error));
+    GN_TRY(make_data(ctx, dem, boundary, reach, &data, error));
     gn_spectrum spectrum = spectrum_of(ctx, reach, &assembly, &data);
     gneiss_status status = use(&spectrum, context, error);
     free_data(&data);
@@ -172,7 +170,7 @@ static gneiss_status ask(const gn_step_context *ctx, const gn_dem *dem, const gn
                          const gn_solids *solids, const gn_zones *zones, bool listed,
                          const question *q, gneiss_error *error) {
     question copy = *q;
-    return gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, answer, &copy, error);
+    return gn_dem_with_spectrum(ctx, dem, boundary, listed, answer, &copy, error);
 }
 
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
@@ -184,13 +182,12 @@ gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const uint8_t *slips, double rate,
+                           const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
-    GN_TRY(make_data(ctx, dem, boundary, solids, zones, 0.0, &data, error));
+    GN_TRY(make_data(ctx, dem, boundary, 0.0, &data, error));
     gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &data);
     spectrum.slips = slips;
     spectrum.dashpots = 0.0;
@@ -354,7 +351,7 @@ gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                   .verdict = &verdict};
     *far = false;
     if (ctx->dt > 0.5 * dem->stable || !(q.step < INFINITY)) return GNEISS_OK;
-    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, true, by_sums, &q, error));
+    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, true, by_sums, &q, error));
     *far = verdict.holds;
     return GNEISS_OK;
 }

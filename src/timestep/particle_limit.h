@@ -13,8 +13,7 @@
 typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
                                        gneiss_error *error);
 gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids,
-                                   const gn_zones *zones, bool listed, gn_spectrum_user *use,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error);
 
 #endif

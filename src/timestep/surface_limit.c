@@ -59,15 +59,14 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, double reach, gn_extra_spring **springs,
-                                 size_t *count, gneiss_error *error) {
+                                 const gn_boundary *boundary, double reach,
+                                 gn_extra_spring **springs, size_t *count, gneiss_error *error) {
     size_t rows = boundary->contacts.soa.count;
     *springs = NULL;
     *count = 0;
     if (!boundary->surface_count) return GNEISS_OK;
-    GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error));
-    GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, solids, zones, error));
+    GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, error));
+    GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
@@ -77,7 +76,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, reach, found, &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, reach, found, &many);
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(
@@ -434,8 +433,7 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
-                                   &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
         if (many && found[0].patch)
             add_patch(ctx, dem, found, many, &sums);
         else

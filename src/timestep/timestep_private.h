@@ -14,12 +14,10 @@
 /* Springs of the particles that touch surfaces, or are up to `reach` from them, for the stability
  * limit; the caller frees them. */
 gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, double reach, gn_extra_spring **springs,
-                                 size_t *count, gneiss_error *error);
+                                 const gn_boundary *boundary, double reach,
+                                 gn_extra_spring **springs, size_t *count, gneiss_error *error);
 /* Finds the expected overlaps of the present contacts (indentation.c). */
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones);
+void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
 /* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the ledger of a measured step misses more than debris may (debris.c). */

@@ -302,9 +302,8 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary,
-                              &t->world->solids, &t->world->zones, slips, t->rate, t->load,
-                              tolerance, &t->made, u, found, error);
+        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary, slips, t->rate,
+                              t->load, tolerance, &t->made, u, found, error);
     if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);

@@ -17,10 +17,9 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     const double start = gn_now();
     const bool first = w->dem.verlet.rebuilds == 0;
     GN_TRY(gn_dem_refresh(w, error));
-    GN_TRY(
-        gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, first, error));
+    GN_TRY(gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, first, error));
     GN_TRY(gn_features_follow_lists(w, error));
-    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
