@@ -6,7 +6,6 @@
  * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
  * exactly and the energy without drift; it is symplectic, reversible and of second order, of fourth
  * in steps in which the body turns far. */
-#include "boundary/bodies.h"
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -15,9 +14,8 @@
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/boundary_private.h"
-#include "boundary/self_intersection.h"
+#include "boundary/overlap.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"
@@ -26,7 +24,7 @@
 #include "scene/table.h"
 #include "solids/elements.h"
 #include "surfaces/body_shape.h"
-#include "surfaces/facet_tree.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 #include <string.h>
@@ -467,7 +465,7 @@ void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, dou
     for (size_t k = 0; k < ctx->scene.body_count; k++) book(ctx, &boundary->bodies[k], dt, ledger);
 }
 
-/* See gn_dem_add_change: of bodies, of which what is free turns besides. */
+/* See gn_rows_add_step_change: of bodies, of which what is free turns besides. */
 static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     double gain[3];

@@ -3,13 +3,12 @@
 #ifndef GN_BOUNDARY_BOUNDARY_H
 #define GN_BOUNDARY_BOUNDARY_H
 
-#include "frame/parts.h"
-
 #include "base/error.h"
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/surface.h"
 #include "frame/balance.h"
+#include "frame/parts.h"
 #include "frame/periodic_box.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
@@ -114,11 +113,9 @@ gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
 /* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
  * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids,
-                                      const gn_zones *zones, bool *more, gneiss_error *error);
+                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error);
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
 size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);
@@ -126,5 +123,18 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary);
+
+/* N, with which a servo wall shall be pressed. */
+double gn_wall_wanted(const gn_step_context *ctx, const gn_boundary *boundary, size_t wall,
+                      double time);
+/* After lists have been made: what servos press. */
+void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary);
+/* J: what the spring of a contact with a wall holds, less half a step of what it gives to the
+ * particle and takes of the wall, at the velocities that led here; linear law. */
+double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
+                    size_t row);
+/* The largest share of the missing force that a servo wall takes up in a step and is stable. */
+double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
+                                 const gn_boundary *boundary, size_t wall);
 
 #endif

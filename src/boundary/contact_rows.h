@@ -12,6 +12,7 @@
 #include "kernels/contact.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "timestep/indentation.h"

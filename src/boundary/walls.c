@@ -1,5 +1,4 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
-#include "boundary/walls.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -18,6 +17,7 @@
 #include "kernels/law.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "particles/law.h"
 #include "scene/acts.h"
 #include "scene/scene.h"

@@ -17,7 +17,7 @@
 #include "run/folder.h"
 #include "scene/tree.h"
 #include "sweep/sweep.h"
-#include "timestep/surface_limit.h"
+#include "timestep/step_limit.h"
 #include "world/scale.h"
 
 #include <malloc.h>

@@ -11,7 +11,6 @@
 #include "plan/estimate.h"
 #include "run/budget.h"
 #include "run/run.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>

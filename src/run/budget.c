@@ -2,7 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/new.h"
-#include "laboratory/section.h"
+#include "laboratory/laboratory.h"
 
 #include <math.h>
 #include <stddef.h>

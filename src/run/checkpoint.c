@@ -414,6 +414,7 @@ static gneiss_status load(gn_run *run, gn_h5 *file, const char *path, const gn_o
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
     GN_TRY(gn_coupled_resume(w, error));
     GN_TRY(gn_world_restore(w, error));
+    gn_world_find_volume_source(w);
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));

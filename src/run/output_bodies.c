@@ -3,9 +3,7 @@
 
 #include "base/error.h"
 #include "base/new.h"
-#include "boundary/bodies.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"

@@ -1,5 +1,5 @@
 /* Warnings about the coupling of particles and elements. */
-#include "laboratory/section.h"
+#include "laboratory/laboratory.h"
 #include "run/warnings.h"
 
 #include "base/point.h"

@@ -14,7 +14,6 @@
  * asked first: only where it misses more than TOLD of what has gone through while such a particle
  * collides with energy that can be the reason its contacts are resolved as those of loose particles
  * are. */
-#include "timestep/debris.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
@@ -24,7 +23,7 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "soa/records.h"
-#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 
 #include <math.h>

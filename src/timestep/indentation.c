@@ -9,12 +9,13 @@
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
+#include "particles/law.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/records.h"
@@ -24,8 +25,6 @@
 
 #include <math.h>
 
-/* Over the radius of the contact: with less a step would have no bound at the start. */
-static const double least = 1e-6;
 /* What is expected at least of an overlap that there is, and what is taken in hand besides. */
 static const double growth = 1.2, reserve = 1.25;
 
@@ -38,47 +37,6 @@ static double applied(const gn_step_context *ctx, const gn_dem *dem) {
         most2 = fmax(most2, gn_dot3(f, f) * inverse * inverse);
     }
     return sqrt(most2);
-}
-
-/* J/kg that gravity and applied forces add while the lists last. */
-static double fall(const gn_step_context *ctx, const gn_dem *dem) {
-    const double *g = ctx->scene.gravity;
-    double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
-    return (pull + dem->push) * dem->verlet.skin;
-}
-
-/* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
- * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
-static double collision(const gn_step_context *ctx, const gn_dem *dem, double kn,
-                        double inverse_mass, double speed2, double radius, double known) {
-    if (!(inverse_mass > 0.0)) return known;
-    if (dem->gain > 0.0) speed2 = (sqrt(speed2) + dem->gain) * (sqrt(speed2) + dem->gain);
-    double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
-    if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
-    return pow(3.75 * energy / kn, 0.4) / radius;
-}
-
-static double pair_radius(const gn_particles *q, size_t i, size_t j) {
-    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
-    return ri * rj / (ri + rj);
-}
-
-static double relative2(const double *a, const double *b) {
-    double v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return gn_dot3(v, v);
-}
-
-double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
-                          double kn) {
-    const gn_particles *q = &dem->particles;
-    const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
-    double radius = pair_radius(q, i, j), known = fmax(fmax(q->pressed[i], q->pressed[j]), least);
-    return radius * collision(ctx, dem, kn, vi[3] + vj[3], relative2(vi, vj), radius, known);
-}
-
-double gn_pressed_touch(const gn_dem *dem, size_t p) {
-    const gn_particles *q = &dem->particles;
-    return q->pos[4 * p + 3] * fmax(q->pressed[p], least);
 }
 
 /* --- looking --- */
@@ -94,11 +52,12 @@ static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
-        double d[3], radius = pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
+        double d[3], radius = gn_pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
         double gap = sqrt(gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
                      q->pos[4 * j + 3];
         known = fmax(known, growth * -gap / radius);
-        known = collision(ctx, dem, k->kn[c], vi[3] + vj[3], relative2(vi, vj), radius, known);
+        known = gn_expected_overlap(ctx, dem, k->kn[c], vi[3] + vj[3], gn_relative_speed2(vi, vj),
+                                    radius, known);
         raise(dem, i, known);
         raise(dem, j, known);
     }
@@ -109,7 +68,7 @@ static void keep_pairs(gn_dem *dem) {
     gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        k->most[c] = pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
+        k->most[c] = gn_pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
         if (k->most_f) k->most_f[c] = (float)k->most[c];
     }
 }
@@ -120,7 +79,9 @@ static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_sid
     const double *own = dem->particles.vel + 4 * p;
     double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
     double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
-    raise(dem, p, collision(ctx, dem, kn, own[3], relative2(own, v), side->radius, known));
+    raise(
+        dem, p,
+        gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
 }
 
 /* Where the contact is. */
@@ -176,7 +137,7 @@ static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
 void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     dem->push = applied(ctx, dem);
-    for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, least);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, GN_OVERLAP_LEAST);
     look_at_pairs(ctx, dem);
     look_at_walls(ctx, dem, boundary);
     keep_pairs(dem);
@@ -262,4 +223,112 @@ gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
     if (!w->dem.pressed) return GNEISS_OK;
     w->dem.pressed = false;
     return gn_world_check_lists(w, error);
+}
+
+/* Looks cost a third of a step. */
+enum { LOOK_INTERVAL = 50 };
+
+/* m: a smaller overlap is less than what is known. */
+static double known_overlap(const gn_dem *dem, double radius) {
+    return dem->depth.excess * GN_DEPTH_LOOSE * radius;
+}
+
+static void record(const gn_step_context *ctx, gn_dem *dem, double overlap, double radius, size_t p,
+                   double second) {
+    gn_depth *d = &dem->depth;
+    const double id = dem->particles.id[p];
+    bool loose = dem->loose[(size_t)id] || (second >= 0.0 && dem->loose[(size_t)second]);
+    double excess = overlap / radius / (loose ? GN_DEPTH_LOOSE : GN_DEPTH_BONDED);
+    if (!(excess > d->excess)) return;
+    *d = (gn_depth){excess,
+                    overlap / radius,
+                    overlap,
+                    ctx->time,
+                    second >= 0.0 ? fmin(id, second) : id,
+                    second >= 0.0 ? fmax(id, second) : second,
+                    d->looked};
+}
+
+static void record_pairs(const gn_step_context *ctx, gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    const gn_contacts *k = &dem->pairs.contacts;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        const size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        const double *a = q->pos + 4 * i, *b = q->pos + 4 * j;
+        const double radius = fmin(a[3], b[3]), most = a[3] + b[3] - known_overlap(dem, radius);
+        double d[3], d2 = gn_branch(ctx, a, b, d);
+        if (!(most > 0.0 && d2 < most * most)) continue;
+        if (!(gn_inverse_mass_along(dem, i, d) + gn_inverse_mass_along(dem, j, d) > 0.0)) continue;
+        /* Elements stand for their bond as yet: the packing's own overlap, without force. */
+        if (q->blend && !(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
+        record(ctx, dem, a[3] + b[3] - sqrt(d2), radius, i, q->id[j]);
+    }
+}
+
+static size_t record_surface(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                             size_t row) {
+    const size_t p = (size_t)boundary->contacts.i[row];
+    const double radius = dem->particles.pos[4 * p + 3];
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    size_t count = 0;
+    row = gn_surface_contacts_at(ctx, dem, boundary, row, 0.0, found, &count);
+    for (size_t k = 0; k < count; k++) {
+        const gn_surface *s = found[k].surface;
+        const double overlap = -found[k].contact.overlap;
+        if (!(overlap > known_overlap(dem, radius))) continue;
+        if (!(gn_inverse_mass_along(dem, p, found[k].contact.n) > 0.0 ||
+              gn_surface_yields(boundary, s)))
+            continue;
+        record(ctx, dem, overlap, radius, p,
+               -1.0 - (double)ctx->scene.wall_count - (double)(s - boundary->surfaces));
+    }
+    return row;
+}
+
+static void record_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
+    const gn_wall_contacts *k = &boundary->contacts;
+    for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
+        const size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
+        if (wall >= ctx->scene.wall_count) {
+            c = record_surface(ctx, dem, boundary, c);
+            continue;
+        }
+        const gn_wall *of = &boundary->walls[wall];
+        const double *x = dem->particles.pos + 4 * p;
+        const double overlap = x[3] + k->gap0[c] - gn_wall_distance(of, x);
+        if (overlap > known_overlap(dem, x[3]) && gn_inverse_mass_along(dem, p, of->normal) > 0.0)
+            record(ctx, dem, overlap, x[3], p, -1.0 - (double)wall);
+        c++;
+    }
+}
+
+gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                            gneiss_error *error) {
+    GN_TRY(gn_loose_find(ctx, dem, error));
+    record_pairs(ctx, dem);
+    record_walls(ctx, dem, boundary);
+    dem->depth.looked = (double)ctx->step;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
+                                  gneiss_error *error) {
+    bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
+    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, error) : GNEISS_OK;
+}
+
+const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {
+    const gn_depth *d = &dem->depth;
+    const size_t walls = ctx->scene.wall_count,
+                 k = d->second < 0.0 ? (size_t)(-1.0 - d->second) : 0;
+    if (d->second >= 0.0)
+        snprintf(text, size, "particles %.0f and %.0f", d->first, d->second);
+    else if (k < walls)
+        snprintf(text, size, "particle %.0f and wall '%.60s'", d->first, ctx->scene.walls[k].name);
+    else if (k - walls < ctx->scene.body_count)
+        snprintf(text, size, "particle %.0f and body '%.60s'", d->first,
+                 ctx->scene.bodies[k - walls].name);
+    else
+        snprintf(text, size, "particle %.0f and the finite elements", d->first);
+    return text;
 }

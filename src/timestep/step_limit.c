@@ -13,8 +13,6 @@
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/body_paths.h"
-#include "timestep/collisions.h"
 #include "timestep/timestep_private.h"
 #include "world/world.h"
 #include "zones/zone_state.h"

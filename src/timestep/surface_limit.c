@@ -1,16 +1,13 @@
 /* What surfaces mean for the stability limit. */
-#include "timestep/surface_limit.h"
 #include "base/eigen.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "boundary/bodies.h"
 #include "boundary/body_pairs.h"
 #include "boundary/body_walls.h"
 #include "boundary/boundary.h"
 #include "boundary/contact_rows.h"
 #include "boundary/surface.h"
-#include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
@@ -20,7 +17,6 @@
 #include "scene/sides.h"
 #include "soa/records.h"
 #include "surfaces/facet.h"
-#include "surfaces/facet_tree.h"
 #include "timestep/step_limit.h"
 #include "timestep/timestep_private.h"
 
@@ -70,13 +66,8 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    for (size_t c = 0; c < rows;) {
-        size_t many = 0;
-        if ((size_t)boundary->contacts.wall[c] < ctx->scene.wall_count) {
-            c++;
-            continue;
-        }
-        c = gn_surface_contacts_at(ctx, dem, boundary, c, reach, found, &many);
+    size_t row = 0, many;
+    while (gn_surface_contacts_next(ctx, dem, boundary, &row, reach, found, &many)) {
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(
@@ -414,8 +405,7 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
 }
 
 static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
-                                  const gn_boundary *boundary, const gn_solids *solids,
-                                  const gn_zones *zones, const gn_surface *s, double *rate,
+                                  const gn_boundary *boundary, const gn_surface *s, double *rate,
                                   gneiss_error *error) {
     const int32_t *wall = boundary->contacts.wall;
     int32_t begin = (int32_t)ctx->scene.wall_count + s->first,
@@ -453,15 +443,13 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
 /* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
  * be at their limit, from above; the elasticity of what vertices belong to is left out. */
 static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, double *bodies, double *vertices,
+                                const gn_boundary *boundary, double *bodies, double *vertices,
                                 gneiss_error *error) {
     *bodies = *vertices = 0.0;
     for (size_t k = 0; k < boundary->surface_count; k++) {
         const gn_surface *s = &boundary->surfaces[k];
         if (!gn_surface_yields(boundary, s)) continue;
-        GN_TRY(surface_rate(ctx, dem, boundary, solids, zones, s, s->body >= 0 ? bodies : vertices,
-                            error));
+        GN_TRY(surface_rate(ctx, dem, boundary, s, s->body >= 0 ? bodies : vertices, error));
     }
     return GNEISS_OK;
 }
@@ -471,19 +459,18 @@ static bool are_more(const gn_boundary *b, double bodies, double vertices) {
 }
 
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids,
-                                      const gn_zones *zones, bool *more, gneiss_error *error) {
+                                      const gn_boundary *boundary, bool *more,
+                                      gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *more = are_more(boundary, bodies, vertices);
     return GNEISS_OK;
 }
 
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error) {
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *due = anew || are_more(boundary, bodies, vertices);
     if (!*due) return GNEISS_OK;
     boundary->surface_rate = bodies;

@@ -39,9 +39,8 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
 /* The factor, likewise, with which the springs of the particles are stable at `step`
  * (gn_step_masses): the springs that act or, with `listed`, all that the lists hold. */
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, bool listed, double step, const uint8_t *changed,
-                            double *factor, gneiss_error *error);
+                            const gn_boundary *boundary, bool listed, double step,
+                            const uint8_t *changed, double *factor, gneiss_error *error);
 /* After springs have come that ask for a smaller step than masses were raised for, of those that
  * act or of all that are listed: raises the masses of these particles [particles] and their
  * neighbours as far as their own blocks ask for more, at the velocities that they have (their
@@ -64,5 +63,13 @@ double gn_limit_needed(const gn_step_context *ctx, const gn_dem *dem, const gn_b
                        const gn_solids *solids, const gn_zones *zones, double step);
 /* Least share of its limit that rotated contacts leave until the next lists. */
 #define GN_TURNED_SHARE 0.95
+
+/* Calls `use` with the linearised system of the particles: of the springs that act or, with
+ * `listed`, of all that the lists hold. */
+typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
+                                       gneiss_error *error);
+gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error);
 
 #endif

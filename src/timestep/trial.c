@@ -17,6 +17,7 @@
 #include "soa/records.h"
 #include "soa/single.h"
 #include "timestep/step_limit.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>

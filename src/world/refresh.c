@@ -6,9 +6,10 @@
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "particles/invariants.h"
-#include "timestep/depth.h"
+#include "timestep/indentation.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -35,8 +36,7 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
-    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &more,
-                                   error));
+    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
     if (more) GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
 }

@@ -13,9 +13,9 @@
 #include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
-#include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -13,6 +13,7 @@
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>

@@ -13,11 +13,8 @@
 #include "frame/step_context.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
-#include "laboratory/control.h"
 #include "laboratory/ends.h"
-#include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
-#include "laboratory/section.h"
 #include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
 #include "membrane/membrane.h"
@@ -34,6 +31,7 @@
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "zones/zones.h"
 
 #include <math.h>
@@ -99,6 +97,11 @@ static gn_volume_source source_of_volume(const gn_step_context *ctx, const gn_de
     bool given =
         gn_scene_tested(&ctx->scene) && gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
     return given ? GN_VOLUME_OF_TEST : GN_VOLUME_OF_HULL;
+}
+
+void gn_world_find_volume_source(gn_world *world) {
+    world->ctx.volume_source =
+        source_of_volume(&world->ctx, &world->dem, &world->boundary, &world->solids);
 }
 
 const char *gn_world_volume_source(const gn_step_context *ctx) {

@@ -12,9 +12,8 @@
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/motion.h"
-#include "laboratory/control.h"
 #include "laboratory/ends.h"
-#include "laboratory/section.h"
+#include "laboratory/laboratory.h"
 #include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
 #include "particles/dem.h"
@@ -109,6 +108,8 @@ gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *
 
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
 const char *gn_world_volume_source(const gn_step_context *ctx);
+/* Finds the source of the volume of a resumed run, whose checkpoint has the volume alone. */
+void gn_world_find_volume_source(gn_world *world);
 
 /* Of particles and elements, kg, without what was added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
@@ -134,15 +135,6 @@ gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *de
 
 /* The wave that the scene begins with, when lists have been made (pulse.c). */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
-
-/* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
-
-void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                  const gn_motion_args *motion);
-
-/* Moves the particles that an exchange had wait. */
-void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion);
 
 /* Seconds are booked under phases in one step of so many, which counts for the others: looking at
  * the clock after every block takes a percent of a step. Prime, so that it keeps no time with

@@ -1,6 +1,6 @@
 /* What acts on every particle, for output: the sums that motion_template.c works with, in plain C.
  */
-#include "particles/loads.h"
+#include "boundary/loads.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"

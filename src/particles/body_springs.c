@@ -1,4 +1,4 @@
-#include "boundary/body_springs.h"
+#include "particles/body_springs.h"
 
 #include "kernels/law.h"
 #include "particles/law.h"

@@ -1,8 +1,8 @@
 /* The springs of rigid bodies on plane walls and on each other: those of both one behind the other,
  * along and across. By Hertz's law, where walls and bodies have materials or are rigid, a body may
  * have a stiffness for these contacts besides; what has none is rigid in them. */
-#ifndef GN_BOUNDARY_BODY_SPRINGS_H
-#define GN_BOUNDARY_BODY_SPRINGS_H
+#ifndef GN_PARTICLES_BODY_SPRINGS_H
+#define GN_PARTICLES_BODY_SPRINGS_H
 
 #include "kernels/law.h"
 #include "scene/scene.h"
