@@ -464,8 +464,9 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
                     {"broken_shear", (double)w->dem.broken_shear},
                     {"removed", (double)w->dem.lost});
     if (w->ctx.scene.body_count) {
-        GN_JSON_NUMBERS(j, {"bodies", (double)w->ctx.scene.body_count},
-                        {"facets", (double)w->boundary.body_corner_count / (double)w->ctx.scene.dimension});
+        GN_JSON_NUMBERS(
+            j, {"bodies", (double)w->ctx.scene.body_count},
+            {"facets", (double)w->boundary.body_corner_count / (double)w->ctx.scene.dimension});
     }
     if (w->solids.count) {
         gn_element_totals t = gn_elements_totals(&w->solids);
