@@ -33,12 +33,14 @@ CLEAN = [
     "src/api",
     "src/base",
     "src/cli",
+    "src/conversion",
     "src/couple",
     "src/fem",
     "src/io",
     "src/kernels",
     "src/limit",
     "src/measure",
+    "src/membrane",
     "src/mesh",
     "src/neigh",
     "src/pack",
@@ -47,10 +49,12 @@ CLEAN = [
     "src/scene",
     "src/sched",
     "src/soa",
+    "src/solids",
     "src/static",
     "src/surfaces",
     "src/sweep",
     "src/test_kinds",
+    "src/zones",
 ]
 # Pages that are written by a program from texts elsewhere: their words and lines are those of the texts.
 GENERATED = {"docs/keys.md", "docs/quantities.md"}

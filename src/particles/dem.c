@@ -21,7 +21,7 @@
 #include "particles/from_run.h"
 #include "particles/law.h"
 #include "particles/observe.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
@@ -191,7 +191,7 @@ void gn_dem_free(gn_dem *d) {
         d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
         d->motion_sums,    d->vel_past,        d->spin_past,       d->around,
         d->pieces.parent,  d->pieces.members,  d->pieces.volume,   d->still,
-        d->sleeper,        d->hertz,           d->driven,          d->ways};
+        d->dormant,        d->hertz,           d->driven,          d->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

@@ -99,11 +99,11 @@ typedef struct gn_patch {
     double body;     /* of those of the skin the one that it was of at the last look */
 } gn_patch;
 
-/* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
-typedef struct gn_sleeper {
-    double mass, inertia; /* 1/kg, 1/(kg m2), that it will have; 0: it is awake */
-    double home;          /* element that it starts in, by its place in the mesh */
-} gn_sleeper;
+/* A particle of a body whose elements convert (conversion.h), in doubles as in checkpoints. */
+typedef struct gn_dormant_particle {
+    double inverse_mass, inverse_inertia; /* 1/kg, 1/(kg m2), after activation; 0: it is active */
+    double home; /* element that contains it at the start, by its place in the mesh */
+} gn_dormant_particle;
 
 /* Room for counting fragments (fragments.c), with bonds. */
 typedef struct gn_pieces {
@@ -132,9 +132,9 @@ struct gn_dem {
         };
         gn_contact_list list[GN_LIST_COUNT];
     };
-    gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
-    gn_sleeper *sleeper;  /* [particles] by id, with couple.convert; else NULL */
-    uint8_t *still; /* [motion_blocks] no particle of it is awake, with couple.convert; else NULL */
+    gn_contacts prepared;         /* bonds of all particles, whole, with couple.convert */
+    gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
+    uint8_t *still; /* [motion_blocks] it has no active particle, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] -1: gone, its row as well */
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;

@@ -30,7 +30,7 @@ typedef struct gn_fragment {
 typedef struct gn_fragment_list {
     gn_fragment *row; /* the largest volume first, of the same the least id */
     size_t count;
-    int32_t *of; /* [particles] row, -1: removed or asleep */
+    int32_t *of; /* [particles] row, -1: removed or dormant */
 } gn_fragment_list;
 
 /* With bonds, else there are none. The caller frees, also on failure. */

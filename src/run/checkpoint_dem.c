@@ -85,12 +85,12 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     return n;
 }
 
-enum { SLEEPER = sizeof(gn_sleeper) / 8, PATH = sizeof(gn_near_path) / 8 };
+enum { SLEEPER = sizeof(gn_dormant_particle) / 8, PATH = sizeof(gn_near_path) / 8 };
 
-static gneiss_status put_sleepers(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+static gneiss_status put_dormant(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &w->dem.prepared, error));
     return gn_h5_put(file, "sleepers", GN_F64, w->dem.particles.soa.count, SLEEPER, 0,
-                     w->dem.sleeper, NULL, NULL, error);
+                     w->dem.dormant, NULL, NULL, error);
 }
 
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
@@ -110,7 +110,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     if (groups)
         GN_TRY(
             gn_h5_put(file, "near_act", GN_U8, groups, 1, 0, w->dem.near.act, NULL, NULL, error));
-    if (gn_converts(&w->ctx)) GN_TRY(put_sleepers(w, file, error));
+    if (gn_converts(&w->ctx)) GN_TRY(put_dormant(w, file, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
     GN_TRY(gn_checkpoint_put_flow(w, file, error));
@@ -194,20 +194,20 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
 
 /* Reads the dormant particles. Elements are loaded later, so the number of an element is not
  * compared with their count here. */
-static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *path,
-                                  gneiss_error *error) {
+static gneiss_status get_dormant(gn_world *w, const gn_h5 *file, const char *path,
+                                 gneiss_error *error) {
     gn_dem *d = &w->dem;
     const size_t count = d->particles.soa.count;
     GN_TRY(gn_h5_get_record(file, "prepared", &gn_contact_record, &d->prepared,
                             gn_contact_list_effects(w->ctx.effects, true), error));
-    d->sleeper = gn_alloc_array(count + 1, sizeof *d->sleeper);
-    if (!d->sleeper)
+    d->dormant = gn_alloc_array(count + 1, sizeof *d->dormant);
+    if (!d->dormant)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", count);
-    GN_TRY(gn_h5_get(file, "sleepers", GN_F64, count, SLEEPER, 0, d->sleeper, error));
+    GN_TRY(gn_h5_get(file, "sleepers", GN_F64, count, SLEEPER, 0, d->dormant, error));
     for (size_t p = 0; p < count; p++)
-        if (!(d->sleeper[p].home >= 0.0 && d->sleeper[p].home < INT32_MAX))
+        if (!(d->dormant[p].home >= 0.0 && d->dormant[p].home < INT32_MAX))
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of elements, found %g",
-                           path, d->sleeper[p].home);
+                           path, d->dormant[p].home);
     return GNEISS_OK;
 }
 
@@ -257,7 +257,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
                                     &d->list[l].contacts,
                                     gn_list_kinds[l]->effects_of(w->ctx.effects), error));
     GN_TRY(get_near(w, file, path, error));
-    if (gn_converts(&w->ctx)) GN_TRY(get_sleepers(w, file, path, error));
+    if (gn_converts(&w->ctx)) GN_TRY(get_dormant(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));
     return check(w, path, error);
 }

@@ -15,6 +15,7 @@
 #include "measure/energy.h"
 #include "membrane/membrane.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/flow.h"
 #include "particles/observe.h"
 #include "run/budget.h"
@@ -206,8 +207,8 @@ static void summary_relaxation(const gn_world *w, gn_json *j) {
     if (!gn_converts(&w->ctx) || !(w->ctx.scene.couple.convert.relax > 0.0)) return;
     gn_json_object(j, "relaxation");
     GN_JSON_NUMBERS(j, {"count", (double)r->count}, {"iterations", (double)r->iterations},
-                    {"missed", (double)r->missed}, {"broke", (double)r->broke},
-                    {"loose", (double)r->loose}, {"tired", (double)r->tired},
+                    {"missed", (double)r->missed}, {"broke", (double)r->stopped_by_bond_failure},
+                    {"loose", (double)r->unsupported}, {"tired", (double)r->hit_iteration_limit},
                     {"kept", (double)r->kept}, {"worst", r->worst});
     gn_json_end(j);
 }
@@ -458,7 +459,7 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     bool flows = gn_scene_has_flow(&w->ctx.scene);
     gn_json_integer(j, "particles",
                     (int64_t)(flows ? gn_world_present(&w->dem) : w->dem.particles.soa.count));
-    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(&w->dem));
+    if (gn_converts(&w->ctx)) gn_json_integer(j, "asleep", (int64_t)gn_dormant_count(&w->dem));
     GN_JSON_NUMBERS(j, {"contacts", (double)contacts}, {"bonds", (double)w->dem.bonds_at_start},
                     {"broken_tension", (double)w->dem.broken_tension},
                     {"broken_shear", (double)w->dem.broken_shear},
@@ -480,7 +481,7 @@ static void summary_step(const gn_world *w, gn_json *j) {
         j, {"steps", (double)w->ctx.step}, {"time", w->ctx.time}, {"dt", w->ctx.dt},
         {"dt_limit", w->ctx.stable},
         {"dt_limit_sharp", gn_world_sharp_limit(&w->ctx, &w->dem, &w->solids, &w->zones)},
-        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids, &w->zones)},
+        {"dt_limit_bound", gn_world_bound(&w->ctx, &w->dem, &w->solids)},
         {"dt_resolution", w->dem.resolution.step});
 }
 

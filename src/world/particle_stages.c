@@ -7,7 +7,7 @@
 #include "particles/dem.h"
 #include "particles/law.h"
 #include "particles/lists.h"
-#include "particles/particles_private.h"
+#include "particles/parameters.h"
 #include "world/particle_step.h"
 #include "world/world.h"
 
@@ -46,7 +46,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     /* What differs between stages has no storage; files say what there is. */
     w->dem.particles.soa.effects = w->ctx.effects;
     gn_lists_set_effects(&w->ctx, &w->dem);
-    if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
+    if (w->dem.dormant) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_kinds[l]->of_materials)
             GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
