@@ -1,10 +1,10 @@
 #include "particles/invariants.h"
 
 #include "boundary/boundary.h"
-#include "conversion/conversion.h"
 #include "frame/step_context.h"
 #include "kernels/partials.h"
 #include "particles/dem.h"
+#include "particles/dormant.h"
 #include "particles/law.h"
 #include "particles/lists.h"
 #include "soa/records.h"

@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "base/timer.h"
-#include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "io/listing.h"
 #include "io/snapshot.h"
 #include "measure/energy.h"
 #include "run/folder.h"
@@ -13,7 +13,7 @@
 #include "run/stages.h"
 #include "scene/manifest.h"
 #include "scene/scene.h"
-#include "scene/stops.h"
+#include "scene/stages.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
 #include "world/world.h"
