@@ -42,8 +42,7 @@ static void stress_is_whole_through_a_zone(void **state) {
         strip s = {
             .length = 20e-3, .zone = 6e-3, .side = 1e-3, .rows = space ? 3 : 6, .space = space};
         gn_world *w = strip_of(&s);
-        const double solid = (1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids)) *
-                             (space ? 6.0 : 4.0) / pi;
+        const double solid = (1.0 - gn_dem_porosity(&w->ctx, &w->dem)) * (space ? 6.0 : 4.0) / pi;
         set_fields(w, stretch, strain);
         double(*stress)[6] = stresses(w);
         size_t tied = 0;
@@ -156,7 +155,7 @@ static void where_zones_overlap_both_have_the_whole_of_the_body(void **state) {
         both += right < 1.0 - 1e-9 && top < 1.0 - 1e-9;
     }
     assert_int_equal(both, 4 * 4);
-    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, 0, &f);
     assert_int_equal(f.shared, 4 * 4);
     assert_int_equal(f.other, 1);
     world_end(w);
@@ -218,7 +217,7 @@ static void a_zone_across_two_materials_uses_both(void **state) {
     (void)state;
     gn_world *w = two_materials("run: {threads: 1}\n");
     gn_zone_figures f;
-    gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, 0, &f);
+    gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, 0, &f);
     assert_int_equal(f.materials, 2);
     assert_int_equal(f.material[0].particles, 21);
     assert_int_equal(f.material[1].particles, 21);

@@ -18,7 +18,6 @@
 #include "boundary/self_intersection.h"
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
-#include "drive/control.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"

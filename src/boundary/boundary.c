@@ -23,6 +23,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 /* --- create, free --- */
 
@@ -220,4 +221,19 @@ size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary
                gn_record_bytes(&gn_wall_contact_record, ctx->effects) +
            boundary->body_contacts.soa.capacity *
                gn_record_bytes(&gn_wall_contact_record, gn_body_wall_effects(ctx));
+}
+
+gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary) {
+    gn_assembly a = {0};
+    gn_near_settle(ctx, dem);
+    a.dimension = (int)ctx->scene.dimension;
+    a.particles = &dem->particles;
+    for (int l = 0; l < GN_LIST_COUNT; l++) a.list[l] = &dem->list[l].contacts;
+    a.wall_contacts = ctx->effects & GN_FX_WALLS ? &boundary->contacts : NULL;
+    a.wall_count = ctx->scene.wall_count;
+    a.wall_normals = boundary->wall_normals;
+    a.periodic = ctx->effects & GN_FX_PERIODIC;
+    memcpy(a.period, ctx->period, sizeof a.period);
+    return a;
 }

@@ -9,10 +9,11 @@
 #include "base/vec3.h"
 #include "boundary/body_pairs.h"
 #include "boundary/surface.h"
-#include "drive/servo.h"
 #include "frame/balance.h"
+#include "frame/periodic_box.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "measure/measure.h"
 #include "soa/records.h"
 
 #include <stdbool.h>
@@ -122,5 +123,9 @@ gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
 size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);
+
+/* The view that measures and the time step estimate work on. */
+gn_assembly gn_assembly_of(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary);
 
 #endif

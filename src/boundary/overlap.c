@@ -7,7 +7,7 @@
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "particles/bonds.h"
 #include "particles/dem.h"

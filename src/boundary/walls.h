@@ -15,8 +15,6 @@ void gn_walls_listed(const gn_step_context *ctx, const gn_dem *dem, gn_boundary 
  * particle and takes of the wall, at the velocities that led here; linear law. */
 double gn_wall_held(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                     size_t row);
-/* The share of what is missing that a servo may make up in a step (walls.c). */
-double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem);
 /* The largest share of the missing force that a servo wall takes up in a step and is stable. */
 double gn_world_servo_relaxation(const gn_step_context *ctx, const gn_dem *dem,
                                  const gn_boundary *boundary, size_t wall);

@@ -21,6 +21,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
+#include "laboratory/section.h"
 #include "membrane/membrane.h"
 #include "particles/bonds.h"
 #include "particles/specimen.h"
@@ -549,8 +550,7 @@ static void print_section(const gn_world *world) {
 static void print_volume(const gn_world *world) {
     bool space = world->ctx.scene.dimension == 3;
     printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", world->ctx.volume,
-           space ? "" : " (1 m thick)",
-           gn_world_volume_source(&world->ctx, &world->dem, &world->boundary, &world->solids),
+           space ? "" : " (1 m thick)", gn_world_volume_source(&world->ctx),
            gn_world_mass(&world->dem, &world->solids));
     if (!gn_scene_tested(&world->ctx.scene)) return;
     const char *source = gn_test_area_source(&world->ctx);
@@ -582,7 +582,7 @@ static gneiss_status check_particles(const gn_world *world, int *warnings, gneis
                            world->ctx.threads};
     gn_pair_list pairs = {0};
     GN_TRY(gn_pairs_find(&query, &pairs, error));
-    gn_assembly assembly = gn_world_assembly(&world->ctx, &world->dem, &world->boundary);
+    gn_assembly assembly = gn_assembly_of(&world->ctx, &world->dem, &world->boundary);
     gn_packing_figures at1, at5;
     char narrow[GNEISS_MESSAGE_SIZE];
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.01, world->ctx.volume,

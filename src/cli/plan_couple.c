@@ -75,8 +75,7 @@ static void warn_of_edges(const gn_zone_figures *figures, int *warnings) {
 
 static void print_zone(const gn_world *world, size_t k, int *warnings) {
     gn_zone_figures f;
-    gn_zone_measure(&world->ctx, &world->dem, &world->boundary, &world->solids, &world->zones, k,
-                    &f);
+    gn_zone_measure(&world->ctx, &world->dem, &world->solids, &world->zones, k, &f);
     double elements = f.width / f.element, diameters = f.width / f.diameter;
     printf("zone %zu\n  width            %.6g m = %.3g elements = %.3g particles\n", k, f.width,
            elements, diameters);

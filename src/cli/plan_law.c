@@ -67,8 +67,7 @@ gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *e
     gn_area_check check;
     if (!n) return GNEISS_OK;
     if (gn_scene_by_area(&world->ctx.scene)) {
-        GN_TRY(gn_areas_check(&world->ctx, &world->dem, &world->boundary, &world->solids, &check,
-                              error));
+        GN_TRY(gn_areas_check(&world->ctx, &world->dem, &check, error));
         print_area(world, &check);
         print_body(world, &check);
     }

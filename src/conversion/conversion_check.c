@@ -11,6 +11,7 @@
 #include "neigh/pairs.h"
 #include "particles/dem.h"
 #include "particles/lists.h"
+#include "particles/observe.h"
 #include "scene/scene.h"
 #include "soa/records.h"
 #include "solids/elements.h"
@@ -169,7 +170,7 @@ static double young_of(const boxed *q, int32_t material) {
 
 /* kg of the particles in these elements. */
 static double measure_particles(boxed *q) {
-    const double solid = 1.0 - gn_world_porosity(q->ctx, q->dem, q->boundary, q->solids);
+    const double solid = 1.0 - gn_dem_porosity(q->ctx, q->dem);
     gn_conversion_figures *f = q->figures;
     double mass = 0.0;
     add_particles(q);

@@ -18,6 +18,7 @@
 #include "fem/solid.h"
 #include "frame/ledger.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "soa/records.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
@@ -83,7 +84,7 @@ static double springs_alike(const gn_conversion *c) {
 static double elements_alike(const gn_conversion *c) {
     const gn_world *w = c->world;
     const gn_fem_solid *b = gn_coupled_solid(&w->solids);
-    const double solid = 1.0 - gn_world_porosity(&w->ctx, &w->dem, &w->boundary, &w->solids);
+    const double solid = 1.0 - gn_dem_porosity(&w->ctx, &w->dem);
     double sum = 0.0;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
         const double taken = taken_by(c, p);

@@ -22,17 +22,12 @@
 #define GN_DRIVE_SERVO_H
 
 #include "frame/parts.h"
+#include "frame/periodic_box.h"
 
 #include "base/error.h"
 
 #include <stdbool.h>
 #include <stddef.h>
-
-/* What lasts from step to step; doubles only. */
-typedef struct gn_servo_state {
-    double base;     /* u, m/s or 1/s */
-    double expected; /* N or J: what the share alone would have come to */
-} gn_servo_state;
 
 /* A step: what is wanted and found, N or J; the speed that makes up the share of a unit of what is
  * missing; a; and the most that the speed may be. */
@@ -51,5 +46,8 @@ double gn_servo_answer(double share, double uniform);
 
 /* The speed of the step. Where its bound cuts it nothing is added, so that nothing winds up. */
 double gn_servo_speed(gn_servo_state *state, const gn_servo_look *look);
+
+/* The share of what is missing that a servo may make up in a step (walls.c). */
+double gn_servo_share(const gn_step_context *ctx, const gn_dem *dem);
 
 #endif

@@ -12,12 +12,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Control of the ends of a test (drive/control.h). */
+/* Control of the ends of a test (laboratory/control.h). */
 typedef struct gn_machine {
     double wanted; /* of the reading: m or 1 */
     double factor; /* of the prescribed motion of the ends along the axis */
     double looked; /* s: time of the last reading */
 } gn_machine;
+
+/* The way in which the volume of the specimen is known. */
+typedef enum gn_volume_source {
+    GN_VOLUME_OF_ELEMENTS,
+    GN_VOLUME_OF_BOX,
+    GN_VOLUME_OF_SOURCES,
+    GN_VOLUME_OF_SHAPE,
+    GN_VOLUME_OF_PACKING,
+    GN_VOLUME_OF_TEST,
+    GN_VOLUME_OF_HULL
+} gn_volume_source;
 
 struct gn_step_context {
     gn_scene scene; /* of the stage; its points relative to scene.origin, as all points of the
@@ -35,13 +46,14 @@ struct gn_step_context {
                          * non-viscous damping takes */
     int64_t dt_lowered; /* number of times that the step was lowered while running */
 
-    gn_machine machine;        /* control of the ends of the test */
-    bool measure;              /* the instant of the step is read */
-    bool sums;                 /* sums over contacts are asked for, whether or not it is read */
-    double period[3];          /* m: present sides of a periodic box; 0: not periodic */
-    double volume;             /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
-    double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
-    double test_length, test_area; /* m, m2 (2D: m x 1 m) */
+    gn_machine machine; /* control of the ends of the test */
+    bool measure;       /* the instant of the step is read */
+    bool sums;          /* sums over contacts are asked for, whether or not it is read */
+    double period[3];   /* m: present sides of a periodic box; 0: not periodic */
+    double volume;      /* m3 (2D: m2 x 1 m): specimen at the start; present periodic box */
+    gn_volume_source volume_source; /* found when the world is created */
+    double lower[3], upper[3];      /* m: extent of the specimen at the start, radii included */
+    double test_length, test_area;  /* m, m2 (2D: m x 1 m) */
 };
 
 /* The end of a run by the model itself. */
@@ -49,5 +61,18 @@ struct gn_ending {
     bool bad;       /* the run failed: its state is written as it is, for inspection */
     char halt[256]; /* reason why the run is to end here with a valid model; "": none */
 };
+
+/* By what the prescribed velocity of a wall, set, body or motion of elements along an axis is to be
+ * multiplied: 1 for what is no end of a test that is controlled. */
+double gn_control_of(const gn_step_context *ctx, const char *name, int axis);
+
+/* A point of the world as the user sees it. */
+void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]);
+
+/* Places are too coarse where the spacing of doubles there exceeds this share of a length. */
+#define GN_COARSE 1e-8
+/* Returns the largest coordinate, m, at which places of particles of that radius are fine enough.
+ */
+double gn_finest_reach(double radius);
 
 #endif

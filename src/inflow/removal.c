@@ -63,7 +63,7 @@ static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, 
 
 /* Marks those that go in `gone` (NULL: only counted). */
 static size_t mark_gone(const gn_step_context *ctx, const gn_dem *dem, int32_t *gone) {
-    double reach = gn_origin_reach(dem->radius_min);
+    double reach = gn_finest_reach(dem->radius_min);
     size_t count = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++) {
         int32_t way = way_out(ctx, dem, p, reach);
@@ -226,7 +226,7 @@ gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
     while (w->ctx.scene.lost == GN_LOST_STOP && p < n && gone[p] != LEFT) p++;
     gneiss_status status =
         w->ctx.scene.lost == GN_LOST_STOP && p < n
-            ? left_domain(&w->ctx, &w->dem, p, gn_origin_reach(w->dem.radius_min), error)
+            ? left_domain(&w->ctx, &w->dem, p, gn_finest_reach(w->dem.radius_min), error)
             : remove_gone(w, gone, error);
     gn_free(gone);
     return status;

@@ -3,7 +3,9 @@
 #include "boundary/surface_lists.h"
 #include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "world/world.h"
@@ -61,7 +63,7 @@ static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, const g
     const double count = (double)dem->particles.soa.count, d = (double)ctx->scene.dimension;
     if (!(count > 0.0))
         return touching_elements * gn_world_side(ctx, solids, (int)ctx->scene.test.axis);
-    if (ctx->effects & GN_FX_BONDS) return touching * gn_world_mean_radius(dem);
+    if (ctx->effects & GN_FX_BONDS) return touching * gn_dem_mean_radius(dem);
     return pow(ctx->volume / count, 1.0 / d);
 }
 

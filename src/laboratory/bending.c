@@ -5,7 +5,9 @@
 #include "boundary/boundary.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
@@ -173,7 +175,7 @@ static void hold_extent(const gn_step_context *ctx, const gn_dem *dem, const gn_
         return;
     }
     if (pack->shape == GN_SHAPE_NONE && dem->particles.soa.count) {
-        low -= 2.0 * gn_world_mean_radius(dem);
+        low -= 2.0 * gn_dem_mean_radius(dem);
     } else if (pack->shape == GN_SHAPE_RECTANGLE || pack->shape == GN_SHAPE_BOX) {
         low = high = fmax(high, pack->size[axis]);
     } else if (pack->shape == GN_SHAPE_POLYGON) {

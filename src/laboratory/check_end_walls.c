@@ -4,6 +4,7 @@
 #include "frame/step_context.h"
 #include "laboratory/ends.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/place.h"
 #include "scene/scene.h"
@@ -50,7 +51,7 @@ static bool doubt_of_wall(const gn_step_context *ctx, const gn_dem *dem, const g
                           char *text, size_t size) {
     const int way = way_of(ctx);
     const double extent = ctx->upper[way] - ctx->lower[way], depth = depth_of(ctx, wall),
-                 radius = dem->particles.soa.count ? gn_world_mean_radius(dem) : 0.0;
+                 radius = dem->particles.soa.count ? gn_dem_mean_radius(dem) : 0.0;
     const bool inside = depth > fmax(deep * extent, radius),
                outside = -depth > fmax(far * extent, radius) && !may_come(ctx, wall);
     if (fabs(wall->normal[way]) <= 0.9 || (!inside && !outside)) return false;

@@ -8,6 +8,7 @@
 #include "laboratory/bending.h"
 #include "laboratory/ends.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "particles/sets.h"
 #include "scene/acts.h"
 #include "scene/laboratory.h"
@@ -174,8 +175,8 @@ enum { LOWER_FACE = 1, UPPER_FACE = 2 };
 static int face_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
                    const gn_solids *solids, int way, const char *name) {
     const double low = ctx->lower[way], high = ctx->upper[way], third = (high - low) / 3.0,
-                 slack = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem)
-                                                  : 1e-6 * (high - low);
+                 slack =
+                     dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 1e-6 * (high - low);
     reach r = nowhere;
     add_part(ctx, dem, boundary, solids, name, way, &r);
     if (!r.count) return 0;
@@ -220,7 +221,7 @@ static bool wall_bears(const gn_step_context *ctx, const gn_dem *dem, size_t wal
     const int way = (int)s->test.normal;
     const double face = sense < 0.0 ? ctx->upper[way] : ctx->lower[way];
     if (!(sense * def->normal[way] > 0.9)) return false;
-    return def->servo.active || fabs(def->point[way] - face) < gn_world_mean_radius(dem);
+    return def->servo.active || fabs(def->point[way] - face) < gn_dem_mean_radius(dem);
 }
 
 /* Of either end that nothing holds or presses; particles alone meet walls. */

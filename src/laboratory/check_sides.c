@@ -1,5 +1,6 @@
 /* Whether an oedometer holds its specimen at both sides, where the specimen is. */
 #include "laboratory/ends.h"
+#include "particles/observe.h"
 #include "scene/acts.h"
 
 #include "base/error.h"
@@ -23,7 +24,7 @@ static const double near_by = 0.1;
 
 static double reach_beside(const gn_step_context *ctx, const gn_dem *dem, int a) {
     const double share = near_by * (ctx->upper[a] - ctx->lower[a]);
-    return dem->particles.soa.count ? fmax(share, 2.0 * gn_world_mean_radius(dem)) : share;
+    return dem->particles.soa.count ? fmax(share, 2.0 * gn_dem_mean_radius(dem)) : share;
 }
 
 /* sense -1: the lower side, +1: the upper one. */

@@ -6,7 +6,9 @@
 #include "boundary/boundary.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
@@ -200,6 +202,6 @@ double gn_ends_free(const gn_step_context *ctx, const gn_dem *dem, const gn_boun
     const int normal = (int)ctx->scene.test.normal;
     const double height = gn_world_side(ctx, solids, normal),
                  gap = gn_ends_gap(ctx, dem, boundary, solids),
-                 least = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem) : 0.0;
+                 least = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
     return gap > least && gap < height ? gap : height;
 }

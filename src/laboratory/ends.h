@@ -8,6 +8,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* How the ends of a test come to its specimen (approach.c). */
+struct gn_approach {
+    double
+        away[2]; /* 1: the lower (upper) end began away, and has not yet borne when the other did */
+    double gap;  /* m, at the start, of the ends that were away */
+    double way;  /* m, of both ends when the last of them touched it */
+};
+
 /* Change of the distance of the ends, m, positive in the sense of the test. In shear walls along
  * the plane that are not moved along it do not count beside others. */
 double gn_ends_deflection(const gn_world *world);

@@ -5,6 +5,7 @@
 #include "laboratory/bending.h"
 #include "laboratory/ends.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/place.h"
 #include "scene/scene.h"
@@ -14,6 +15,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A surface is where it is found to a radius; what is off by less is a matter of taste. */
 static const double tolerance = 0.1, nonsense = 2.0;
@@ -36,7 +38,7 @@ static size_given length_along(const gn_step_context *ctx, const gn_dem *dem, co
                                double given, int axis) {
     size_given s = {key, "m", given, extent(ctx, axis), extent(ctx, axis)};
     if (ctx->scene.specimen.pack.shape == GN_SHAPE_NONE && dem->particles.soa.count)
-        s.low -= 2.0 * gn_world_mean_radius(dem);
+        s.low -= 2.0 * gn_dem_mean_radius(dem);
     return s;
 }
 
@@ -104,7 +106,7 @@ static size_t sizes_of(const gn_step_context *ctx, const gn_dem *dem, const gn_b
         sizes[count] = length_along(ctx, dem, "length", t->given.length, way);
         /* Or what the ends leave between them, of sets to a radius at each side. */
         const double gap = d->sheared ? gn_ends_gap(ctx, dem, boundary, solids) : INFINITY,
-                     sides = dem->particles.soa.count ? 2.0 * gn_world_mean_radius(dem) : 0.0;
+                     sides = dem->particles.soa.count ? 2.0 * gn_dem_mean_radius(dem) : 0.0;
         sizes[count].low = fmin(sizes[count].low, fmax(0.0, gap - sides));
         count++;
     }
@@ -167,4 +169,17 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                        gn_scene_at(s, s->test.where, "test").text, text);
     }
     return GNEISS_OK;
+}
+
+void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
+                   double upper[3]) {
+    memcpy(lower, ctx->lower, sizeof ctx->lower);
+    memcpy(upper, ctx->upper, sizeof ctx->upper);
+    if (ctx->scene.has_couple) gn_elements_extent(solids, lower, upper);
+}
+
+double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis) {
+    double lower[3], upper[3];
+    gn_world_body(ctx, solids, lower, upper);
+    return upper[axis] - lower[axis];
 }

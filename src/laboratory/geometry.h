@@ -20,4 +20,11 @@ gneiss_status gn_geometry_check(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_boundary *boundary, const gn_solids *solids,
                                 gneiss_error *error);
 
+/* m: extent at the start of what is tested: of the particles, radii included, and of the elements
+ * that are one body with them (`couple`), which may be packed in a part of it alone. */
+void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
+                   double upper[3]);
+
+double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
+
 #endif

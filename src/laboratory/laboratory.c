@@ -1,9 +1,10 @@
 #include "laboratory/laboratory.h"
 
 #include "base/memory.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "laboratory/ends.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
 #include "particles/observe.h"
 #include "scene/laboratory.h"

@@ -4,10 +4,11 @@
  * which the stress is uniform over every section. */
 #include "laboratory/section.h"
 
-#include "drive/control.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
+#include "laboratory/geometry.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "particles/sets.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
@@ -99,8 +100,8 @@ static slabs slabs_of(const gn_step_context *ctx, const gn_dem *dem, const gn_so
                  upper = inner(ctx, dem, solids, &ctx->scene.test.upper, -1.0, ctx->upper[axis]);
     slabs s = {.count = SLABS_MOST, .lower = lower};
     if (q->soa.count)
-        s.count = (size_t)fmax(
-            0.0, fmin(SLABS_MOST, (upper - lower) / (4.0 * gn_world_mean_radius(dem))));
+        s.count =
+            (size_t)fmax(0.0, fmin(SLABS_MOST, (upper - lower) / (4.0 * gn_dem_mean_radius(dem))));
     if (s.count < SLABS_LEAST || !(upper > lower)) return (slabs){0};
     s.thick = (upper - lower) / (double)s.count;
     for (size_t p = 0; p < q->soa.count; p++)
@@ -168,7 +169,7 @@ static bool is_known(const gn_step_context *ctx, const gn_solids *solids) {
 }
 
 gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids) {
+                             const gn_solids *solids) {
     const gn_bar_section even = {.uneven = 1.0};
     if (!is_known(ctx, solids)) return even;
     const slabs s = slabs_of(ctx, dem, solids);
@@ -180,16 +181,15 @@ gn_bar_section gn_section_of(const gn_step_context *ctx, const gn_dem *dem,
     }
     if (!s.count || !(sum * inverse > varying)) return even;
     const bool grains = dem->particles.soa.count;
-    const double solid = grains ? 1.0 - gn_world_porosity(ctx, dem, boundary, solids) : 1.0;
+    const double solid = grains ? 1.0 - gn_dem_porosity(ctx, dem) : 1.0;
     const bool waist = has_waist(&s);
     return (gn_bar_section){.mean = sum / s.thick / solid,
                             .narrowest = least / s.thick / solid,
                             .uneven = sum * inverse,
                             .length = s.thick * (double)s.count,
                             .waist = waist,
-                            .guessed =
-                                gn_world_volume_is_of_test(ctx, dem, boundary, solids) ||
-                                (waist && gn_world_volume_is_of_hull(ctx, dem, boundary, solids)),
+                            .guessed = ctx->volume_source == GN_VOLUME_OF_TEST ||
+                                       (waist && ctx->volume_source == GN_VOLUME_OF_HULL),
                             .spread = spread_of(&s, (int)ctx->scene.dimension, solid,
                                                 grains ? spreads_particles : spreads_elements)};
 }

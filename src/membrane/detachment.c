@@ -12,6 +12,7 @@
 #include "membrane/grid.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
+#include "particles/observe.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -135,7 +136,7 @@ static gneiss_status take_up(const gn_step_context *ctx, gn_dem *dem, hands *h,
                              gneiss_error *error) {
     const gn_dem *d = dem;
     const size_t n = d->particles.soa.count;
-    const double radius = gn_world_mean_radius(dem);
+    const double radius = gn_dem_mean_radius(dem);
     h->of = gn_alloc_array(n + 1, sizeof *h->of);
     if (!h->of)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of %zu particles", n);

@@ -12,6 +12,7 @@
 #include "membrane/support.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
+#include "particles/observe.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -405,7 +406,7 @@ static gneiss_status grid_of_held(const gn_step_context *ctx, const gn_dem *dem,
 static gneiss_status add_moved(const gn_step_context *ctx, gn_dem *dem, const int32_t *group,
                                double arms[9], gneiss_error *error) {
     gn_start_grid grid = {0};
-    look l = {.group = group, .radius = gn_world_mean_radius(dem)};
+    look l = {.group = group, .radius = gn_dem_mean_radius(dem)};
     gneiss_status status = grid_of_held(ctx, dem, cell_size * l.radius, &grid, error);
     if (status != GNEISS_OK) return status;
     l.around = &grid;

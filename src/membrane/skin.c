@@ -11,6 +11,7 @@
 #include "pack/boundary.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
+#include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -202,7 +203,7 @@ static void skin_of_particles(const gn_step_context *ctx, gn_dem *dem, const dou
 static gneiss_status find_patches(const gn_step_context *ctx, gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const bool *held, gn_patch *all, gneiss_error *error) {
-    const double radius = gn_world_mean_radius(dem);
+    const double radius = gn_dem_mean_radius(dem);
     if (gn_scene_membrane_on_shape(&ctx->scene))
         return skin_of_shape(ctx, dem, radius, held, all, error);
     double *arms = gn_alloc_array(dem->particles.soa.count + 1, sizeof *arms);
@@ -251,7 +252,7 @@ static gneiss_status hand_over(const gn_step_context *ctx, gn_dem *dem, const bo
                                const int32_t *body, gneiss_error *error) {
     gn_dem *d = dem;
     gn_start_grid g;
-    GN_TRY(gn_start_grid_make(ctx, dem, 3.0 * gn_world_mean_radius(dem), held, &g, error));
+    GN_TRY(gn_start_grid_make(ctx, dem, 3.0 * gn_dem_mean_radius(dem), held, &g, error));
     for (size_t k = 0; k < d->patch_count; k++) {
         const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         if (at < 0 || held[at]) continue;

@@ -8,6 +8,7 @@
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "particles/polyhedron.h"
 #include "scene/scene.h"
 #include "soa/bond_causes.h"
@@ -35,12 +36,10 @@ static double dempack_area(const gn_step_context *ctx, const gn_dem *dem, int32_
                            pos[4 * (int64_t)j + 3]);
 }
 
-static double porosity_gamma(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids) {
+static double porosity_gamma(const gn_step_context *ctx, const gn_dem *dem) {
     const double bonds = (double)count_sections(&dem->bonds.contacts);
     if (bonds == 0.0) return 0.0;
-    return 20.0 * gn_world_porosity(ctx, dem, boundary, solids) * (double)dem->particles.soa.count /
-           bonds;
+    return 20.0 * gn_dem_porosity(ctx, dem) * (double)dem->particles.soa.count / bonds;
 }
 
 static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
@@ -52,12 +51,10 @@ static double filled_by_dempack(const gn_step_context *ctx, const gn_dem *dem) {
 }
 
 /* Without bonds there is no body to measure it by: 1. */
-static double gamma_of(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids) {
+static double gamma_of(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.gamma > 0.0) return ctx->scene.gamma;
     if (!count_sections(&dem->bonds.contacts)) return 1.0;
-    if (ctx->scene.gamma_rule == GN_GAMMA_POROSITY)
-        return porosity_gamma(ctx, dem, boundary, solids);
+    if (ctx->scene.gamma_rule == GN_GAMMA_POROSITY) return porosity_gamma(ctx, dem);
     return (double)ctx->scene.dimension * ctx->volume / filled_by_dempack(ctx, dem);
 }
 
@@ -156,18 +153,17 @@ static void set_polyhedra(const gn_step_context *ctx, gn_dem *dem, const faces *
     }
 }
 
-gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_contacts *b = &dem->bonds.contacts;
     faces f;
     if (!gn_scene_by_area(&ctx->scene)) return GNEISS_OK;
-    dem->derived.gamma = gamma_of(ctx, dem, boundary, solids);
+    dem->derived.gamma = gamma_of(ctx, dem);
     if (!(dem->derived.gamma > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a specimen with pores for porosity, "
                        "found a porosity of %.4g",
                        gn_scene_at(&ctx->scene, ctx->scene.law_where, "law.gamma_rule").text,
-                       gn_world_porosity(ctx, dem, boundary, solids));
+                       gn_dem_porosity(ctx, dem));
     if (!b->area) return GNEISS_OK;
     if (ctx->scene.stiffness == GN_STIFFNESS_DEMPACK) {
         for (size_t c = 0; c < b->soa.count; c++)
@@ -182,13 +178,12 @@ gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_bo
 
 /* --- check --- */
 
-gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             gn_area_check *check, gneiss_error *error) {
+gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,
+                             gneiss_error *error) {
     const gn_contacts *b = &dem->bonds.contacts;
     const double all = (double)ctx->scene.dimension * ctx->volume;
     faces f;
-    *check = (gn_area_check){.dempack_gamma = porosity_gamma(ctx, dem, boundary, solids)};
+    *check = (gn_area_check){.dempack_gamma = porosity_gamma(ctx, dem)};
     for (size_t c = 0; b->area && c < b->soa.count; c++)
         if (is_section(b, c)) check->filled += b->area[c] * b->length0[c] / all;
     if (ctx->scene.stiffness != GN_STIFFNESS_POLYHEDRON) return GNEISS_OK;

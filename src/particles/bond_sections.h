@@ -8,8 +8,7 @@
 #include <stddef.h>
 
 /* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
-gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_areas_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 /* How the sections fill the body. */
 typedef struct gn_area_check {
@@ -18,9 +17,8 @@ typedef struct gn_area_check {
     size_t open;          /* particles with such faces */
     double dempack_gamma; /* 40 e/n_c, what the source takes for gamma */
 } gn_area_check;
-gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             gn_area_check *check, gneiss_error *error);
+gneiss_status gn_areas_check(const gn_step_context *ctx, const gn_dem *dem, gn_area_check *check,
+                             gneiss_error *error);
 
 /* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
  * any law (law.c). */

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "conversion/conversion.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/law.h"
@@ -301,10 +301,8 @@ static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, g
     return GNEISS_OK;
 }
 
-static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_pair_list *pairs, const gn_from_run *from,
-                                gneiss_error *error) {
+static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
+                                const gn_from_run *from, gneiss_error *error) {
     gn_contacts *b = &dem->bonds.contacts;
     const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_law_derive(ctx, dem, pairs, error));
@@ -314,21 +312,19 @@ static gneiss_status make_bonds(const gn_step_context *ctx, gn_dem *dem,
         set_bond(ctx, dem, c, pairs->pair[c][0], pairs->pair[c][1]);
         if (from->rest_length) b->length0[c] = from->rest_length[c];
     }
-    GN_TRY(gn_areas_find(ctx, dem, boundary, solids, error));
+    GN_TRY(gn_areas_find(ctx, dem, error));
     share_out_energies(ctx, dem);
     for (size_t c = 0; c < b->soa.count; c++) gn_contact_set(ctx, dem, b, c);
     dem->bonds_at_start = (int64_t)b->soa.count;
     return GNEISS_OK;
 }
 
-static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                gneiss_error *error) {
+static gneiss_status form_bonds(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_pair_list pairs = {0};
     gn_from_run from = {0};
     free_overlaps loose = {0};
     gneiss_status status = find_bonds(ctx, dem, &pairs, &from, &loose, error);
-    if (status == GNEISS_OK) status = make_bonds(ctx, dem, boundary, solids, &pairs, &from, error);
+    if (status == GNEISS_OK) status = make_bonds(ctx, dem, &pairs, &from, error);
     if (status == GNEISS_OK) status = keep_overlaps(ctx, dem, &loose, error);
     gn_from_run_free(&from);
     gn_pair_list_free(&pairs);
@@ -470,22 +466,20 @@ static void take_shear(const gn_step_context *ctx, const gn_dem *dem, gn_contact
 }
 
 /* Sections are those of all bonds together; what was there before keeps its own. */
-static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const uint8_t *fresh, gneiss_error *error) {
+static gneiss_status find_new_areas(const gn_step_context *ctx, gn_dem *dem, const uint8_t *fresh,
+                                    gneiss_error *error) {
     gn_contacts *b = &dem->bonds.contacts;
     double *before = b->area ? gn_alloc_array(b->soa.count + 1, sizeof *before) : NULL;
     if (b->area && !before) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sections");
     if (before) memcpy(before, b->area, b->soa.count * sizeof *before);
-    gneiss_status status = gn_areas_find(ctx, dem, boundary, solids, error);
+    gneiss_status status = gn_areas_find(ctx, dem, error);
     for (size_t c = 0; before && c < b->soa.count; c++)
         if (!fresh[c]) b->area[c] = before[c];
     gn_free(before);
     return status;
 }
 
-static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                               const gn_solids *solids, const gn_pair_list *pairs,
+static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn_pair_list *pairs,
                                gneiss_error *error) {
     gn_dem *d = dem;
     uint8_t *fresh = gn_alloc(d->bonds.contacts.soa.count + pairs->count + 1);
@@ -493,7 +487,7 @@ static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn
     gneiss_status status = merge(dem, pairs, fresh, error);
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.contacts.soa.count; c++)
         if (fresh[c]) set_bond(ctx, dem, c, d->bonds.contacts.i[c], d->bonds.contacts.j[c]);
-    if (status == GNEISS_OK) status = find_new_areas(ctx, dem, boundary, solids, fresh, error);
+    if (status == GNEISS_OK) status = find_new_areas(ctx, dem, fresh, error);
     if (status == GNEISS_OK) share_out_energies(ctx, dem);
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.contacts.soa.count; c++) {
         if (!fresh[c]) continue;
@@ -508,8 +502,7 @@ static gneiss_status add_bonds(const gn_step_context *ctx, gn_dem *dem, const gn
     return gn_list_changed(ctx, dem, &d->bonds, error);
 }
 
-gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                           const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     const gn_pair_query query = bond_query(ctx, dem);
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
@@ -520,7 +513,7 @@ gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_bou
         bondable(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], &distance);
         status = check_bonded(ctx, dem, pairs.pair[c][0], pairs.pair[c][1], distance, error);
     }
-    if (status == GNEISS_OK) status = add_bonds(ctx, dem, boundary, solids, &pairs, error);
+    if (status == GNEISS_OK) status = add_bonds(ctx, dem, &pairs, error);
     gn_pair_list_free(&pairs);
     return status;
 }

@@ -45,11 +45,10 @@ gneiss_status gn_list_changed(const gn_step_context *ctx, const gn_dem *dem, gn_
                              &list->partials, error);
 }
 
-gneiss_status gn_lists_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_lists_form(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         if (!gn_list_kinds[l]->form || !gn_list_used(&ctx->scene, l)) continue;
-        GN_TRY(gn_list_kinds[l]->form(ctx, dem, boundary, solids, error));
+        GN_TRY(gn_list_kinds[l]->form(ctx, dem, error));
         GN_TRY(gn_list_changed(ctx, dem, &dem->list[l], error));
     }
     return GNEISS_OK;

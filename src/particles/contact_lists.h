@@ -49,8 +49,7 @@ typedef struct gn_list_kind {
     /* Returns the effects of the list, which select its law and its kernel. */
     gn_effects (*effects_of)(gn_effects scene_effects);
     /* Forms the contacts at the start, when particles are sorted; NULL: there are none then. */
-    gneiss_status (*form)(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                          const gn_solids *solids, gneiss_error *error);
+    gneiss_status (*form)(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 } gn_list_kind;
 
 /* Each list defines its own. */
@@ -64,8 +63,7 @@ extern const gn_list_kind *const gn_list_kinds[GN_LIST_COUNT];
 bool gn_list_used(const gn_scene *scene, int list);
 
 /* Forms the contacts of all lists at the start. */
-gneiss_status gn_lists_form(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                            const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_lists_form(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 
 /* Creates a list that the scene has and that has no contacts. */
 gneiss_status gn_list_create_empty(const gn_step_context *ctx, gn_dem *dem, int list,

@@ -20,6 +20,7 @@
 #include "particles/fragments.h"
 #include "particles/from_run.h"
 #include "particles/law.h"
+#include "particles/observe.h"
 #include "particles/particles_private.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
@@ -79,19 +80,17 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
     return GNEISS_OK;
 }
 
-static double bulk_factor(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids) {
+static double bulk_factor(const gn_step_context *ctx, const gn_dem *dem) {
     if (ctx->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
     double porosity = ctx->scene.specimen.porosity;
-    if (porosity < 0.0) porosity = gn_world_porosity(ctx, dem, boundary, solids);
+    if (porosity < 0.0) porosity = gn_dem_porosity(ctx, dem);
     return 1.0 / (1.0 - porosity);
 }
 
 /* Sphere I = 2/5 m r^2, disc of unit thickness I = 1/2 m r^2. */
-static void set_masses(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids) {
+static void set_masses(const gn_step_context *ctx, gn_dem *dem) {
     gn_particles *q = &dem->particles;
-    double factor = bulk_factor(ctx, dem, boundary, solids);
+    double factor = bulk_factor(ctx, dem);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
         double mass = ctx->scene.materials[q->material[p]].density * factor *
@@ -153,11 +152,10 @@ static gneiss_status check_period(const gn_step_context *ctx, const gn_dem *dem,
     return GNEISS_OK;
 }
 
-gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                              const gn_solids *solids, gneiss_error *error) {
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     gn_dem *d = dem;
     GN_TRY(gn_sets_assign(ctx, dem, error));
-    set_masses(ctx, dem, boundary, solids);
+    set_masses(ctx, dem);
     GN_TRY(take_velocities(ctx, dem, error));
     GN_TRY(gn_sets_apply(ctx, dem, error));
     GN_TRY(gn_flow_create(ctx, dem, error));
@@ -172,12 +170,11 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_
 
 /* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
  * contacts are that hold anything. */
-static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 gn_stages *stages, gneiss_error *error) {
+static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
+                                 gneiss_error *error) {
     bool said = ctx->scene.bonds_stage == stages->now + 1, on = ctx->scene.bonds == GN_SWITCH_ON;
     if (!(ctx->effects & GN_FX_BONDS)) return GNEISS_OK;
-    if (on && said) return gn_bonds_add(ctx, dem, boundary, solids, error);
+    if (on && said) return gn_bonds_add(ctx, dem, error);
     if (!on) gn_bonds_dissolve(ctx, dem);
     return GNEISS_OK;
 }
@@ -208,7 +205,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_kinds[l]->of_materials)
             GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
-    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->stages, error));
+    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->stages, error));
     w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
     gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */
     gn_near_forget(&w->ctx, &w->dem);      /* velocities and parameters may be others */

@@ -194,8 +194,7 @@ gneiss_status gn_dem_use_threads(const gn_step_context *ctx, gn_dem *dem, gneiss
 gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_packing *packing,
                             gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
-gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                              const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Takes what the scene of another stage says, before the lists are made anew. */
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */

@@ -7,8 +7,8 @@
 #include "boundary/surface.h"
 #include "boundary/walls.h"
 #include "conversion/conversion.h"
-#include "drive/box.h"
 #include "frame/ledger.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "inflow/removal.h"
 #include "kernels/contact.h"
@@ -395,7 +395,7 @@ gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_check_domain(w, error));
     if (w->ctx.effects & GN_FX_PERIODIC) wrap(&w->ctx, &w->dem);
     GN_TRY(reorder(&w->ctx, &w->dem, &w->boundary, error));
-    GN_TRY(gn_lists_form(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_lists_form(&w->ctx, &w->dem, error));
     return gn_converts(&w->ctx) ? gn_conversion_lay_down(&w->ctx, &w->dem, &w->boundary, &w->solids,
                                                          &w->zones, error)
                                 : GNEISS_OK;

@@ -1,5 +1,6 @@
 /* The contacts as they are at the present positions, for output. */
 #include "particles/observe.h"
+#include "base/ball.h"
 #include "base/effects.h"
 #include "base/error.h"
 #include "frame/step_context.h"
@@ -70,4 +71,20 @@ gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
 
 void gn_observed_free(gn_observed *observed) {
     for (int l = 0; l < GN_LIST_COUNT; l++) gn_soa_destroy(&gn_contact_record, &observed->list[l]);
+}
+
+double gn_dem_mean_radius(const gn_dem *dem) {
+    const gn_particles *q = &dem->particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return sum / (double)q->soa.count;
+}
+
+double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem) {
+    double solid = 0.0;
+    if (ctx->volume_source == GN_VOLUME_OF_SOURCES)
+        return 0.0; /* a volume of their own is all they have */
+    for (size_t p = 0; p < dem->particles.soa.count; p++)
+        solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
+    return 1.0 - solid / ctx->volume;
 }

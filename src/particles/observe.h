@@ -26,4 +26,10 @@ gneiss_status gn_world_observe(const gn_step_context *ctx, const gn_dem *dem,
                                gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
 
+/* m; of all rows of particles. */
+double gn_dem_mean_radius(const gn_dem *dem);
+
+/* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
+double gn_dem_porosity(const gn_step_context *ctx, const gn_dem *dem);
+
 #endif

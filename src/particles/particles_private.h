@@ -30,8 +30,7 @@ gneiss_status gn_sets_enter(const gn_step_context *ctx, gn_dem *dem, gneiss_erro
 /* gn_bonds_add forms bonds between the pairs at their present positions in addition to the present
  * bonds; gn_bonds_dissolve turns all intact bonds into unbonded contacts. The lists have to be made
  * anew after either. */
-gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, const gn_boundary *boundary,
-                           const gn_solids *solids, gneiss_error *error);
+gneiss_status gn_bonds_add(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_bonds_dissolve(const gn_step_context *ctx, gn_dem *dem);
 /* Sets (sets.c): first materials and groups, then, when masses are known, motions and forces. */
 gneiss_status gn_sets_assign(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);

@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "conversion/conversion.h"
-#include "drive/control.h"
 #include "frame/step_context.h"
 #include "kernels/motion.h"
 #include "particles/dem.h"

@@ -6,7 +6,7 @@
  * are next to each other, so that the diagonal of the ways of two by two by two cells bounds by how
  * much they closed in. */
 #include "base/memory.h"
-#include "drive/box.h"
+#include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
 #include "soa/records.h"

@@ -2,6 +2,7 @@
 
 #include "accuracy/covers.h"
 #include "base/memory.h"
+#include "particles/observe.h"
 #include "scene/stops.h"
 
 #include <math.h>
@@ -194,7 +195,7 @@ gneiss_status gn_estimate_make(const gn_step_context *ctx, const gn_dem *dem,
         return GNEISS_OK;
     }
     estimate->across = groups.across;
-    estimate->radius = gn_world_mean_radius(dem);
+    estimate->radius = gn_dem_mean_radius(dem);
     estimate->bulk_density = gn_test_bulk_density(ctx, dem, solids);
     estimate->compliance = wall_compliance(ctx, dem);
     if (estimate->compliance > 0.0)

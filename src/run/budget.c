@@ -1,6 +1,7 @@
 #include "run/budget.h"
 
 #include "accuracy/covers.h"
+#include "laboratory/section.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -53,7 +53,7 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.couple.zone_count; k++) {
         gn_zone_figures f;
-        gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
+        gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, k, &f);
         if (!gn_zone_is_off(&f)) continue;
         gn_warning *to = gn_warnings_add(list, "zones_masses");
         snprintf(to->text, sizeof to->text,
@@ -69,7 +69,7 @@ static void warn_of_zone_ends(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     for (size_t k = 0; w->ctx.scene.has_couple && k < w->ctx.scene.couple.zone_count; k++) {
         gn_zone_figures f;
-        gn_zone_measure(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, k, &f);
+        gn_zone_measure(&w->ctx, &w->dem, &w->solids, &w->zones, k, &f);
         if (!f.beyond) continue;
         gn_warning *to = gn_warnings_add(list, "zones_beyond");
         snprintf(to->text, sizeof to->text,

@@ -1,4 +1,5 @@
 /* Warnings about the readings. */
+#include "laboratory/section.h"
 #include "run/stages.h"
 #include "run/warnings.h"
 #include "scene/stops.h"

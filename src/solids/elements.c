@@ -8,7 +8,6 @@
 #include "base/timer.h"
 #include "conversion/conversion.h"
 #include "couple/zone.h"
-#include "drive/control.h"
 #include "fem/solid.h"
 #include "fem/structured.h"
 #include "frame/balance.h"

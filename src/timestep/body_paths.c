@@ -8,7 +8,6 @@
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "boundary/surface.h"
-#include "drive/control.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "particles/dem.h"

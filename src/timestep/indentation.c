@@ -11,7 +11,6 @@
 #include "boundary/surface.h"
 #include "boundary/surface_lists.h"
 #include "boundary/surfaces.h"
-#include "drive/control.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
 #include "particles/active_pairs.h"

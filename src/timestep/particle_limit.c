@@ -158,7 +158,7 @@ gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem
                                    const gn_boundary *boundary, const gn_solids *solids,
                                    const gn_zones *zones, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error) {
-    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
+    gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     double reach = listed ? dem->verlet.skin : 0.0;
     GN_TRY(make_data(ctx, dem, boundary, solids, zones, reach, &data, error));
@@ -188,7 +188,7 @@ gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_zones *zones, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error) {
-    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
+    gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     GN_TRY(make_data(ctx, dem, boundary, solids, zones, 0.0, &data, error));
     gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &data);
@@ -395,7 +395,7 @@ void gn_dem_limit_anew(gn_dem *dem) {
 /* Marks the particles whose contacts with others have turned since the step was last looked at. */
 static size_t find_turned(const gn_step_context *ctx, const gn_dem *dem,
                           const gn_boundary *boundary, uint8_t *turned) {
-    gn_assembly assembly = gn_world_assembly(ctx, dem, boundary);
+    gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &(spectrum_data){0});
     return gn_step_rotated_contacts(&spectrum, turned_by, turned);
 }

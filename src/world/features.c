@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "conversion/conversion.h"
 #include "drive/box.h"
-#include "drive/control.h"
+#include "laboratory/control.h"
 #include "laboratory/ends.h"
 #include "laboratory/strain_gauge.h"
 #include "membrane/membrane.h"

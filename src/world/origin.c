@@ -26,7 +26,6 @@
 
 /* Of the smallest radius or height. Strains at which rock breaks are 1e-4 to 1e-3; what rounding
  * does to them stays below 1e-4 of that. */
-static const double coarse = 1e-8;
 
 /* --- choosing --- */
 
@@ -160,10 +159,6 @@ static double rounding(double x) {
     return nextafter(fabs(x), INFINITY) - fabs(x);
 }
 
-double gn_origin_reach(double radius) {
-    return ldexp(1.0, ilogb(coarse * radius) + 53);
-}
-
 static double largest(const double x[3]) {
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
@@ -182,12 +177,12 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                                 gneiss_error *error) {
     char at[GN_POINT_SIZE];
     double far = largest(reach);
-    if (!(rounding(far) > coarse * length)) return GNEISS_OK;
+    if (!(rounding(far) > GN_COARSE * length)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected places that are rounded to less than %g of %s (%g m), found "
                    "%g m, as they lie up to %g m from %s m, which positions are computed relative "
                    "to (key origin): forces would be lost in it",
-                   gn_scene_at(&ctx->scene, where, what).text, coarse, of, length, rounding(far),
+                   gn_scene_at(&ctx->scene, where, what).text, GN_COARSE, of, length, rounding(far),
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 

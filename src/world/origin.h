@@ -33,7 +33,4 @@ gneiss_status gn_origin_check(const gn_step_context *ctx, const gn_dem *dem,
                               const gn_boundary *boundary, const gn_solids *solids,
                               gneiss_error *error);
 
-/* m: the largest coordinate at which particles of that radius are not too coarse. */
-double gn_origin_reach(double radius);
-
 #endif

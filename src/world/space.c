@@ -8,6 +8,7 @@
 #include "membrane/membrane.h"
 #include "particles/dem.h"
 #include "particles/flow.h"
+#include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -64,7 +65,7 @@ static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upp
 /* m: walls that are farther away than this have more than the specimen between them. Loose grains
  * may be as far from walls as from each other. */
 static double allowed_gap(const gn_step_context *ctx, const gn_dem *dem, double between) {
-    if (ctx->effects & GN_FX_BONDS) return gn_world_mean_radius(dem);
+    if (ctx->effects & GN_FX_BONDS) return gn_dem_mean_radius(dem);
     return pow(between / (double)gn_world_present(dem), 1.0 / (double)ctx->scene.dimension);
 }
 

@@ -9,11 +9,11 @@
 #include "base/timer.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
-#include "drive/control.h"
 #include "frame/ledger.h"
 #include "frame/step_context.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
+#include "laboratory/control.h"
 #include "laboratory/ends.h"
 #include "laboratory/geometry.h"
 #include "laboratory/laboratory.h"
@@ -39,24 +39,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
-
-static const char *const phase_names[] = {
-#define X(name, text) #name,
-    GN_PHASES(X)
-#undef X
-};
-static const char *const phase_texts[] = {
-#define X(name, text) text,
-    GN_PHASES(X)
-#undef X
-};
-
-const char *gn_phase_name(gn_phase phase) {
-    return phase_names[phase];
-}
-const char *gn_phase_text(gn_phase phase) {
-    return phase_texts[phase];
-}
 
 /* A shape leaves its volume. */
 static gneiss_status load_specimen(gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
@@ -107,40 +89,19 @@ static gneiss_status measure_test(gn_step_context *ctx, const gn_dem *dem,
                    isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
-typedef enum volume_source {
-    FROM_ELEMENTS,
-    FROM_BOX,
-    FROM_SOURCES,
-    FROM_SHAPE,
-    FROM_PACKING,
-    FROM_TEST,
-    FROM_HULL
-} volume_source;
-
-static volume_source source_of_volume(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids) {
-    if (!ctx->scene.has_specimen) return FROM_ELEMENTS;
-    if (ctx->effects & GN_FX_PERIODIC) return FROM_BOX;
-    if (!ctx->scene.specimen_given) return FROM_SOURCES;
-    if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
-    if (gn_scene_from_packing(&ctx->scene)) return FROM_PACKING;
+static gn_volume_source source_of_volume(const gn_step_context *ctx, const gn_dem *dem,
+                                         const gn_boundary *boundary, const gn_solids *solids) {
+    if (!ctx->scene.has_specimen) return GN_VOLUME_OF_ELEMENTS;
+    if (ctx->effects & GN_FX_PERIODIC) return GN_VOLUME_OF_BOX;
+    if (!ctx->scene.specimen_given) return GN_VOLUME_OF_SOURCES;
+    if (ctx->scene.specimen.pack.shape != GN_SHAPE_NONE) return GN_VOLUME_OF_SHAPE;
+    if (gn_scene_from_packing(&ctx->scene)) return GN_VOLUME_OF_PACKING;
     bool given =
         gn_scene_tested(&ctx->scene) && gn_test_shape(ctx, dem, boundary, solids).volume > 0.0;
-    return given ? FROM_TEST : FROM_HULL;
+    return given ? GN_VOLUME_OF_TEST : GN_VOLUME_OF_HULL;
 }
 
-bool gn_world_volume_is_of_test(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids) {
-    return source_of_volume(ctx, dem, boundary, solids) == FROM_TEST;
-}
-
-bool gn_world_volume_is_of_hull(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids) {
-    return source_of_volume(ctx, dem, boundary, solids) == FROM_HULL;
-}
-
-const char *gn_world_volume_source(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids) {
+const char *gn_world_volume_source(const gn_step_context *ctx) {
     static const char *const names[] = {"the elements",
                                         "the periodic box",
                                         "the box about the sources",
@@ -148,9 +109,9 @@ const char *gn_world_volume_source(const gn_step_context *ctx, const gn_dem *dem
                                         "the shape that was packed",
                                         "length times area of the test",
                                         "the convex hull of the particles"};
-    volume_source source = source_of_volume(ctx, dem, boundary, solids);
-    if (source == FROM_TEST && gn_scene_test(&ctx->scene)->disc) return "the disc of the test";
-    return names[source];
+    if (ctx->volume_source == GN_VOLUME_OF_TEST && gn_scene_test(&ctx->scene)->disc)
+        return "the disc of the test";
+    return names[ctx->volume_source];
 }
 
 /* Along an axis without sides as far as the particles reach. */
@@ -164,51 +125,22 @@ static double box_volume(const gn_step_context *ctx) {
 static gneiss_status measure_specimen(gn_step_context *ctx, gn_dem *dem,
                                       const gn_boundary *boundary, const gn_solids *solids,
                                       gneiss_error *error) {
-    volume_source source = source_of_volume(ctx, dem, boundary, solids);
+    gn_volume_source source = source_of_volume(ctx, dem, boundary, solids);
+    ctx->volume_source = source;
     if (!ctx->scene.specimen_given)
         gn_flow_bounds(ctx, dem, ctx->lower, ctx->upper);
-    else if (source == FROM_HULL)
+    else if (source == GN_VOLUME_OF_HULL)
         GN_TRY(gn_packing_hull(&dem->particles, (int)ctx->scene.dimension, &ctx->volume, ctx->lower,
                                ctx->upper, error));
     else
         measure_extent(ctx, dem);
-    if (source == FROM_SOURCES)
+    if (source == GN_VOLUME_OF_SOURCES)
         ctx->volume = (ctx->upper[0] - ctx->lower[0]) * (ctx->upper[1] - ctx->lower[1]) *
                       (ctx->effects & GN_FX_SPACE ? ctx->upper[2] - ctx->lower[2] : 1.0);
-    if (source == FROM_BOX) ctx->volume = box_volume(ctx);
+    if (source == GN_VOLUME_OF_BOX) ctx->volume = box_volume(ctx);
     GN_TRY(measure_test(ctx, dem, boundary, solids, error));
-    if (source == FROM_TEST) ctx->volume = gn_test_shape(ctx, dem, boundary, solids).volume;
+    if (source == GN_VOLUME_OF_TEST) ctx->volume = gn_test_shape(ctx, dem, boundary, solids).volume;
     return GNEISS_OK;
-}
-
-double gn_world_porosity(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                         const gn_solids *solids) {
-    double solid = 0.0;
-    if (source_of_volume(ctx, dem, boundary, solids) == FROM_SOURCES)
-        return 0.0; /* a volume of their own is all they have */
-    for (size_t p = 0; p < dem->particles.soa.count; p++)
-        solid += gn_ball_volume((int)ctx->scene.dimension, dem->particles.pos[4 * p + 3]);
-    return 1.0 - solid / ctx->volume;
-}
-
-void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
-                   double upper[3]) {
-    memcpy(lower, ctx->lower, sizeof ctx->lower);
-    memcpy(upper, ctx->upper, sizeof ctx->upper);
-    if (ctx->scene.has_couple) gn_elements_extent(solids, lower, upper);
-}
-
-double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis) {
-    double lower[3], upper[3];
-    gn_world_body(ctx, solids, lower, upper);
-    return upper[axis] - lower[axis];
-}
-
-double gn_world_mean_radius(const gn_dem *dem) {
-    const gn_particles *q = &dem->particles;
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
-    return sum / (double)q->soa.count;
 }
 
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids) {
@@ -321,7 +253,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(measure_specimen(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     set_domain(&w->ctx, &w->dem);
     GN_TRY(check_specimen(&w->ctx, &w->dem, error));
-    GN_TRY(gn_dem_complete(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
+    GN_TRY(gn_dem_complete(&w->ctx, &w->dem, error));
     GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
@@ -419,7 +351,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     if (!particles) GN_TRY(measure_elements(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_ends_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     gn_ends_begin(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->approach);
-    w->section = gn_section_of(&w->ctx, &w->dem, &w->boundary, &w->solids);
+    w->section = gn_section_of(&w->ctx, &w->dem, &w->solids);
     GN_TRY(gn_geometry_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_sides_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_stages_check_first(&w->ctx, &w->dem, &w->solids, &w->stages, error));
@@ -456,25 +388,6 @@ void gn_world_free(gn_world *w) {
     gn_scene_free(&w->ctx.scene);
     gn_scene_free(&w->ctx.given);
     memset(w, 0, sizeof *w);
-}
-
-void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]) {
-    for (int a = 0; a < 3; a++) out[a] = gn_point_out(ctx->scene.origin[a], point[a]);
-}
-
-gn_assembly gn_world_assembly(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary) {
-    gn_assembly a = {0};
-    gn_near_settle(ctx, dem);
-    a.dimension = (int)ctx->scene.dimension;
-    a.particles = &dem->particles;
-    for (int l = 0; l < GN_LIST_COUNT; l++) a.list[l] = &dem->list[l].contacts;
-    a.wall_contacts = ctx->effects & GN_FX_WALLS ? &boundary->contacts : NULL;
-    a.wall_count = ctx->scene.wall_count;
-    a.wall_normals = boundary->wall_normals;
-    a.periodic = ctx->effects & GN_FX_PERIODIC;
-    memcpy(a.period, ctx->period, sizeof a.period);
-    return a;
 }
 
 uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

@@ -6,12 +6,15 @@
 #include "base/error.h"
 #include "boundary/boundary.h"
 #include "drive/box.h"
-#include "drive/control.h"
 #include "frame/ledger.h"
 #include "frame/parts.h"
+#include "frame/phases.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/motion.h"
+#include "laboratory/control.h"
+#include "laboratory/ends.h"
+#include "laboratory/section.h"
 #include "laboratory/strain_gauge.h"
 #include "measure/measure.h"
 #include "particles/dem.h"
@@ -23,33 +26,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* X(name, text): what the seconds of a run are booked under. */
-#define GN_PHASES(X)                                                                               \
-    X(bonds, "bond kernels")                                                                       \
-    X(pairs, "unbonded contact kernels")                                                           \
-    X(walls, "wall contacts and wall motion")                                                      \
-    X(motion, "gather, damping, integration")                                                      \
-    X(waiting, "waiting for the other threads")                                                    \
-    X(elements, "finite elements: forces, motion, readings")                                       \
-    X(exchange, "zones of particles and elements")                                                 \
-    X(lists, "neighbour search and lists")                                                         \
-    X(step_limit, "stability limit")                                                               \
-    X(conversion, "elements that turn into particles")                                             \
-    X(measure, "readings and history")                                                             \
-    X(output, "snapshots, checkpoints, results")                                                   \
-    X(setup, "specimen, bonds, first lists and limit")
-
-typedef enum gn_phase {
-#define X(name, text) GN_PHASE_##name,
-    GN_PHASES(X)
-#undef X
-        GN_PHASE_COUNT
-} gn_phase;
-
-const char *gn_phase_name(gn_phase phase);
-
-const char *gn_phase_text(gn_phase phase);
 
 /* How a stage of the scene went; doubles, as checkpoints have it. */
 typedef struct gn_stage_state {
@@ -88,9 +64,6 @@ struct gn_world {
     gn_ending outcome;
     double seconds[GN_PHASE_COUNT];
 };
-
-/* A point of the world as the user sees it. */
-void gn_world_point_out(const gn_step_context *ctx, const double point[3], double out[3]);
 
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
  * failure nothing is held. */
@@ -132,38 +105,11 @@ gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
-/* The view that measures and the time step estimate work on. */
-gn_assembly gn_world_assembly(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary);
-
-/* Tells whether no shape measures world->volume: it is the length of the test times its area, or
- * that of the convex hull of the particles. */
-bool gn_world_volume_is_of_test(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids);
-
-bool gn_world_volume_is_of_hull(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids);
-
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
-const char *gn_world_volume_source(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids);
+const char *gn_world_volume_source(const gn_step_context *ctx);
 
 /* Of particles and elements, kg, without what was added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
-
-/* m; of all rows of particles. */
-double gn_world_mean_radius(const gn_dem *dem);
-
-/* m: extent at the start of what is tested: of the particles, radii included, and of the elements
- * that are one body with them (`couple`), which may be packed in a part of it alone. */
-void gn_world_body(const gn_step_context *ctx, const gn_solids *solids, double lower[3],
-                   double upper[3]);
-
-double gn_world_side(const gn_step_context *ctx, const gn_solids *solids, int axis);
-
-/* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
-double gn_world_porosity(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                         const gn_solids *solids);
 
 /* Hash of the state: particles, contacts, walls, time. */
 uint64_t gn_world_hash(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,

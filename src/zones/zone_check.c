@@ -9,6 +9,7 @@
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "particles/observe.h"
 #include "scene/couple_def.h"
 #include "scene/scene.h"
 #include "soa/records.h"
@@ -340,12 +341,12 @@ bool gn_zone_differs(const gn_zone_material *m) {
 
 /* Weights of forces and masses cancel in these means. */
 static void measure_particles(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary, const gn_solids *solids,
-                              const gn_zones *zones, size_t zone, gn_zone_figures *f) {
+                              const gn_solids *solids, const gn_zones *zones, size_t zone,
+                              gn_zone_figures *f) {
     zone_sums sums[GN_ZONE_MATERIALS] = {{0}};
     add_particles(ctx, dem, solids, zones, zone, f, sums);
     add_bonds(ctx, dem, solids, zones, zone, f, sums);
-    const double solid = 1.0 - gn_world_porosity(ctx, dem, boundary, solids);
+    const double solid = 1.0 - gn_dem_porosity(ctx, dem);
     for (size_t k = 0; k < f->materials; k++)
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
@@ -401,11 +402,11 @@ size_t gn_coupled_broken(const gn_dem *dem) {
     return count;
 }
 
-void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones, size_t k, gn_zone_figures *f) {
+void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     const gn_zones *zones, size_t k, gn_zone_figures *f) {
     *f = (gn_zone_figures){
         .width = gn_zone_width(&ctx->scene.couple.zones[k], (int)ctx->scene.dimension)};
     measure_elements(ctx, solids, k, f);
-    measure_particles(ctx, dem, boundary, solids, zones, k, f);
+    measure_particles(ctx, dem, solids, zones, k, f);
     measure_mass(ctx, dem, solids, zones, k, f);
 }

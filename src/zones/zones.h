@@ -157,9 +157,8 @@ typedef struct gn_zone_figures {
     size_t materials;
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_zone_figures;
-void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones, size_t k,
-                     gn_zone_figures *figures);
+void gn_zone_measure(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                     const gn_zones *zones, size_t k, gn_zone_figures *figures);
 /* Whether the particles of a zone weigh something else than what the elements leave them. */
 bool gn_zone_is_off(const gn_zone_figures *figures);
 

@@ -1,4 +1,4 @@
-#include "drive/control.h"
+#include "laboratory/control.h"
 
 #include "conversion/conversion.h"
 #include "frame/step_context.h"
@@ -54,16 +54,4 @@ void gn_control_look(gn_world *w) {
     m->wanted = fmin(m->wanted + rate(c) * (w->ctx.time - m->looked), now + most);
     m->looked = w->ctx.time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
-}
-
-static bool in(const gn_test_end *end, const char *name) {
-    for (size_t k = 0; k < end->count; k++)
-        if (strcmp(end->name[k], name) == 0) return true;
-    return false;
-}
-
-double gn_control_of(const gn_step_context *ctx, const char *name, int axis) {
-    const gn_test *t = &ctx->scene.test;
-    if (!t->has_control || axis != (int)t->axis) return 1.0;
-    return in(&t->lower, name) || in(&t->upper, name) ? ctx->machine.factor : 1.0;
 }

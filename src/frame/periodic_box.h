@@ -1,0 +1,42 @@
+/* State of a periodic box whose sides may move (drive/box.h moves them). */
+#ifndef GN_FRAME_PERIODIC_BOX_H
+#define GN_FRAME_PERIODIC_BOX_H
+
+#include "base/error.h"
+#include "frame/parts.h"
+
+#include <stdbool.h>
+
+/* What lasts from step to step; doubles only. */
+typedef struct gn_servo_state {
+    double base;     /* u, m/s or 1/s */
+    double expected; /* N or J: what the share alone would have come to */
+} gn_servo_state;
+
+struct gn_periodic_box {
+    double start[3];   /* m: lengths at the start */
+    double flow[3];    /* 1/s: growth of the last interval over what the lengths are now */
+    double spring[3];  /* J: most by which contacts that are listed answer a strain along an axis,
+                          those across it held too: sum of (k_n + k_t) l^2 n_a^2 */
+    double dashpot[3]; /* J s: the same of their dashpots */
+    gn_servo_state servo[3];
+    double reach; /* m: the longest branch that is listed */
+    double path;  /* m: by how much such a branch may have shrunk since */
+};
+
+/* Of the scene as it stands: whether there is anything to do; 1 over what the lengths were. */
+bool gn_box_moves(const gn_step_context *ctx, const gn_periodic_box *box);
+bool gn_box_moved(const gn_periodic_box *box);
+
+/* m/s: the most by which the ends of a listed contact came apart with it in the last step. */
+double gn_box_speed(const gn_periodic_box *box);
+/* What a search for neighbours came to: that the box is too narrow for one is the fault of the
+ * scene at the start, later of what moves its sides. */
+gneiss_status gn_box_narrowed(const gn_step_context *ctx, const gn_periodic_box *box,
+                              gneiss_status found, gneiss_error *error);
+/* m2 (2D: m x 1 m): across the axis along which the box has no sides. */
+double gn_box_section(const gn_step_context *ctx);
+/* Strain along an axis since the start, over the length there. */
+double gn_box_strain(const gn_step_context *ctx, const gn_periodic_box *box, int axis);
+
+#endif
