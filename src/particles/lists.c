@@ -178,7 +178,6 @@ static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swappe
     gn_soa_mirror(&gn_contact_record, list, swapped, turned);
 }
 
-/* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
     gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
@@ -187,7 +186,8 @@ gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss
     if (!keys || !swapped)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
-        int32_t i = place[list->i[c]], j = place[list->j[c]];
+        int32_t i = list->i[c], j = list->j[c];
+        if (place) i = place[i], j = place[j];
         keys[c] = (gn_renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
     gn_contacts now = {0};
