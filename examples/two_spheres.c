@@ -3,7 +3,7 @@
  *     cc two_spheres.c $(pkg-config --cflags --libs gneiss) -o two_spheres
  *     ./two_spheres [SCENE [CHECKPOINT]]
  *
- * SCENE: two_spheres.yaml in the working folder unless told otherwise; the checkpoint is removed
+ * SCENE: two_spheres.yaml in the working folder by default; the checkpoint is removed
  * again. Exit code: the gneiss_status of what failed, 0 when all is well. */
 #include <gneiss/gneiss.h>
 

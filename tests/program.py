@@ -78,7 +78,7 @@ def expect(done, code, *patterns):
 
 
 def on_terminal(columns, *arguments, interrupt=False):
-    """What a call writes to a standard error that is a terminal of so many columns, and its exit code. It can be
+    """The text that a call writes to a standard error that is a terminal of so many columns, and its exit code. It can be
     interrupted at its first words."""
     main_end, end = pty.openpty()
     fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
@@ -88,7 +88,7 @@ def on_terminal(columns, *arguments, interrupt=False):
     while True:
         try:
             more = os.read(main_end, 1 << 16)
-        except OSError:  # Linux: nobody has the other end any more
+        except OSError:  # Linux: the other end is closed
             break
         if not more:
             break

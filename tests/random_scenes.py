@@ -257,7 +257,7 @@ class Maker:
                     contact["friction"] = 0
 
     def outputs(self, d):
-        """What files have on request, with draws apart."""
+        """Output on request, with draws of their own."""
         if d.chance(0.3):
             self.scene["output"]["contacts"] = "on"
         if self.bonded and d.chance(0.2):
@@ -553,7 +553,7 @@ class Maker:
             self.scene["time"]["estimate"] = "bound"
 
     def far(self):
-        """The same scene elsewhere, where a double has lost some digits."""
+        """Moves the scene to a place where a double has lost some digits."""
         extent = max(b - a for a, b in zip(self.lower, self.upper))
         away = [x * extent * self.d.log(1e2, 1e6) for x in self.d.direction(self.dim)]
         move_scene(self.scene, away)
@@ -676,7 +676,7 @@ def run(program, seed, limit=60):
 
 
 def run_all(run_seed, seeds, jobs=2, note=lambda outcome: None):
-    """What run_seed(seed) says of every seed, some of them side by side; `note` looks at each in turn."""
+    """The results of run_seed(seed) for every seed, some of them side by side; `note` gets each in turn."""
     with ThreadPoolExecutor(jobs) as pool:
         outcomes = []
         for outcome in pool.map(run_seed, seeds):

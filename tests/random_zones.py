@@ -24,7 +24,8 @@ KINDS = ("zones", "conversion")
 # Seeds that go bad, and why {seed: reason}: left open.
 OPEN = {6449: "what wakes on a wall opens and closes there undamped, half of 90 steps: 1.5e-3, 9e-5 and 1e-6 with 0.9, 0.45 and 0.2 of the limit, 1e-9 without "
               "the wall"}
-# Of all energy: where nothing breaks, converts or slides; what converts; what breaks, undamped in most scenes (as of particles alone, random_scenes.py).
+# Largest residual over all energy: where nothing breaks, converts or slides; with conversions; with breakage, undamped in most scenes (as of
+# particles alone, random_scenes.py).
 SMOOTH, CONVERTS, BREAKS = 1e-5, 1e-3, 1e-1
 # A step sees what turns and stretches in it to second order, (w dt/2)^2 <= 0.81 of the shortest waves: of these, which short pulses and loads at once
 # make, the ledger misses no more than the strain, with elements alone as well.
@@ -77,7 +78,7 @@ class Maker:
         self.alone = False
 
     def stages(self):
-        """What moves stops half way, and goes back; gravity goes away."""
+        """Adds stages: motions stop half way and reverse; gravity is switched off."""
         d, moves = self.d, self.scene["elements"]["motions"][-1]
         axis = next(a for a, v in moves["motion"].items() if v != 0.0)
         v = moves["motion"][axis]
@@ -198,7 +199,7 @@ class Maker:
         else:
             self.scene["elements"]["loads"] = [{"group": free, "traction": {"t" + AXES[d.choice((0, 0, 1))]: self.ramp(self.strain * self.young)}}]
 
-    # A block, elements first; its particles sleep.
+    # A block, elements first; its particles are dormant.
     def conversion(self):
         d, s = self.d, self.s
         fine = d.choice((1, 2, 2) if self.dim == 2 else (1, 2))

@@ -101,7 +101,7 @@ def every_case_has_slopes_and_the_page_shows_those_of_the_file(folder):
 
 
 @fact
-def what_is_kept_is_not_computed_again(folder):
+def kept_runs_are_not_computed_again(folder):
     def state():
         return {name: os.stat(os.path.join(quick(), "collision", "runs", name, "results.h5")).st_mtime_ns for name in summaries("collision")}
 
@@ -141,7 +141,7 @@ def a_limit_is_found_again_with_its_exponent(folder):
 
 
 @fact
-def a_limit_that_points_do_not_tell_has_the_exponent_of_a_layer(folder):
+def a_limit_undetermined_by_points_has_the_exponent_of_a_layer(folder):
     limit, a, p = fits.limit([5.0, 10, 20], [100 - 50 / 5, 100 - 50 / 10, 100 - 50 / 20])
     assert p == 1 and abs(limit - 100) < 1e-10 and abs(a - 50) < 1e-10
 

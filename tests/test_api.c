@@ -198,7 +198,7 @@ static void geometries_are_not_given_to_gmsh_unless_that_is_allowed(void **state
     rmdir(folder);
 }
 
-static void overrides_that_say_nothing_are_refused(void **state) {
+static void empty_overrides_are_refused(void **state) {
     (void)state;
     const char *const bad[] = {"time.end", "=3", "", NULL, "no.such.key=1"};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
@@ -294,7 +294,7 @@ static void null_results_and_names_are_refused(void **state) {
     gneiss_world_free(w);
 }
 
-static void what_is_not_there_is_refused(void **state) {
+static void unknown_names_and_indices_are_refused(void **state) {
     (void)state;
     gneiss_error error;
     gneiss_view view;
@@ -568,7 +568,7 @@ static double sum_of(const gneiss_world *w, const char *name, size_t *count) {
     "output: {history_rows: 20, snapshots: 0, checkpoint: off}\n"                                  \
     "run: {threads: 1}\n"
 
-/* A strip that is pulled: elements go, particles wake; the same once it was saved. */
+/* A strip in tension: elements convert, particles become active; a saved world gives the same. */
 static void elements_that_convert_are_counted(void **state) {
     (void)state;
     static const char strip[] =
@@ -1042,7 +1042,7 @@ static void a_run_that_went_bad_can_be_looked_at_and_nothing_else(void **state) 
 
 /* --- files --- */
 
-static void a_saved_world_goes_on_to_the_same_bits(void **state) {
+static void a_saved_world_resumes_to_the_same_bits(void **state) {
     (void)state;
     place p = make_place();
     gneiss_error error = {0};
@@ -1181,11 +1181,11 @@ int main(void) {
         cmocka_unit_test(scenes_load_from_a_file_with_overrides),
         cmocka_unit_test(scene_errors_say_where),
         cmocka_unit_test(geometries_are_not_given_to_gmsh_unless_that_is_allowed),
-        cmocka_unit_test(overrides_that_say_nothing_are_refused),
+        cmocka_unit_test(empty_overrides_are_refused),
         cmocka_unit_test(null_scenes_and_makers_are_refused),
         cmocka_unit_test(null_worlds_are_refused),
         cmocka_unit_test(null_results_and_names_are_refused),
-        cmocka_unit_test(what_is_not_there_is_refused),
+        cmocka_unit_test(unknown_names_and_indices_are_refused),
         cmocka_unit_test(paths_that_are_too_long_are_refused),
         cmocka_unit_test(null_is_nothing_to_free_and_counts_nothing),
         cmocka_unit_test(the_error_may_be_null),
@@ -1214,7 +1214,7 @@ int main(void) {
         cmocka_unit_test(two_worlds_in_turns_do_not_touch_each_other),
         cmocka_unit_test(two_worlds_in_two_threads_give_the_same_bits),
         cmocka_unit_test(a_run_that_went_bad_can_be_looked_at_and_nothing_else),
-        cmocka_unit_test(a_saved_world_goes_on_to_the_same_bits),
+        cmocka_unit_test(a_saved_world_resumes_to_the_same_bits),
         cmocka_unit_test(a_loaded_world_takes_a_later_end),
         cmocka_unit_test(a_file_that_is_no_checkpoint_is_refused),
         cmocka_unit_test(a_run_in_a_folder_leaves_its_files),

@@ -521,7 +521,7 @@ static void refuse(const char *material, const char *law, const char *expected) 
     if (!strstr(error.message, expected)) fail_msg("%s", error.message);
 }
 
-static void what_is_missing_or_out_of_place_is_refused(void **state) {
+static void missing_and_unread_keys_are_refused(void **state) {
     (void)state;
     const char *strong = "young: 1, poisson: 0, tensile_strength: 1, shear_strength: 1";
     refuse("poisson: 0.2", "{stiffness: dempack}",
@@ -580,7 +580,7 @@ int main(void) {
         cmocka_unit_test(a_packing_has_the_modulus_of_uniform_strain_along_every_axis),
         cmocka_unit_test(polyhedra_and_their_free_faces_fill_a_packing),
         cmocka_unit_test(no_pair_exceeds_those_of_extreme_radii),
-        cmocka_unit_test(what_is_missing_or_out_of_place_is_refused),
+        cmocka_unit_test(missing_and_unread_keys_are_refused),
         cmocka_unit_test(a_body_without_pores_has_no_gamma_by_porosity),
     };
     return cmocka_run_group_tests_name("areas", tests, NULL, NULL);

@@ -30,7 +30,7 @@ CORNER = {"ids": [0, 1, 2]}
 
 
 @fact
-def what_comes_off_is_no_strain_of_what_is_left(folder):
+def detached_particles_do_not_count_as_strain_of_the_rest(folder):
     """Three discs of a corner, which fly off or leave the model: nothing loads the rest. (Was 20 % where they fly on, 8 % where they were
     taken out: the strain that their last place made.)"""
     for name, more in (("flies", {}), ("goes", {"domain": BEYOND})):
@@ -41,7 +41,7 @@ def what_comes_off_is_no_strain_of_what_is_left(folder):
 
 @fact
 def grains_that_were_never_bonded_count_until_they_are_taken_out(folder):
-    """Of grains that do not touch one flies off, out of the model if it has an end there."""
+    """One of the grains, which do not touch, flies off, out of the model if it has an end there."""
     given = block({"ids": [0]}, bonds={"enabled": "off"}, specimen={"particles": [[2.1e-3 * i, 2.1e-3 * j, 1e-3] for i in range(12) for j in range(8)]})
     assert strains(run_scene(folder, given, name="flies"))["xx"][-1] > 0.05
     found = strains(run_scene(folder, {**given, "domain": BEYOND}, name="goes"))
@@ -50,7 +50,7 @@ def grains_that_were_never_bonded_count_until_they_are_taken_out(folder):
 
 @fact
 def there_is_no_average_strain_once_half_has_left(folder):
-    """Of twelve columns eight are taken out of the model: rows are no numbers from then on, and the run goes on."""
+    """Eight of twelve columns are removed from the model: rows are not numbers from then on, and the run goes on."""
     out = run_scene(folder, block({"box": {"min": [-1, -1], "max": [0.0155, 1]}}, domain=BEYOND))
     found, rows = strains(out), history(out)
     gone = np.isnan(found["xx"])

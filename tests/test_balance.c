@@ -101,7 +101,7 @@ static void grains_that_nothing_touches_are_not_in_balance(void **state) {
 
 /* A source that has grains to bring, or begins later, keeps the run and the stage on; one that is
  * full of grains at rest, or would begin after the end, does not. */
-static void a_source_that_will_bring_grains_keeps_a_run_on(void **state) {
+static void a_source_with_grains_to_come_keeps_a_run_going(void **state) {
     (void)state;
     static const char *const ends[] = {BY_RUN, BY_STAGE};
     static const struct {
@@ -150,7 +150,7 @@ int main(void) {
         cmocka_unit_test(a_falling_body_is_no_balance),
         cmocka_unit_test(grains_that_nothing_touches_are_not_in_balance),
         cmocka_unit_test(the_ratio_that_is_reported_is_bounded),
-        cmocka_unit_test(a_source_that_will_bring_grains_keeps_a_run_on),
+        cmocka_unit_test(a_source_with_grains_to_come_keeps_a_run_going),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

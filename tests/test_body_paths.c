@@ -57,7 +57,7 @@ static const char *const moving[] = {
                  "density: 2500, initial_spin: [900, 0.1, 1]}]\n",
 };
 
-static void no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius(void **state) {
+static void no_vertex_moves_farther_than_a_quarter_of_the_smallest_radius(void **state) {
     (void)state;
     for (size_t k = 0; k < sizeof moving / sizeof *moving; k++) {
         double path, turn;
@@ -268,7 +268,7 @@ static void spins_beyond_light_are_refused(void **state) {
 int main(int argc, char **argv) {
     (void)argv;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_vertex_goes_farther_than_a_quarter_of_the_smallest_radius),
+        cmocka_unit_test(no_vertex_moves_farther_than_a_quarter_of_the_smallest_radius),
         cmocka_unit_test(a_fast_gate_keeps_the_ledger),
         cmocka_unit_test(a_long_fall_is_exact),
         cmocka_unit_test(a_resumed_run_lowers_its_step_alike),

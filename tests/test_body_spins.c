@@ -124,7 +124,7 @@ static gn_world *driven(const char *body, double dt) {
  * y of its angular momentum are nothing its spin about the horizontal that it leans to is -(C - A)
  * p sin cos/(A cos2 + C sin2), with cos2 on the other's place; it keeps leaning, goes round with p
  * C/(A cos2 + C sin2), and bearings do no work. */
-static void a_driven_top_goes_round(void **state) {
+static void a_driven_top_precesses(void **state) {
     (void)state;
     const double height[2] = {0.3, 2.0}, lean = 0.6, p = 3.0, dt = 1e-3;
     for (int k = 0; k < 2; k++) {
@@ -340,7 +340,7 @@ int main(void) {
         cmocka_unit_test(an_open_body_may_be_free),
         cmocka_unit_test(a_door_is_hit),
         cmocka_unit_test(bearings_do_no_work),
-        cmocka_unit_test(a_driven_top_goes_round),
+        cmocka_unit_test(a_driven_top_precesses),
         cmocka_unit_test(the_work_of_bearings_is_in_the_ledger),
         cmocka_unit_test(a_wheel_is_spun_up),
         cmocka_unit_test(a_driven_body_turns_for_long),

@@ -403,7 +403,7 @@ static void expect_refused(const char *sides, const char *more, const char *mess
     free(w);
 }
 
-static void what_a_box_cannot_do_is_refused(void **state) {
+static void keys_of_a_box_that_exclude_each_other_are_refused(void **state) {
     (void)state;
     expect_refused("x: {stress: 1 MPa}", "", "periodic.x.max_rate: required beside stress");
     expect_refused("x: {stress: 1 MPa, max_rate: 1, rate: 3}", "",
@@ -455,7 +455,7 @@ int main(void) {
         cmocka_unit_test(along_an_open_axis_there_are_no_images),
         cmocka_unit_test(a_seam_is_none_where_the_box_is_open_across_it),
         cmocka_unit_test(a_layer_that_is_sheared_has_the_same_bits),
-        cmocka_unit_test(what_a_box_cannot_do_is_refused),
+        cmocka_unit_test(keys_of_a_box_that_exclude_each_other_are_refused),
         cmocka_unit_test(a_rate_that_a_step_cannot_resolve_stops_the_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

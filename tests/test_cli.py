@@ -274,7 +274,7 @@ def plan_says_which_servo_is_slower_than_asked(folder):
 
 
 @fact
-def check_says_a_touch_without_overlap_as_zero(folder):
+def check_reports_contact_without_overlap_as_zero(folder):
     text = LOOSE.replace("STEP", "auto") + LID.replace("GAP", "1e-3").replace("R}", "0.03}")
     out = expect(gneiss("check", write_scene(folder, text)), 0).stdout
     assert re.search(r"wall lid .*touch.*, deepest 0 m\n", out), out
@@ -284,7 +284,7 @@ BOX = "periodic: {min: [-1, -1, 0], max: [1, 1, SIZE]}\n"
 
 
 @fact
-def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
+def errors_of_the_set_up_name_file_line_and_column(folder):
     # LOOSE begins with an empty line: specimen stands in line 3, law in 5, time in 6, what is added in 8.
     loose = LOOSE.replace("STEP", "auto")
     held = "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
@@ -537,7 +537,7 @@ def the_progress_line_fits_any_terminal(folder):
 
 
 @fact
-def what_follows_a_progress_line_stands_below_it(folder):
+def messages_after_a_progress_line_begin_a_new_line(folder):
     scene = write_scene(folder, LOOSE.replace("STEP", "1e-7"))
     shown, code = on_terminal(80, "run", scene, "--out", folder + "/out", "--set", "time.end=10", interrupt=True)
     assert code == 6, shown
@@ -688,7 +688,7 @@ def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
 
 @fact
 def one_slip_is_one_error(folder):
-    # What depends on the word that is wrong is not held against the scene as well.
+    # Errors that follow from the wrong word are not reported as well.
     for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
                      ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
                      ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),
@@ -905,7 +905,7 @@ def a_servo_that_never_reaches_its_target_is_warned_of(folder):
 
 
 @fact
-def of_many_servos_two_are_named_and_of_one_that_is_to_pull_that_it_cannot(folder):
+def a_warning_names_two_servos_and_explains_a_pulling_target(folder):
     lids = [{"name": f"lid_with_a_long_name_{k}", "point": [0, 0, "2.5 mm"], "normal": [0, 0, -1], "stiffness": 1e6,
              "servo": {"force": 1, "max_velocity": 0.01}} for k in range(3)]
     scene = {"specimen": {"particles": [[0, 0, "1 mm", "1 mm"]]}, "law": {"stiffness": "uniform"}, "time": {"end": "20 ms"},
@@ -932,7 +932,7 @@ def a_membrane_below_its_pressure_is_warned_of(folder):
 
 @fact
 def a_box_that_a_servo_shrinks_to_nothing_is_a_run_that_went_bad(folder):
-    """Soft grains do not bear the stress; a box that is too narrow from the start is an error of the scene, and a rate has its own place."""
+    """Soft grains do not carry the stress; a box that is too narrow from the start is an error of the scene, and a rate has its own place."""
     grains = [[2.2e-3 * i + 1e-3, 2.2e-3 * j + 1e-3, 2.2e-3 * k + 1e-3, 1e-3] for i in range(6) for j in range(6) for k in range(6)]
     scene = {"specimen": {"particles": grains}, "law": {"stiffness": "harmonic"}, "time": {"end": 0.5},
              "materials": [{"name": "m", "density": 2650, "contact_modulus": 1e5, "kratio": 3, "friction": 0, "tensile_strength": 1, "shear_strength": 1}],
@@ -963,7 +963,7 @@ def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
 
 
 @fact
-def what_the_command_line_gave_is_blamed_for_what_comes_of_it(folder):
+def errors_caused_by_set_name_the_option(folder):
     """Also where it shows only once the particles are there."""
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),

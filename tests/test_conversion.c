@@ -447,7 +447,7 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
 }
 
 /* At the end of the block what is thinner than a zone goes too. */
-static void a_remnant_thinner_than_a_zone_goes_too(void **state) {
+static void a_remnant_thinner_than_a_zone_converts_too(void **state) {
     (void)state;
     gn_world *w = block_of(&plate);
     convert(w, 4e-3, 8e-3, 0.0, 1.0);
@@ -943,7 +943,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(two_converting_places_that_join_leave_no_element_between_them),
         cmocka_unit_test(the_bound_of_the_remaining_elements_is_that_of_all_elements),
         cmocka_unit_test(the_limit_of_active_particles_is_that_of_the_full_operator),
-        cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
+        cmocka_unit_test(a_remnant_thinner_than_a_zone_converts_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),
         cmocka_unit_test(elements_convert_where_their_stress_is_beyond_the_limit),

@@ -455,7 +455,7 @@ static double least_held(const gn_world *w) {
     return least;
 }
 
-/* Beside a node at (5, 8) mm that is driven, or that bears a load: elements that are small beside
+/* Beside a node at (5, 8) mm that is driven, or that carries a load: elements that are small beside
  * particles, of which none is left at the node next to it, which would hang on one or two of them;
  * elements that are as large as particles, which have theirs. A node keeps r/width at least. */
 static void assert_held(bool fine, const char *elements, const char *couple, bool space) {

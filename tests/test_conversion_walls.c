@@ -1,5 +1,6 @@
 /* Walls beside elements that convert to particles: walls load active particles. */
 #include "conversion_helpers.h"
+#include "solids/element_walls.h"
 
 static const char floor_below[] =
     "walls: [{name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e9, kratio: 2, friction: "
@@ -76,10 +77,65 @@ static void a_body_rebounds_on_its_particles(void **state) {
     world_end(w);
 }
 
+/* --- walls that elements pass --- */
+
+/* A bar drawn at its right end, of which only the middle may convert; E = M, nu = 0. */
+static block bar(const char *rest) {
+    return (block){.cells = {30, 8, 0},
+                   .box = "{min: [15 mm, -1], max: [45 mm, 1]}",
+                   .convert = "stress: 1e6, every: 10",
+                   .rest = rest,
+                   .elements = ", motions: [{name: left, box: {min: [-1, -1], max: [1e-6, 1]}, "
+                               "motion: {vx: 0, vy: 0}}, {name: right, box: {min: [0.059999, -1], "
+                               "max: [1, 1]}, motion: {vx: 2 mm/s, vy: 0}}]"};
+}
+
+static gn_wall_passed passed_of(const char *walls) {
+    char rest[400];
+    gn_wall_passed passed[1];
+    gneiss_error error = {0};
+    snprintf(rest, sizeof rest, "run: {threads: 1}\nwalls: [{name: w, stiffness: 1e9, %s}]", walls);
+    const block s = bar(rest);
+    gn_world *w = block_of(&s);
+    const uint64_t hash = gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box);
+    if (gn_wall_predict_passed(&w->ctx, &w->solids, passed, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    assert_true(gn_world_hash(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->box) == hash);
+    const gn_wall_passed now = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, 0);
+    assert_int_equal(now.behind, passed[0].time > 0.0 ? 0 : passed[0].behind);
+    world_end(w);
+    return passed[0];
+}
+
+/* The right end goes 2 mm in the second of the run. */
+static void walls_that_driven_elements_pass_are_predicted(void **state) {
+    (void)state;
+    const gn_wall_passed ahead = passed_of("point: [61 mm, 0], normal: [-1, 0]"),
+                         far = passed_of("point: [62.1 mm, 0], normal: [-1, 0]"),
+                         coming = passed_of(
+                             "point: [64 mm, 0], normal: [-1, 0], motion: {vx: -2.5 mm/s}"),
+                         floor = passed_of("point: [0, 0], normal: [0, 1]"),
+                         inside = passed_of("point: [0, 1 mm], normal: [0, 1]"),
+                         /* with the motion that it presses particles beside */
+        platen = passed_of("point: [60 mm, 0], normal: [-1, 0], motion: {vx: 2 mm/s}");
+    assert_near(ahead.time, 0.5, 1e-3);
+    assert_near(ahead.deepest, 1e-3, 1e-6);
+    assert_int_equal(ahead.touching, 0);
+    assert_int_equal(far.behind + far.touching, 0);
+    assert_near(coming.time, 4.0 / 4.5, 1e-3);
+    assert_int_equal(floor.behind, 0);    /* nu = 0: nothing presses it */
+    assert_int_equal(floor.touching, 29); /* those at the ends are held */
+    assert_int_equal(inside.behind, 31);
+    assert_near(inside.time, 0.0, 0.0);
+    assert_near(inside.deepest, 1e-3, 1e-6);
+    assert_int_equal(platen.behind + platen.touching, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_particle_activated_inside_a_wall_feels_added_loads_only),
         cmocka_unit_test(a_body_rebounds_on_its_particles),
+        cmocka_unit_test(walls_that_driven_elements_pass_are_predicted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-"""What the program says of zones that particles and elements share, and how they are drawn. Speaks TAP."""
+"""Messages of the program about zones that particles and elements share, and their pictures. Speaks TAP."""
 from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -71,7 +71,7 @@ run: {threads: 1}
 
 def first_of(scene):
     said = expect(gneiss("plan", scene), 0, r"").stdout
-    said = said[said.index("conversion, with the body in equilibrium"):]
+    said = said[said.index("conversion, by a trial run"):]
     found = re.search(r"\n  first +at ([\d.e+-]+) s", said)
     return float(found.group(1)) if found else None, said
 
@@ -81,36 +81,34 @@ def plan_follows_stages_to_the_one_that_brings_the_first_limit(folder):
     stages = "time: {end: 50 ms}\nstages: [{name: rest, elements: {motions: {drawn: {motion: {vx: 0}}}}, end: {%s}}, {name: pull, elements: {motions: {drawn: {motion: {vx: 0.5 mm/s}}}}, end: {time: 15 ms}}]\n"
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms"))
     assert abs(first - 15e-3) < 0.02 * 10e-3 and "in stage 'pull'" in said, said
-    assert re.search(r"stage rest +from 0 s to 0.005 s\n +stage pull +from 0.005 s to 0.02 s\n", said), said
-    assert re.search(r"steps +\d+.* to t = 0.02 s, \d+ of them with elements alone", said), said
+    assert re.search(r"steps +\d+.* to t = 0.0149\d+ s, \d+ of them with elements alone", said), said
     first, said = first_of(write_scene(folder, DRAWN + stages % "unbalanced: 0.01"))
-    assert re.search(r"stage rest +from 0 s to \S+ s, a guess: it waits for equilibrium", said), said
+    assert "one that waits for equilibrium was assumed to last twenty transit times" in said, said
     assert abs(first - 10e-3) < 0.2 * 10e-3 and "in stage 'pull'" in said, said
     first, said = first_of(write_scene(folder, DRAWN + stages % "time: 5 ms, unbalanced: 0.01"))
-    assert re.search(r"stage rest +from 0 s to 0.005 s at the latest: it may end earlier", said), said
+    assert abs(first - 15e-3) < 0.02 * 10e-3 and "was assumed" not in said, said
 
 
 # Waves at 1754 m/s go along it in 68 us; at 0.2 m/s the first of them brings 2.7 MPa.
 @fact
 def plan_says_where_waves_come_first(folder):
-    for speed, fast in (("0.5 mm/s", False), ("0.2 m/s", True)):
+    for speed, first_time in (("0.5 mm/s", 10e-3), ("0.2 m/s", 0.0126e-3)):
         first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", speed) + "time: {end: 15 ms}\n"))
-        period = float(re.search(r"slowest period (\S+) s", said).group(1))
-        assert abs(period - 2 * 0.12 / 1754.1) < 0.05 * period, said
-        assert ("they may reach a limit earlier, at another time and place" in said) == fast, said
-    # A pulse so short that at rest nothing would come of it.
+        assert abs(first - first_time) < 0.02 * first_time, said
+    # A pulse so short that nothing would come of it in equilibrium.
     pulse = "[[0, 0.2], [2 us, 0.2], [2.1 us, 0]]"
     first, said = first_of(write_scene(folder, DRAWN.replace("0.5 mm/s", pulse) + "time: {end: 1 ms}\n"))
-    assert first is None and "waves, which may reach a limit that is not reached in equilibrium" in said, said
+    assert first < 0.1e-3, said
     # A load that stays, of 0.6 MPa: within 1 us it doubles at the end that is held.
     drawn = "    - {name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, motion: {vx: 0.5 mm/s, vy: 0}}\n"
     assert drawn in DRAWN
     for rise, fast in ((1e-6, True), (1e-2, False)):
         load = "  loads: [{name: drawn, box: {min: [119.999 mm, -1], max: [1, 1]}, force: {fx: [[0, 0], [%g, 9600]]}}]\n" % rise
         first, said = first_of(write_scene(folder, DRAWN.replace(drawn, load) + "time: {end: 15 ms}\n"))
-        within = float(re.search(r"the load rises within (\S+) s", said).group(1))
-        assert first is None and abs(within - rise) < 0.1 * rise, said
-        assert ("waves, which may reach a limit that is not reached in equilibrium" in said) == fast, said
+        assert (first is not None) == fast, said
+        if not fast:
+            most = float(re.search(r"first +none in \d+ steps, to 0.015 s: (\S+) of a limit at most; the step below is that after", said).group(1))
+            assert abs(most - 0.6) < 0.03, said
 
 
 @fact
@@ -120,7 +118,7 @@ def check_warns_of_walls_that_elements_go_through(folder):
         scene = write_scene(folder, DRAWN + "time: {end: 3 s}\n" + wall % place.replace("120 mm - 0.1 um", "119.9999 mm"))
         said = expect(gneiss("check", scene), 0, r"").stdout
         assert ("elements have no contact with walls" in said) == bool(word) and (not word or re.search(word, said)), said
-    # Of a fixed zone: the end of the elements stands on the wall, particles do not.
+    # In a fixed zone the end of the elements stands on the wall, particles do not.
     zone = BAR + "walls: [{name: base, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e9}]\n"
     said = expect(gneiss("check", write_scene(folder, zone)), 0, r"").stdout
     assert "wall 'base' touches 20 nodes of elements: elements have no contact with walls" in said, said
@@ -290,11 +288,11 @@ def dormant_particles_are_drawn_at_their_elements(folder):
     stress = np.asarray(read.particle("stress"), float)[asleep][:, 0]
     assert np.mean(np.abs(stress)) > 1e3
     assert len(Section(read, mesh, 1.0).shown) == awake
-    assert "asleep are left out" in plot_together(read, os.path.join(folder, "together.svg"))
+    assert "Dormant particles are left out" in plot_together(read, os.path.join(folder, "together.svg"))
     assert f"to {awake} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
     rows = {label: value[0] for label, value in count_rows(read)}
-    assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
-    assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    assert rows["active particles"] == f"{awake:,}".replace(",", " ") and "bonds of active particles" in rows, rows
+    assert f"({len(asleep) - awake} dormant)" in bodies_text(read)
     sizes = fragment_sizes(read)
     assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
@@ -412,7 +410,7 @@ def check_warns_of_a_zone_wider_than_the_body(folder):
     assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
 
 
-# A notched beam that bears until the crack, and what converts around it, comes to the load.
+# A notched beam that carries load until the crack, with the conversions around it, reaches the load.
 BENT = """dimension: 2
 specimen:
   group: 1
@@ -484,7 +482,7 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/elements"][-1] == 15 * 4 * 2
-        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles sleep
+        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles are dormant
 
 
 def pulse(stress):
@@ -492,7 +490,7 @@ def pulse(stress):
 
 
 @fact
-def what_ends_before_its_second_row_leaves_a_ledger_that_closes(folder):
+def the_ledger_closes_when_a_run_ends_before_its_second_row(folder):
     """The step is lowered while elements vibrate, and conversion has to leave its box before the ledger is read again: what that takes is
     not set against what was read at the start."""
     scene = {"dimension": 2, "materials": [{"name": "c", "density": 2400, "contact_modulus": 22.4e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e8,
@@ -532,7 +530,7 @@ def warnings_of(out):
 
 @fact
 def particles_with_another_mass_than_elements_leave_them_are_warned_of(folder):
-    """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
+    """Nine columns have shares of 0, 1/8 .. 1 in the zone: 4.5 columns, where elements leave 4."""
     scene = write_scene(folder, ZONE)
     for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
                                    (("materials[0].density=12000",), 4.5 / 4 * 12000 / 9931, True)):
@@ -679,7 +677,7 @@ def a_packing_of_another_modulus_is_warned_of_with_the_energy_that_it_generates(
 
 
 @fact
-def what_zones_take_stands_in_the_profile(folder):
+def time_of_zones_is_in_the_profile(folder):
     """Nodes that particles follow, forces handed over; nothing without zones."""
     scene = write_scene(folder, ZONE)
     for name, settings in (("lumped", ()), ("penalty", ("--set", "couple.constraint=penalty"))):
@@ -693,7 +691,7 @@ def what_zones_take_stands_in_the_profile(folder):
 
 
 @fact
-def what_a_zone_returns_is_a_reading_of_the_end(folder):
+def energy_returned_by_a_zone_is_a_reading(folder):
     """205 us after the pulse began, whatever rows the history has; a row of every step ends with it."""
     read = []
     for rows in (400, 7):
@@ -719,7 +717,7 @@ def what_a_zone_returns_is_a_reading_of_the_end(folder):
 
 
 @fact
-def what_is_pressed_converts_by_its_shear(folder):
+def elements_under_compression_convert_by_shear(folder):
     """By Coulomb's limit, under the pulses with their signs turned: where they meet 5 MPa and what waves overshoot by, of which ((1 + m^2)^(1/2) - m)/2 = 0.26 is held against the
     cohesion; 3 MPa alone are 0.78 of it. Nothing converts with a cohesion of 1.6 MPa, nor by a tensile limit."""
     turned = MEETING.replace("3e6]", "@6]").replace("-2e6", "2e6").replace("@6]", "-3e6]")

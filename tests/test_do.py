@@ -1,4 +1,4 @@
-"""What `./do` says and builds, in a root of its own with a build folder whose program is a stub. Speaks TAP."""
+"""Output and builds of `./do`, in a root of its own with a build folder whose program is a stub. Speaks TAP."""
 import select
 
 from program import *  # noqa: F403
@@ -125,7 +125,7 @@ def a_build_that_fails_shows_why_and_ends_in_an_error(folder):
 
 
 @fact
-def what_meson_calls_a_failure_is_counted_as_one(folder):
+def failures_of_meson_are_counted(folder):
     entries = [{"name": "good", "result": "OK", "stdout": "1..2\nok 1 a\nok 2 b # SKIP no such thing\n"},
                {"name": "bad", "result": "FAIL", "returncode": 0, "stdout": "1..2\nok 1 - a\n# why\nnot ok 2 # SKIP b\n"}]
     log = write_scene(folder, "\n".join(json.dumps(entry) for entry in entries), "log.json")

@@ -1,4 +1,4 @@
-"""What `gneiss plan` says could be switched off changes nothing: the same positions, bit for bit."""
+"""An effect that `gneiss plan` reports as unnecessary changes nothing when it is off: the same positions, bit for bit."""
 import os
 import re
 import sys
@@ -31,7 +31,7 @@ CASES = (("rotation", {}, {"ROTATION": "off"}),
          ("mass_scaling", {"MORE": "mass_scaling: {factor: 1}"}, {"MORE": "step: auto"}),
          ("energy", {"OUTPUT": "energy: on"}, {}),
          ("orientation", {"OUTPUT": "energy: off, orientation: on"}, {}))
-# What carries an effect that changes something.
+# Scenes in which an effect changes something.
 NEEDED = (("rotation", {"MATERIAL": FRICTION}), ("friction", {"MATERIAL": FRICTION}),
           ("rotation", {"SETS": "sets: [{name: s, select: {all: true}, initial_spin: [0, 0, 1]}]\n"}),
           ("contact_damping", {"DAMPING": "damping: {contact: {restitution: 0.9}}\n"}),
@@ -61,7 +61,7 @@ def positions(folder, name, changes):
 
 
 @fact
-def what_could_be_switched_off_changes_no_bit(folder):
+def effects_reported_as_unnecessary_change_no_bit(folder):
     for k, (name, carried, without) in enumerate(CASES):
         assert name in could_go(folder, carried), (name, carried)
         assert name not in could_go(folder, without), (name, without)
@@ -78,7 +78,7 @@ def held_spins_could_be_switched_off_to_rounding(folder):
 
 
 @fact
-def what_changes_something_is_not_named(folder):
+def needed_effects_are_not_reported_as_unnecessary(folder):
     for name, carried in NEEDED:
         assert name not in could_go(folder, carried), (name, carried)
 

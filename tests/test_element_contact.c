@@ -506,7 +506,7 @@ static void errors_say_where_and_what(void **state) {
 }
 
 /* Errors that only the mesh or the machine reveals are reported at the key as well. */
-static void what_is_found_out_later_is_placed_at_its_key(void **state) {
+static void errors_of_the_mesh_are_reported_at_their_key(void **state) {
     (void)state;
     const char *const scenes[][3] = {
         {"contact: {stiffness: 1, group: nowhere}", "", "s.yaml:2:34: elements.contact.group: "},
@@ -562,7 +562,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(too_many_facets_at_once_are_refused),
         cmocka_unit_test(too_many_facets_are_announced),
         cmocka_unit_test(errors_say_where_and_what),
-        cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
+        cmocka_unit_test(errors_of_the_mesh_are_reported_at_their_key),
     };
     const struct CMUnitTest long_tests[] = {
         cmocka_unit_test(the_limit_includes_contacts_with_nodes),

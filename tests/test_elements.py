@@ -353,7 +353,7 @@ def single_precision_has_the_same_bits_for_any_threads_and_after_resume(folder):
 
 
 @fact
-def plan_tells_what_mixed_precision_is_for(folder):
+def plan_reports_the_use_of_mixed_precision(folder):
     said = gneiss("plan", BEAM, "--set", "run.precision=mixed").stdout
     assert "displacement form, forces in single precision" in said, said
     said = gneiss("plan", BEAM, "--set", "run.precision=mixed", "--set", "elements.formulation=mixed").stdout
@@ -511,7 +511,7 @@ def the_terminal_speaks_of_elements(folder):
 
 
 @fact
-def check_tells_unused_nodes_and_turned_elements(folder):
+def check_reports_unused_nodes_and_turned_elements(folder):
     done = expect(gneiss("check", PLATE), 0)
     assert re.search(r"note: left out 1 node of the mesh that belongs to no element", done.stdout), done.stdout
     assert re.search(r"note: reoriented 1 element with nodes in the opposite order", done.stdout), done.stdout
@@ -549,7 +549,7 @@ def a_missing_group_lists_those_there_are(folder):
 
 
 @fact
-def what_makes_no_mesh_is_refused(folder):
+def scenes_without_a_valid_mesh_are_refused(folder):
     scene = bar(2)
     scene["elements"].pop("rectangle")
     expect(gneiss("check", write_scene(folder, scene)), 2, "elements: expected one of mesh, rectangle, beam, found none")

@@ -320,7 +320,7 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
 }
 
 /* The first solid has the names that it has alone. */
-static void files_tell_bodies_of_elements_apart(void **state) {
+static void files_distinguish_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(2, 4e-7, 1);
     assert_bodies_in_file(s->w, gn_elements_results, "nodes/id");
@@ -454,7 +454,7 @@ int main(void) {
         cmocka_unit_test(two_bodies_of_elements_keep_momentum_and_energy),
         cmocka_unit_test(two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(a_world_sums_over_its_bodies_of_elements),
-        cmocka_unit_test(files_tell_bodies_of_elements_apart),
+        cmocka_unit_test(files_distinguish_bodies_of_elements),
         cmocka_unit_test(an_exchange_gives_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(waiting_changes_no_bit),
         cmocka_unit_test(an_exchange_may_stop_the_run),

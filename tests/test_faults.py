@@ -280,8 +280,8 @@ def threads_without_memory_for_their_stacks_are_refused_as_a_lack_of_memory(fold
 # --- power loss ----------------------------------------------------------------------------------------------
 
 class Disk:
-    """What a power loss may leave, as POSIX allows it: of a file what was synced and any part of what was written
-    since, of a folder what was synced and any of the names made, changed and removed since."""
+    """A folder as a power loss may leave it by POSIX: a file has its synced content and any part of what was written
+    since, a folder its synced names and any of the names made, changed and removed since."""
 
     def __init__(self):
         self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []

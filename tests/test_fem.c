@@ -358,7 +358,7 @@ static void a_bent_plane_is_refused(void **state) {
                    "expected all nodes in one plane z = 0 m, found node 5");
 }
 
-static void mixed_up_order_of_nodes_is_put_right(void **state) {
+static void wrong_order_of_nodes_is_corrected(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
         gn_mesh mesh = plain_mesh(d);
@@ -463,7 +463,7 @@ int main(void) {
         cmocka_unit_test(a_mesh_without_elements_is_refused),
         cmocka_unit_test(elements_without_volume_are_refused_by_number),
         cmocka_unit_test(a_bent_plane_is_refused),
-        cmocka_unit_test(mixed_up_order_of_nodes_is_put_right),
+        cmocka_unit_test(wrong_order_of_nodes_is_corrected),
         cmocka_unit_test(unused_nodes_are_dropped_and_counted),
         cmocka_unit_test(an_inverted_element_stops_the_run_with_its_number),
         cmocka_unit_test(too_much_distortion_is_refused),

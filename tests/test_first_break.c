@@ -418,7 +418,7 @@ static void refuse_row(const char *rest, const char *motion, const char *time, c
 
 /* Nothing is loaded before the wall has crossed the gap: rounding has nothing to be compared with.
  */
-static void what_is_not_loaded_yet_is_in_equilibrium(void **state) {
+static void an_unloaded_specimen_is_in_equilibrium(void **state) {
     (void)state;
     gn_world *w = world_of(
         "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [2, 2, 2]}}\n"
@@ -436,7 +436,7 @@ static void what_is_not_loaded_yet_is_in_equilibrium(void **state) {
     world_end(w);
 }
 
-static void what_has_no_first_break_is_refused(void **state) {
+static void scenes_without_a_first_break_are_refused(void **state) {
     (void)state;
     refuse_row("", still, plain, "expected walls or sets that move, found none");
     refuse_row("", "vx: -1 mm/s, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0", plain,
@@ -448,7 +448,7 @@ static void what_has_no_first_break_is_refused(void **state) {
                "expected a start that is at least 2 steps after time 0");
 }
 
-static void what_statics_cannot_do_is_refused(void **state) {
+static void scenes_beyond_statics_are_refused(void **state) {
     (void)state;
     refuse_row("", "vx: [[0, 0], [1, 1]], vy: 0, vz: 0", plain,
                "expected motions at constant velocity, found a set whose velocity changes");
@@ -486,7 +486,7 @@ static void bad_fractions_are_refused(void **state) {
 }
 
 /* A grain that falls, and a row that hangs on nothing, under gravity. */
-static void what_nothing_holds_is_refused(void **state) {
+static void unsupported_particles_are_refused(void **state) {
     (void)state;
     text t = {0};
     add(&t,
@@ -525,11 +525,11 @@ int main(void) {
         cmocka_unit_test(discs_are_solved),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(the_history_has_the_part_without_steps),
-        cmocka_unit_test(what_is_not_loaded_yet_is_in_equilibrium),
-        cmocka_unit_test(what_has_no_first_break_is_refused),
-        cmocka_unit_test(what_statics_cannot_do_is_refused),
+        cmocka_unit_test(an_unloaded_specimen_is_in_equilibrium),
+        cmocka_unit_test(scenes_without_a_first_break_are_refused),
+        cmocka_unit_test(scenes_beyond_statics_are_refused),
         cmocka_unit_test(bad_fractions_are_refused),
-        cmocka_unit_test(what_nothing_holds_is_refused),
+        cmocka_unit_test(unsupported_particles_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

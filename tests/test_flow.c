@@ -128,7 +128,7 @@ static void without_room_a_rate_falls_behind_and_says_so(void **state) {
     world_end(w);
 }
 
-static void a_run_tells_of_a_source_that_is_behind(void **state) {
+static void a_run_warns_of_a_source_that_is_behind(void **state) {
     (void)state;
     gn_scene scene;
     gn_run run;
@@ -147,7 +147,7 @@ static void a_run_tells_of_a_source_that_is_behind(void **state) {
 }
 
 /* Where nothing can come in neither a larger region nor a faster velocity makes room. */
-static void a_run_tells_of_a_source_behind_a_wall(void **state) {
+static void a_run_warns_of_a_source_behind_a_wall(void **state) {
     (void)state;
     static const char *const sources =
         "sources: [{name: a, box: {size: [4 mm, 4 mm, 4 mm]}, rate: 1e3, total: 1, mean_radius: 1 "
@@ -299,7 +299,7 @@ static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(vo
     world_end(w);
 }
 
-/* Thrown up and down through a plane, through which another one falls. */
+/* A grain flies up and down through a plane, through which another one falls. */
 static void a_plane_that_counts_takes_nothing(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -692,7 +692,7 @@ static void the_examples_begin(void **state) {
 }
 
 /* penetration.yaml with fewer and larger grains, in less time: the sphere stands while they come,
- * falls freely, and rests in the bed, deeper than its surface, which bears it. */
+ * falls freely, and rests in the bed, deeper than its surface, which supports it. */
 static void a_sphere_comes_to_rest_in_a_bed(void **state) {
     (void)state;
     const gn_override smaller[] = {{"run.threads", "1"},
@@ -738,8 +738,8 @@ int main(void) {
         cmocka_unit_test(a_source_stops_at_its_end_and_total),
         cmocka_unit_test(sizes_are_those_of_the_distribution),
         cmocka_unit_test(without_room_a_rate_falls_behind_and_says_so),
-        cmocka_unit_test(a_run_tells_of_a_source_that_is_behind),
-        cmocka_unit_test(a_run_tells_of_a_source_behind_a_wall),
+        cmocka_unit_test(a_run_warns_of_a_source_that_is_behind),
+        cmocka_unit_test(a_run_warns_of_a_source_behind_a_wall),
         cmocka_unit_test(nothing_comes_in_where_walls_and_bodies_are),
         cmocka_unit_test(nothing_overlaps_across_a_periodic_box),
         cmocka_unit_test(in_the_plane_discs_come_in),

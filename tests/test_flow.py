@@ -70,7 +70,7 @@ def snapshots_have_as_many_points_as_there_were_rows(folder):
 
 
 @fact
-def what_came_is_there_or_has_gone_in_every_row(folder):
+def particles_balance_sources_and_sinks_in_every_row(folder):
     h = history(reference())
     came, went, there = h["source_rain_number"], h["sink_edge_number"], h["particles"]
     with results(reference()) as file:
@@ -102,7 +102,7 @@ def a_plan_counts_the_steps_that_grains_will_need(folder):
 
 @fact
 def every_column_of_the_history_has_numbers(folder):
-    """What comes and goes has no average strain, in a scene of sources alone or beside others."""
+    """Particles that come and go have no average strain, in a scene of sources alone or beside others."""
     alone = {key: value for key, value in SCENE.items() if key not in ("specimen", "sets", "bonds")}
     alone.update(time={"end": 0.02}, materials=[{k: v for k, v in SCENE["materials"][0].items() if "bond" not in k}])
     run(write_scene(folder, alone), os.path.join(folder, "alone"))

@@ -46,7 +46,7 @@ def geometry(folder, name="body.geo", scene=SCENE):
 
 
 def called(folder):
-    """What gmsh was asked for since the last look."""
+    """The calls of gmsh since the previous query."""
     path = os.path.join(folder, "called")
     if not os.path.exists(path):
         return ""

@@ -155,7 +155,7 @@ def a_step_above_the_limit_is_refused_with_both_numbers(folder):
 
 
 @fact
-def a_step_above_the_limit_runs_on_request_and_goes_bad_by_name(folder):
+def a_step_above_the_limit_runs_on_request_and_its_failure_is_named(folder):
     scene = spheres([[0, 0, 1.99e-3 * k, 1e-3] for k in range(5)], bonds={"passive_gaps": False},
                     time={"end": "1 s", "step": "1 ms", "on_unstable": "warn"})
     scene["materials"][0]["bond_tension_limit"] = scene["materials"][0]["bond_shear_limit"] = 1e30
@@ -276,7 +276,7 @@ def a_file_size_limit_at_the_start_is_an_error(folder):
     assert not os.listdir(folder), os.listdir(folder)
 
 
-# --- energy that nobody put in -----------------------------------------------------------------------------
+# --- energy without a source -------------------------------------------------------------------------------
 
 def warnings(folder):
     return {w["name"]: w["text"] for w in summary(folder)["warnings"]}

@@ -29,7 +29,7 @@ static double struck_by(const char *driver, double gap) {
 }
 
 /* At rest for 0.01 s, then at V = 5 m/s at once: what it strikes leaves at (1 + e) V. */
-static void what_begins_to_move_late_strikes_as_what_always_did(void **state) {
+static void delayed_motion_gives_the_same_rebound(void **state) {
     (void)state;
     char driver[3][512];
     snprintf(driver[0], sizeof driver[0],
@@ -102,7 +102,7 @@ static void a_force_presses_as_the_same_weight_does(void **state) {
 }
 
 /* The examined limits are known after a resume: the same steps, the same bits. */
-static void what_drives_late_resumes_to_the_same_bits(void **state) {
+static void delayed_motions_resume_to_the_same_bits(void **state) {
     (void)state;
     gn_run *a =
         run_of("dimension: 3\nspecimen: {particles: [[0, 0, 5.0001e-3, 5e-3], [0, 0, "
@@ -129,10 +129,10 @@ static void what_drives_late_resumes_to_the_same_bits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_begins_to_move_late_strikes_as_what_always_did),
+        cmocka_unit_test(delayed_motion_gives_the_same_rebound),
         cmocka_unit_test(a_wall_that_a_stage_starts_strikes_as_one_that_moves_from_the_start),
         cmocka_unit_test(a_force_presses_as_the_same_weight_does),
-        cmocka_unit_test(what_drives_late_resumes_to_the_same_bits),
+        cmocka_unit_test(delayed_motions_resume_to_the_same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -219,7 +219,7 @@ static void a_rolling_disc_stops_where_resistance_says(void **state) {
 /* Once it has stopped the spring of the moment swings on, and nothing damps it but what else there
  * is. Both springs then hold no more than at the limit, (mu_r m g)^2/(2 k_t) and 25/49 of that:
  * 1/2 m v^2 is less. */
-static void what_has_stopped_swings_on(void **state) {
+static void the_moment_spring_oscillates_after_rolling_stops(void **state) {
     (void)state;
     const double mu = 0.05, v0 = 0.2, kt = 0.5e6;
     gn_world *w = roller(false, 3, 0.5, mu, v0, 0.0);
@@ -285,7 +285,7 @@ int main(void) {
         cmocka_unit_test(a_sphere_on_an_incline_is_held_up_to_the_resistance),
         cmocka_unit_test(a_sphere_rolls_or_slips_down_an_incline),
         cmocka_unit_test(a_rolling_disc_stops_where_resistance_says),
-        cmocka_unit_test(what_has_stopped_swings_on),
+        cmocka_unit_test(the_moment_spring_oscillates_after_rolling_stops),
         cmocka_unit_test(momentum_stays_in_collisions_that_resist_rolling),
     };
     return cmocka_run_group_tests_name("hertz_kinds", tests, NULL, NULL);

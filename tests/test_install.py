@@ -49,7 +49,7 @@ class Installed:
         return places[0]
 
     def flags(self, *options):
-        """What pkg-config says, with the prefix that the files have in the temporary folder."""
+        """The output of pkg-config, with the prefix that the files have in the temporary folder."""
         path = [os.path.dirname(self.config), os.environ.get("PKG_CONFIG_PATH", "")]
         environment = {**os.environ, "PKG_CONFIG_PATH": ":".join(filter(None, path))}
         own = run("pkg-config", *options, "gneiss", env=environment).split()

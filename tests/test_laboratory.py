@@ -117,7 +117,7 @@ def a_brazilian_stress_is_two_p_over_pi_d_t(folder):
 
 
 @fact
-def a_disc_has_its_extent_for_what_the_scene_does_not_say(folder):
+def sizes_of_a_disc_default_to_its_extent(folder):
     out = run_scene(folder, disc(3, 150, time={"end": 2e-4}))
     rows, area = history(out), None
     with results(out) as file:
@@ -129,7 +129,8 @@ def a_disc_has_its_extent_for_what_the_scene_does_not_say(folder):
 
 @fact
 def the_size_that_a_test_states_is_held_against_the_specimen(folder):
-    """A tenth is let pass, more is told, what is less than half or more than twice of a disc, a confined specimen or an oedometer is refused."""
+    """A difference of a tenth is accepted, a larger one is a warning; less than half or more than twice is refused for a disc, a confined specimen
+    or an oedometer."""
     def told(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     for test, doubt in (({}, None), ({"diameter": DIAMETER, "thickness": 0.02}, None), ({"diameter": 1.08 * DIAMETER}, None), ({"diameter": 1.2 * DIAMETER}, "diameter is 0.06 m"),
@@ -147,7 +148,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
             refused(folder, given, "test: expected the size of the specimen at the start")
         else:
             assert len(told(given)) == outcome, (key, factor, told(given))
-    # Of what two ends bend, or pull out of something, lengths and areas are its own: they are told alone.
+    # A body that two ends bend, or pull out of another, has lengths and areas of its own: these are only reported.
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
     bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
                 sets=[{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 1e-3, "by": "centre"}}, "motion": {"vy": way}} for side, way in (("lower", -1), ("upper", 1))],
@@ -246,7 +247,7 @@ def a_test_ends_as_its_kind_does_unless_the_scene_says_otherwise(folder):
 
 @fact
 def few_rows_end_a_test_as_many_do(folder):
-    """What is lost of the peak by the end, of which a thousand rows leave 0.45: ten of thirty rows would leave 0.14."""
+    """The loss from the peak to the end, of which a thousand rows leave 0.45: ten of thirty rows would leave 0.14."""
     given = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     del given["time"]["stop"]
     given["output"] = {**given["output"], "history_rows": 30}
@@ -282,7 +283,7 @@ def the_initial_load_of_the_ends_is_no_strength(folder):
 
 
 @fact
-def what_wobbles_before_a_shear_test_shears_ends_nothing(folder):
+def oscillation_before_shearing_does_not_end_a_shear_test(folder):
     """Bonds break while the normal stress comes, and the stress that rings meanwhile falls: nothing is sheared yet."""
     grain = {**ROCK, "density": 2650, "kratio": 2, "shear_strength": "20 MPa", "strength_scatter": {"distribution": "weibull", "modulus": 1.5}}
     given = scene(2, specimen={"rectangle": {"width": 0.06, "height": 0.04}, "particles": 300, "packing": {"size_ratio": 3}}, materials=[grain],
@@ -303,7 +304,7 @@ def what_wobbles_before_a_shear_test_shears_ends_nothing(folder):
 
 @fact
 def auto_that_is_written_is_auto(folder):
-    """Beside a strain, too; who does not write it has said all of the end by the strain."""
+    """`auto` is accepted beside a strain, too; without it the strain alone sets the end."""
     given = disc(2, 150)
     ends = {"strain: only": {"strain": 0.05}, "both": {"strain": 0.05, "peak_drop": "auto"}}
     for name, stop in ends.items():
@@ -650,7 +651,7 @@ def tips_and_edges_hold_the_membrane(folder):
 
 
 @fact
-def a_membrane_that_goes_takes_its_work_back(folder):
+def a_membrane_that_is_removed_returns_its_work(folder):
     """0, 10, 0 MPa: (before, more was lost than the box had stored)."""
     given = under_pressure({"box": {"size": [0.01, 0.012, 0.016]}}, 3, {"pressure": [[0, 0], ["0.5 ms", "10 MPa"], ["1 ms", 0]]},
                            damping={"background": {"model": "nonviscous_vector", "coefficient": 0.3}})
@@ -671,7 +672,7 @@ def work_on_grains_that_fly_under_a_membrane_is_warned_of(folder):
 
 @fact
 def the_pressure_of_a_membrane_reaches_the_middle(folder):
-    """Of 1500 spheres some 190 have their centres within half the radius and height. Their pressures scatter by a fifth, as contacts and
+    """Some 190 of 1500 spheres have their centres within half the radius and height. Their pressures scatter by a fifth, as contacts and
     porosity about them do: three standard errors of the mean are 4 %."""
     out = run_scene(folder, cell(CELL, 1500))
     with results(out) as file:
@@ -693,7 +694,7 @@ def listed(folder, shape, count, dimension=3):
 
 @fact
 def a_membrane_finds_the_skin_of_particles_without_a_shape(folder):
-    """What is pressed is what a ball of the mean radius touches: nothing inside, and the mean stress is the pressure."""
+    """The membrane loads the particles that a ball of the mean radius touches: none inside, and the mean stress is the pressure."""
     for name, shape, count, dimension in (("cylinder", CELL, 500, 3), ("disc", {"disc": {"diameter": 0.02}}, 200, 2)):
         place = os.path.join(folder, name)
         os.mkdir(place)
@@ -822,8 +823,8 @@ def confinement_makes_a_specimen_stronger(folder):
 
 
 @fact
-def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
-    """What is under a particle that came off bears its patch, so that the surface stays covered. The same bits on two threads, after a stop
+def particles_below_a_detached_one_carry_its_membrane(folder):
+    """Particles under one that was detached carry its patch, so that the surface stays covered. The bits are the same on two threads, after a stop
     between two looks and on the plain instruction set."""
     given = triaxial(1e5, time={"end": 3e-3, "stop": "none"})
     whole = run_scene(folder, given, name="whole")
@@ -847,7 +848,7 @@ def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
 
 @fact
 def the_pressure_in_the_middle_is_held_at_large_strain(folder):
-    """Of what bulges, breaks and loses grains: specimens that are shortened by a quarter. Mean stress across of the spheres in the middle, of which
+    """Specimens that bulge, break and lose grains, shortened by a quarter. Mean stress across of the spheres in the middle, of which
     there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, and no two specimens are alike."""
     found = []
     for seed in (1, 7):
@@ -888,7 +889,7 @@ def a_force_of_a_stage_acts_beside_the_membrane(folder):
 
 
 @fact
-def what_is_let_go_or_was_never_held_comes_off_as_what_breaks_does(folder):
+def unbonded_particles_detach_from_a_membrane_as_broken_ones_do(folder):
     """Pulled away by more than a radius: it is not pressed any more, and the pressure is on what remains."""
     away = {"motion": {"vx": -20.0, "vy": 0.0}}
     stages = [{"name": "a", "end": {"time": 5e-5}}, {"name": "b", "sets": {"some": away}, "end": {"time": 3e-4}}]
@@ -927,7 +928,7 @@ def resting(particles, dimension=3):
 
 @fact
 def the_middle_of_a_lattice_has_the_pressure(folder):
-    """Of n^3 spheres from a list, over the cells in the middle. (Was 0.85, 0.92 of it for 5 and 9.)"""
+    """n^3 spheres from a list; the stress is over the cells in the middle. (Was 0.85, 0.92 of the pressure for 5 and 9.)"""
     for n in (5, 9):
         particles = [[2e-3 * i, 2e-3 * j, 2e-3 * k, 1e-3] for i in range(n) for j in range(n) for k in range(n)]
         found = middle_stress(run_scene(folder, resting(particles), name=f"n{n}"), [("box", 1e-3 * (n - 2))])
@@ -974,7 +975,7 @@ def the_outermost_particles_of_a_shape_may_be_pressed(folder):
 
 @fact
 def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(folder):
-    """And the surface of the shape is what is pressed where nothing is said. What the mean stress refers to is told."""
+    """The surface of the shape is loaded by default. The report names what the mean stress refers to."""
     listed_scene = listed(folder, CELL, 300)
     given = {**listed_scene, "specimen": {**CELL, "particles": 300, "packing": {"size_ratio": 2}}, "time": {"end": 1e-5}}
     outs = {"file": run_scene(folder, {**listed_scene, "time": {"end": 1e-5}}, name="file"), "default": run_scene(folder, given, name="default")}
@@ -1011,7 +1012,7 @@ def a_surface_of_particles_follows_what_breaks(folder):
 
 @fact
 def a_hollow_body_is_pressed_on_its_own_surface(folder):
-    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free bears the pressure, inside as
+    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free carries the pressure, inside as
     outside. Two bodies have each their own."""
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(9) for j in range(9)]
     ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 3e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 3e-3)]
@@ -1051,7 +1052,7 @@ def bodies_without_a_shape_have_a_surface_each(folder):
 
 @fact
 def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
-    """Of the law: normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under
+    """By the law normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under
     30 MPa and with a slope of a third k is three times as large, and nothing else is changed. The reading is absent then, with the reason."""
     steel = {"name": "m", "density": 2500, "young": "27 GPa", "poisson": 0.2, "friction": 0.2, "bond_friction": 0.9, "tensile_strength": "1 GPa",
              "shear_strength": "1 GPa", "fracture_ratio": 0.1}
@@ -1138,7 +1139,7 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
     k, c = np.polyfit(s3, s1, 1)
     assert abs(angle - np.degrees(np.arcsin((k - 1) / (k + 1)))) < 1e-9 * angle and abs(cohesion - c / (2 * np.sqrt(k))) < 1e-6 * cohesion
     assert f"{angle:.4g}" in done.stdout, done.stdout
-    # What is done is not done again; and one of them alone is a run.
+    # Runs that are complete are not repeated; and one of them alone is a run.
     again = expect(gneiss("run", given, "--out", out, "--quiet"), 0)
     assert again.stdout == done.stdout
     one = os.path.join(folder, "one")
@@ -1172,7 +1173,7 @@ def parted_beam(seed, **contact):
 
 
 def taken_by_a_crack(folder, scene):
-    """What was dissipated over 80 J/m2 and the bond area between the halves that broke."""
+    """The dissipated energy over 80 J/m2 times the bond area between the halves that broke."""
     out = os.path.join(folder, "out")
     done = expect(gneiss("run", write_scene(folder, scene), "--out", out, "--force", "--quiet"), 0)
     with h5py.File(os.path.join(out, "results.h5")) as file:
@@ -1399,7 +1400,7 @@ def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
 
 @fact
 def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_box(folder):
-    """The layer is led along the plane alone, so the normal stress is what the lower one bears; nothing else presses."""
+    """The layer is led along the plane alone, so the normal stress is that on the lower one; there is no other load."""
     given = glued({"kind": "hexagonal", "cells": [5, 4]}, [0.01, 1], ramp(0), 2, "x", "y", {"wz": 0}, time={"end": 0.02},
                   walls=[{"name": "plate", "point": [0, 2e-3 + 7 * np.sqrt(3) * 1e-3], "normal": [0, -1], "stiffness": "1 MN/m",
                           "servo": {"stress": 1e5, "max_velocity": 0.5}}])
@@ -1411,7 +1412,7 @@ def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_bo
 
 
 def presses_both_ends(out, pressure):
-    """What presses the upper end is given; the lower one feels it with the waves that a sudden load and breaking leave, within a tenth in the
+    """The load on the upper end is given; the lower one receives it with the waves that a sudden load and breaking leave, within a tenth in the
     median. The normal stress is the mean of both."""
     rows = history(out)
     lower, upper = rows["normal_stress_lower"], rows["normal_stress_upper"]
@@ -1454,7 +1455,7 @@ def simple_shear_asks_for_a_box_that_is_open_along_the_normal(folder):
 # --- wrong use ------------------------------------------------------------------------------------------
 
 @fact
-def what_a_kind_has_no_use_for_is_refused(folder):
+def keys_that_a_test_kind_does_not_take_are_refused(folder):
     for test, pattern in (({"area": 1.0}, "test.area: expected in tests of the kind compression, tension, triaxial, biaxial, oedometer and shear, found brazilian"),
                           ({"span": 0.1}, "test.span: expected in tests of the kind bending, found brazilian"),
                           ({"thickness": 0.1}, "test.thickness: expected 1 m in a 2D scene, found 0.1 m"),
@@ -1633,7 +1634,7 @@ def shear_without_normal_stress_is_warned_of(folder):
 
 @fact
 def a_lid_on_what_is_sheared_presses_it_and_has_no_part_in_its_travel(folder):
-    """The same specimen, with the lid in the list of the end or beside it: strain, modulus and normal stress are the same, and there is a normal stress."""
+    """One specimen with the lid in the list of the end and beside it: strain, modulus and normal stress are the same, and there is a normal stress."""
     sets = [slab("low", "lower", depth=4.5e-3, vx=0, vy=0), slab("up", "upper", depth=4.5e-3, vx=[[0, 0], [3e-5, 0.05]])]
     lid = plate("lid", 0.016, -1, servo={"force": 1e4, "max_velocity": 0.5})
     found = []
@@ -1653,7 +1654,7 @@ def a_lid_on_what_is_sheared_presses_it_and_has_no_part_in_its_travel(folder):
 
 
 def halves(gap):
-    """Of a box about the block of 16 by 16 mm, open by `gap`."""
+    """The halves of a box about the block of 16 by 16 mm, open by `gap`."""
     def half(name, face, way):
         edge = 8e-3 + way * gap / 2
         return {"name": name, "stiffness": 1e9, "polyline": [[x, y] for x, y in ((-1e-5, edge), (-1e-5, face), (0.01601, face), (0.01601, edge))]}
@@ -1661,7 +1662,7 @@ def halves(gap):
 
 
 @fact
-def what_is_sheared_is_what_the_ends_leave_free(folder):
+def the_sheared_height_is_that_between_the_ends(folder):
     """The strain is over that height, and the section that of the whole; where the ends meet it is the whole height. A length that is free is not doubted."""
     def said(test=None, **more):
         given = bonded(test={**ends("shear", "low", "up"), "axis": "x", "normal": "y", **(test or {})}, **more)
@@ -1686,7 +1687,7 @@ def what_is_sheared_is_what_the_ends_leave_free(folder):
 
 @fact
 def every_stage_has_the_readings_of_its_test_and_why_others_are_absent(folder):
-    """The same in results.h5 and summary.json; those of the last stage are those of the run."""
+    """results.h5 and summary.json agree; the readings of the last stage are those of the run."""
     given = bonded(sets=[slab("low", "lower", vx=0, vy=0), slab("up", "upper", vx=0, vy=0)], test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"},
                    stages=[{"name": "push", "sets": {"up": {"motion": {"vx": 0.02}}}, "end": {"time": 3e-5}},
                            {"name": "push on", "sets": {"up": {"motion": {"vx": 0.05}}}, "end": {"time": 6e-5}}])
@@ -1723,7 +1724,7 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 
 @fact
-def what_is_found_before_the_first_step_of_stages_has_its_place_in_the_file(folder):
+def errors_before_the_first_step_of_stages_name_their_line(folder):
     """And not in the text that the scene of a stage is read from: of what a stage changes that of the stage, of all else its own."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
@@ -1947,8 +1948,8 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
 
 
 @fact
-def it_is_said_where_the_area_of_a_test_comes_from(folder):
-    """Of simple shear it is the section of the box, whatever the ends leave between them; of a disc and a beam what makes a stress of a force."""
+def the_source_of_the_area_of_a_test_is_reported(folder):
+    """In simple shear it is the section of the box, whatever the ends leave between them; for a disc and a beam it is what makes a stress of a force."""
     for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
                                        ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):
         said = expect(gneiss("check", os.path.join(ROOT, "scenes", name + ".yaml"), "--set", "specimen.particles=600"), 0).stdout

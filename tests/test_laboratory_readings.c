@@ -63,7 +63,7 @@ static table course(void) {
     return t;
 }
 
-static void moduli_are_slopes_over_the_ranges_that_are_said(void **state) {
+static void moduli_are_slopes_over_the_given_ranges(void **state) {
     (void)state;
     table t = course();
     gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
@@ -110,7 +110,7 @@ static void ratios_in_the_middle_of_a_disc_are_those_before_it_cracks(void **sta
 }
 
 /* A start that others have loaded may expand as soon as it is sheared or pressed. */
-static void what_only_expands_has_no_onset_of_damage(void **state) {
+static void a_specimen_that_only_expands_has_no_onset_of_damage(void **state) {
     (void)state;
     static const char *const names[] = {"strain",    "stress",         "strain_xx",   "strain_yy",
                                         "strain_zz", "broken_tension", "broken_shear"};
@@ -185,7 +185,7 @@ static void brittleness_is_what_the_stress_lost_of_its_peak(void **state) {
     assert_close(r.brittleness, 0.8, 1e-9);
 }
 
-static void what_falls_below_nothing_is_lost_and_no_more(void **state) {
+static void brittleness_is_one_when_stress_falls_below_zero(void **state) {
     (void)state;
     static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
     table t = table_of(names, 4);
@@ -352,8 +352,8 @@ static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
 
 /* A specimen that gives way long before half of its largest stress: it has 100 Pa a strain up to
  * `from` Pa, and half of that up to the peak at 100 Pa; across the axis it moves by 0.1 of its
- * axial strain, then by 0.45, and bears 0.2 and then 0.4 of the axial stress where its sides stand.
- * From `from` on `column` grows. */
+ * axial strain, then by 0.45, and carries 0.2 and then 0.4 of the axial stress where its sides
+ * stand. From `from` on `column` grows. */
 typedef struct weakening {
     double from;
     const char *column;
@@ -586,17 +586,17 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(descriptors_of_kinds_do_not_contradict_themselves),
         cmocka_unit_test(ends_that_do_not_move_or_hold_a_load_have_no_strength),
-        cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
+        cmocka_unit_test(moduli_are_slopes_over_the_given_ranges),
         cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
         cmocka_unit_test(damage_begins_where_the_volume_is_least),
         cmocka_unit_test(ratios_in_the_middle_of_a_disc_are_those_before_it_cracks),
-        cmocka_unit_test(what_only_expands_has_no_onset_of_damage),
+        cmocka_unit_test(a_specimen_that_only_expands_has_no_onset_of_damage),
         cmocka_unit_test(breaks_are_reported_though_the_stress_has_the_other_sense),
         cmocka_unit_test(friction_that_slides_is_a_strength_of_shear),
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
         cmocka_unit_test(few_bursts_have_no_slope),
-        cmocka_unit_test(what_falls_below_nothing_is_lost_and_no_more),
+        cmocka_unit_test(brittleness_is_one_when_stress_falls_below_zero),
         cmocka_unit_test(fracture_energy_is_the_area_under_the_curve_over_the_section),
         cmocka_unit_test(peak_force_and_stiffness_of_a_beam_are_those_of_the_ends),
         cmocka_unit_test(readings_of_other_tests_are_absent_for_that),

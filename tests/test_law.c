@@ -171,7 +171,7 @@ static void no_contact_is_stiffer_than_its_law_says(void **state) {
     }
 }
 
-static void what_a_contact_is_said_to_hold_is_what_it_did(void **state) {
+static void force_and_energy_reported_by_the_law_are_those_of_the_kernel(void **state) {
     (void)state;
     EACH_LIST(law, bonded) {
         couple *t = make(law, bonded);
@@ -255,7 +255,7 @@ static void no_contact_with_a_wall_is_stiffer_than_its_law_says(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_contact_is_stiffer_than_its_law_says),
-        cmocka_unit_test(what_a_contact_is_said_to_hold_is_what_it_did),
+        cmocka_unit_test(force_and_energy_reported_by_the_law_are_those_of_the_kernel),
         cmocka_unit_test(a_bond_breaks_when_its_criterion_reaches_one),
         cmocka_unit_test(no_contact_with_a_wall_is_stiffer_than_its_law_says),
     };

@@ -272,7 +272,7 @@ static void refused(const char *time, const char *more, const char *expected) {
     "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]\n"                    \
     "law: {stiffness: uniform}\n"
 
-static void what_cannot_be_is_refused_where_it_stands(void **state) {
+static void wrong_keys_of_mass_scaling_are_refused_at_their_line(void **state) {
     (void)state;
     refused("mass_scaling: {}", GRAIN,
             "s.yaml:5:16: time.mass_scaling: expected either step or factor, found neither");
@@ -311,7 +311,7 @@ int main(void) {
         cmocka_unit_test(masses_follow_the_contacts_that_form),
         cmocka_unit_test(momentum_and_energy_of_a_free_pair_stay),
         cmocka_unit_test(beside_all_else_the_ledger_closes_with_the_same_bits),
-        cmocka_unit_test(what_cannot_be_is_refused_where_it_stands),
+        cmocka_unit_test(wrong_keys_of_mass_scaling_are_refused_at_their_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -277,7 +277,7 @@ static void assert_empty_gauge(int dimension) {
     particles_free(&p);
 }
 
-static void loosely_bonded_particles_do_not_count_as_strain(void **state) {
+static void particles_with_a_lost_bond_do_not_count_as_strain(void **state) {
     (void)state;
     const double gradient[9] = {1e-3, 2e-4, 0, -1e-4, 3e-3, 1e-4, 5e-4, 0, -2e-3};
     cloud_random(300, 3);
@@ -737,7 +737,7 @@ int main(void) {
         cmocka_unit_test(faces_of_the_hull_are_the_outside_of_the_triangulation),
         cmocka_unit_test(hulls_with_points_on_their_faces_are_detected),
         cmocka_unit_test(the_gauge_does_not_depend_on_the_order_of_the_particles),
-        cmocka_unit_test(loosely_bonded_particles_do_not_count_as_strain),
+        cmocka_unit_test(particles_with_a_lost_bond_do_not_count_as_strain),
         cmocka_unit_test(points_on_a_plane_or_line_give_an_empty_gauge),
         cmocka_unit_test(too_few_points_give_an_empty_gauge),
         cmocka_unit_test(points_at_one_place_do_not_disturb_the_gauge),

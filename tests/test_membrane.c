@@ -301,7 +301,7 @@ static double chips_share(const gn_world *w) {
 
 /* The pressure on a detached chip acts on the particles that were below it, and the body keeps the
  * required mean stress; the chip has no pressure any more, also when it returns. */
-static void what_lay_beneath_a_chip_is_pressed(void **state) {
+static void pressure_of_a_detached_chip_acts_on_particles_below_it(void **state) {
     (void)state;
     gn_world *w = block();
     const gn_particles *q = &w->dem.particles;
@@ -510,7 +510,7 @@ static double volume_left(const gn_world *w, const packed_body *b) {
 
 /* The mean stress of what is left is the pressure, whatever the packing: its surface is closed, and
  * area times place add up to the volume. */
-static void what_lost_a_shell_has_the_pressure(void **state) {
+static void a_body_without_its_shell_has_the_mean_stress(void **state) {
     (void)state;
     for (int follows = 0; follows < 2; follows++)
         for (size_t k = 0; k < sizeof bodies / sizeof *bodies; k++) {
@@ -546,10 +546,10 @@ int main(void) {
         cmocka_unit_test(a_lattice_is_pressed_on_the_faces_of_its_cells),
         cmocka_unit_test(a_stretched_block_has_the_pressure),
         cmocka_unit_test(the_pressure_is_held_where_a_block_bulges),
-        cmocka_unit_test(what_lay_beneath_a_chip_is_pressed),
+        cmocka_unit_test(pressure_of_a_detached_chip_acts_on_particles_below_it),
         cmocka_unit_test(halves_keep_the_membrane),
         cmocka_unit_test(a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one),
-        cmocka_unit_test(what_lost_a_shell_has_the_pressure),
+        cmocka_unit_test(a_body_without_its_shell_has_the_mean_stress),
         cmocka_unit_test(dead_loads_are_handed_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -131,7 +131,7 @@ static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) 
 
 /* Pairs, rows and layers have no shape that follows them: they are left alone, and refused where
  * there is nothing else. */
-static void what_has_no_volume_is_not_pressed(void **state) {
+static void bodies_without_volume_are_not_loaded_by_the_membrane(void **state) {
     (void)state;
     static const char rest[] =
         "\nmaterials: [{name: m, density: 2650, contact_modulus: 10 GPa, kratio: 3, friction: 0.5, "
@@ -213,7 +213,7 @@ int main(void) {
         cmocka_unit_test(bodies_that_drift_apart_keep_their_areas),
         cmocka_unit_test(two_bodies_that_swing_and_turn_gain_no_energy),
         cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
-        cmocka_unit_test(what_has_no_volume_is_not_pressed),
+        cmocka_unit_test(bodies_without_volume_are_not_loaded_by_the_membrane),
         cmocka_unit_test(a_block_that_turns_keeps_its_angular_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,7 +6,7 @@ ROCK = {"name": "m", "density": 2600, "normal_stiffness": STIFFNESS, "kratio": 2
 
 
 def block(stages, **more):
-    """A square lattice of discs: chains that bear the pressure on the faces of their cells, so that it closes by p/k_n along both axes."""
+    """A square lattice of discs: chains that carry the pressure on the faces of their cells, so that it closes by p/k_n along both axes."""
     return {"dimension": 2, "specimen": {"lattice": {"kind": "square", "radius": "1 mm", "cells": [8, 8]}}, "materials": [ROCK],
             "law": {"stiffness": "uniform"}, "bonds": {}, "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
             "test": {"kind": "hydrostatic"}, "time": {"end": "20 ms"}, "output": {"history_rows": 200, "snapshots": 0, "checkpoint": "off"},
@@ -83,7 +83,7 @@ def a_stage_that_ends_by_held_waits_for_the_pressure_and_has_it(folder):
 
 @fact
 def a_membrane_of_the_first_stage_is_one_of_the_scene(folder):
-    """The same bits, also beside one of the scene that a stage says again."""
+    """Both give the same bits, also beside a membrane of the scene that a stage repeats."""
     membrane = {"pressure": [[0, "0.1 MPa"], ["1 ms", "0.2 MPa"]], "ramp": "0.3 ms"}
     end = [stage("all", {"time": "1 ms"})]
     plain = block([], membrane=membrane, time={"end": "1 ms"})
@@ -96,7 +96,7 @@ def a_membrane_of_the_first_stage_is_one_of_the_scene(folder):
 
 @fact
 def grains_that_pivot_are_found_when_bonds_form(folder):
-    """At the start nothing is bonded; those that bear are chosen when bonds have formed."""
+    """At the start nothing is bonded; supporting particles are chosen when bonds have formed."""
     given = block([stage("rest", {"steps": 20}), stage("bond", {"time": "0.05 ms"}, bonds={"enabled": "on"}),
                    stage("confine", {"time": "0.2 ms"}, membrane={"pressure": "10 MPa", "ramp": "0.1 ms"})],
                   specimen={"polygon": [[0, 0], [0.04, 0], [0.005, 0.02]], "particles": 500}, bonds={"enabled": "off"},
@@ -132,7 +132,7 @@ def confinements_of_a_test_go_to_the_stage_that_confines(folder):
 
 
 @fact
-def what_of_a_membrane_cannot_change_is_refused(folder):
+def changes_of_a_membrane_that_stages_cannot_make_are_refused(folder):
     confine = stage("b", {"held": 0.01}, membrane={"pressure": "1 MPa"})
     first = stage("a", {"time": "1 ms"})
     for stages, more, pattern in (

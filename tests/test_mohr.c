@@ -95,7 +95,7 @@ static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
     assert_int_equal(b.cause, GN_BROKEN_SHEAR);
     double strength = 12.0 - 0.5 * b.normal;
     assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
-    /* Never below nothing: then the bond does not bear the first shear. */
+    /* Never below zero: then the bond does not carry the first shear. */
     b = break_it(0.3, 0.9, "linear", 15.0, "double");
     assert_true(b.shear <= 1.01 * step_force);
 }

@@ -204,7 +204,7 @@ static void a_lattice_that_touches_is_worked_on_whole(void **state) {
 }
 
 /* Every set, at every phase of the groups of eight and with all kinds of bits. */
-static void what_is_packed_comes_back(void **state) {
+static void packed_columns_are_restored(void **state) {
     (void)state;
     enum { GROUPS = 40, MOST = GN_NEAR_GROUP * (GROUPS + 1) };
     for (int s = 0; s < GN_KERNEL_SETS; s++) {
@@ -292,7 +292,7 @@ int main(void) {
         cmocka_unit_test(acting_pairs_are_found),
         cmocka_unit_test(losses_are_the_same_to_rounding),
         cmocka_unit_test(a_lattice_that_touches_is_worked_on_whole),
-        cmocka_unit_test(what_is_packed_comes_back),
+        cmocka_unit_test(packed_columns_are_restored),
         cmocka_unit_test(checkpoints_do_not_show_in_the_ledger),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -280,7 +280,7 @@ static void bonded_tests_keep_their_step(void **state) {
 
 /* A cube of eight bonded spheres, a small one in its middle and one beside it, neither bonded; both
  * belong to the group of the cube, or to none. */
-static void what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle(void **state) {
+static void an_unbonded_particle_in_a_pore_is_not_resolved(void **state) {
     (void)state;
     for (int group = 0; group < 2; group++) {
         text t = {0};
@@ -340,7 +340,7 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
 
 /* A sphere is torn off another: both are resolved from the next lists on. Where as many stay bonded
  * and one more, the step remains that of a bonded body. */
-static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state) {
+static void detached_particles_are_resolved_as_unbonded_ones(void **state) {
     (void)state;
     for (int more = 0; more < 2; more++) {
         gn_world *w = world_of(
@@ -412,7 +412,7 @@ static void debris_that_makes_no_energy_leaves_the_step_alone(void **state) {
 
 /* A block without strength in a vice bursts at once, and then rattles in lists that stand for long:
  * the step is that of loose particles at the latest when the last bond has broken. */
-static void what_comes_apart_between_lists_is_resolved_at_once(void **state) {
+static void bodies_that_break_between_lists_are_resolved_at_once(void **state) {
     (void)state;
     gn_world *w = world_of(
         "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [3, 3, 3], spacing: "
@@ -553,12 +553,12 @@ int main(int argc, char **argv) {
         cmocka_unit_test(the_sharp_limit_follows_a_row_that_is_pressed),
         cmocka_unit_test(the_step_falls_when_a_stiffer_pair_comes_near),
         cmocka_unit_test(bonded_tests_keep_their_step),
-        cmocka_unit_test(what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle),
+        cmocka_unit_test(an_unbonded_particle_in_a_pore_is_not_resolved),
         cmocka_unit_test(a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds),
-        cmocka_unit_test(what_has_come_apart_is_resolved_as_loose_particles_are),
+        cmocka_unit_test(detached_particles_are_resolved_as_unbonded_ones),
         cmocka_unit_test(wedged_debris_is_resolved_once_the_ledger_misses_it),
         cmocka_unit_test(debris_that_makes_no_energy_leaves_the_step_alone),
-        cmocka_unit_test(what_comes_apart_between_lists_is_resolved_at_once),
+        cmocka_unit_test(bodies_that_break_between_lists_are_resolved_at_once),
         cmocka_unit_test(a_crowd_that_rattles_undamped_gets_more_steps),
         cmocka_unit_test(a_lattice_that_rattles_keeps_its_ledger),
         cmocka_unit_test(contact_steps_can_be_asked_for),

@@ -302,7 +302,7 @@ def a_packing_file_far_away_runs_from_there(folder):
 
 @fact
 def an_oblique_wall_may_be_given_by_a_point_far_along_it(folder):
-    # The wall overlaps the particle by 7.4e-6 m at the start and throws it.
+    # The wall overlaps the particle by 7.4e-6 m at the start and expels it.
     def scene(place, point):
         made = ball(place)
         made["sets"] = []
@@ -320,7 +320,7 @@ def an_oblique_wall_may_be_given_by_a_point_far_along_it(folder):
 
 
 @fact
-def what_an_origin_given_badly_would_lose_is_refused(folder):
+def an_origin_that_loses_digits_is_refused(folder):
     refused(folder, ball([5e6, 0, 0], origin=[0, 0, 0]), r"specimen: expected places .* 1e-08 of the smallest radius",
             r"origin")
     refused(folder, {**beam((1e8, 0)), "origin": [0, 0]}, r"elements: expected places .* height of an element")
@@ -369,7 +369,7 @@ def check_shows_the_origin_and_the_coordinates_of_the_scene(folder):
 
 
 @fact
-def what_has_come_to_rest_enters_the_next_stage(folder):
+def a_body_at_rest_enters_the_next_stage(folder):
     """However slow it has become: of that only what is set at the start has to be more than rounding."""
     block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
              "box": {"size": [0.02, 0.02, 0.02]}}

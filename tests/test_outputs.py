@@ -1,4 +1,4 @@
-"""What files have on request of contacts, bursts and fragments, held against closed forms and against each other. Speaks TAP."""
+"""Contacts, bursts and fragments in files on request, held against closed forms and against each other. Speaks TAP."""
 from program import *  # noqa: F403
 
 ALL = ("--set", "output.contacts=on")
@@ -21,7 +21,7 @@ def mean_stress(folder):
 
 
 def check_all(folder):
-    """What holds of any contacts."""
+    """Checks that hold for any contacts."""
     c, p = at_end(folder, "contacts"), at_end(folder, "particles")
     sums, means = mean_stress(folder)
     assert np.abs(sums - means).max() < 1e-12 * np.abs(sums).max(), (sums, means)
@@ -55,7 +55,7 @@ def contacts_of_a_broken_rock_have_the_force_of_their_overlap(folder):
         weak = two & held & (kn * -c["overlap"] > 0.99 * 40e6 * c["area"])  # which break in the next step
         assert np.abs(c["normal_force"] + kn * c["overlap"])[two & ~weak].max() < share * largest
         assert (c["overlap"][two & ~held] > 0).all()
-        # Of walls it is the force of the last step, in which they and the particles went on.
+        # At walls it is the force of the last step, in which they and the particles moved on.
         assert np.abs(c["normal_force"] + kn * c["overlap"])[~two].max() < 15e6 * 2 * 5 * 3e-7
         assert np.allclose(c["area"], 4 * np.minimum(ri, rj) ** 2, rtol=1e-12)
         assert np.count_nonzero(weak) < 0.01 * len(two)

@@ -654,7 +654,7 @@ test: {kind: compression, axis: z, lower: low, upper: up, length: 20 mm}
 
 @fact
 def a_mean_stress_is_over_the_volume_of_the_shape(folder):
-    """What is written says so, and the run that packs by itself (no file of particles) agrees."""
+    """The file says so, and the run that packs by itself (no file of particles) agrees."""
     scene, volume = concave(folder)
     out = os.path.join(folder, "out")
     run(scene, out, **cached(folder))
@@ -706,7 +706,7 @@ def uniform_sizes_come_out_uniform(folder):
 @fact
 def no_size_that_is_asked_for_changes_by_more_than_a_tenth(folder):
     """In some unit, of the last overlaps a thousandth more: discs between which others have no place would have to shrink by a third of themselves
-    (radii of 1 to 4.7 where 1 to 3 were asked for), so all become smaller instead. What was asked for and what came out is told."""
+    (radii of 1 to 4.7 where 1 to 3 were asked for), so all become smaller instead. The warning has both."""
     for dimension, shape, overlap, law in ((2, {"rectangle": {"width": 1, "height": 1}}, "none", {"sizes": "uniform"}),
                                            (2, {"disc": {"diameter": 1}}, "none", {"sizes": "sieve", "sieve": [[1 / 3, 0], [0.5, 0.4], [1, 1]]}),
                                            (2, {"rectangle": {"width": 1, "height": 1}}, "passive", {"sizes": "uniform"}),
@@ -763,7 +763,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 
 @fact
 def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
-    """Of 40 discs one in 400 of which is above half the largest size. The run has no more than a step."""
+    """40 discs, one in 400 of which is above half the largest size. The run has no more than a step."""
     def told(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
         scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},

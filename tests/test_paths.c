@@ -129,8 +129,8 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
     }
 }
 
-/* Grains that rest on a wall which goes away, slow or fast, lose it within a step: what it bore is
- * not carried along, and they fall. A wall that moves away needs no bound. */
+/* Grains that rest on a wall which goes away, slow or fast, lose it within a step: what it carried
+ * is not carried along, and they fall. A wall that moves away needs no bound. */
 static void a_wall_that_retreats_unloads_its_contacts(void **state) {
     (void)state;
     static const char *const motions[] = {"[[0, 0], [5 ms, 0], [5.1 ms, -2]]",

@@ -87,12 +87,12 @@ def one_packing_cannot_be_better_than_packings_scatter_and_the_plan_says_so(fold
 
 
 @fact
-def strength_over_the_number_of_particles_is_said_not_to_converge(folder):
+def strength_over_the_number_of_particles_is_reported_as_not_converging(folder):
     assert "does not converge" in plan(rock(folder), "--error", "9%").stdout
 
 
 @fact
-def what_is_proposed_is_one_scene_for_the_terminal_and_for_scripts(folder):
+def the_proposal_is_the_same_for_the_terminal_and_for_scripts(folder):
     scene = rock(folder)
     p = proposed(scene, "--error", "9%")
     text = plan(scene, "--error", "9%").stdout.partition("proposed")[2]
@@ -136,7 +136,7 @@ def the_written_scene_finds_its_files_from_another_folder(folder):
 
 
 @fact
-def what_the_command_line_overrides_is_written_as_well(folder):
+def the_written_scene_has_the_values_of_set(folder):
     scene, out = rock(folder), os.path.join(folder, "fast.yaml")
     plan(scene, "--error", "9%", "--set", "materials.rock.friction=0.25", "--set", "run.seed=7", "--write", out)
     with open(out) as file:
@@ -158,7 +158,7 @@ def a_file_that_is_there_is_not_written_over_without_force(folder):
 
 
 @fact
-def a_table_over_several_lines_is_written_as_the_resolved_scene_and_that_is_said(folder):
+def a_table_over_several_lines_is_written_as_the_resolved_scene_and_reported(folder):
     text = TEXT.replace("motion: {vz: 0.05 m/s}", "motion:\n      vz:\n        - [0, 0]\n        - [0.1 ms, 0.05 m/s]")
     out = os.path.join(folder, "fast.yaml")
     said = plan(rock(folder, text), "--error", "9%", "--write", out).stdout
@@ -277,7 +277,7 @@ def a_plan_has_rows_enough_for_its_peak(folder):
 def loading_that_is_too_fast_shows_in_the_budget_of_the_run(folder):
     _, fast = budget(folder)
     speed = fast["speed"]
-    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and told.
+    # 2 m/s over some 2650 m/s and 1.7 % of strain: beyond what the study measured (0.04), and reported.
     assert 0.03 < speed < 0.08, speed
     assert any("velocity" in note and "beyond" in note for note in fast["peak_stress"]["notes"]), fast["peak_stress"]["notes"]
 

@@ -523,7 +523,8 @@ static void without_input_the_scale_is_the_energy_at_the_start(void **state) {
 
 static void work_that_is_taken_back_still_counts_as_passed(void **state) {
     (void)state;
-    /* A ball thrown up: 2 J at the start, all of it gravity's at the top, back again below. */
+    /* A ball launched upwards: 2 J at the start, all of it gravity's at the top, back again below.
+     */
     gn_energy e = {.stored_at_start = 2, .work_gravity = -2};
     assert_close(gn_energy_throughput(&e), 2, 1e-15);
     /* Dropped from rest instead and seen where it came from: no term is left, but 3 J went. */

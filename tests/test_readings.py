@@ -59,7 +59,7 @@ def the_forces_of_two_supports_add_up(folder):
 
 
 @fact
-def an_end_that_leaves_out_a_support_is_said_to_be_out_of_balance(folder):
+def an_end_without_a_support_is_reported_as_unbalanced(folder):
     """Half of the load on one end: its difference is two thirds of the mean."""
     out, done = run_scene(folder, bending("left"), "--quiet")
     assert abs(summary(out)["readings"]["end_imbalance"] - 2 / 3) < 0.05
@@ -231,8 +231,8 @@ def without_a_test_every_reading_is_absent_for_that(folder):
 
 
 @fact
-def a_peak_off_few_rows_is_said_with_where_it_may_have_been(folder):
-    """Of a brittle block: the same bits, read off many rows and off few."""
+def a_peak_from_few_rows_is_reported_with_its_range(folder):
+    """A brittle block with the same bits, read off many rows and off few."""
     peaks = {}
     for rows in (300, 6, 3):
         out = os.path.join(folder, str(rows))
@@ -386,7 +386,7 @@ def the_error_of_the_modulus_of_a_stepped_body_includes_its_section(folder):
 
 @plain_fact
 def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
-    """Of platens that begin away from the specimen, walls or bodies, on one side or both."""
+    """Platens begin away from the specimen: walls or bodies, on one side or both."""
     def closing(gap_below, gap_above, kind="wall", **more):
         scene = packed("compression", **more)
         for wall, gap in zip(scene["walls"], (-gap_below, gap_above)):
@@ -418,7 +418,7 @@ def the_strain_of_a_test_counts_from_the_contact_of_both_ends(folder):
 
 
 @fact
-def a_gap_to_unbonded_grains_that_counts_as_strain_is_said(folder):
+def a_gap_to_unbonded_grains_that_counts_as_strain_is_reported(folder):
     """They touch the ends no more than each other: within their spacing the strain counts from the start, beyond it from contact."""
     height = 30e-3
     for gap, said in ((0.5e-3, "strain counts from the start"), (5e-3, "strain counts from contact")):

@@ -499,8 +499,8 @@ static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
     world_end(w);
 }
 
-/* Their bonds, which know of it, sleep: a stiffness next to none and all of an overlap would be
- * energy that nothing made, however small the strain. */
+/* Their bonds, which have it as their length, are stored: a stiffness next to none and all of an
+ * overlap would be energy that nothing made, however small the strain. */
 static void overlaps_of_dormant_particles_are_no_contacts(void **state) {
     (void)state;
     const double hardly[9] = {1e-9, 4e-10, 0, -2e-10, -3e-10, 0, 0, 0, 0};

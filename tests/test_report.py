@@ -38,7 +38,7 @@ def run_report(folder):
     return SimpleNamespace(returncode=code, stdout=out.getvalue(), stderr=err.getvalue())
 
 
-def the_command_tells_by_its_exit_code(folder):
+def the_command_reports_by_its_exit_code(folder):
     command = [sys.executable, os.path.join(TOOLS, "report.py"), folder]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2, f"exit code {done.returncode} without results, expected 2"
@@ -223,7 +223,7 @@ def curves_of_a_test_are_those_of_the_last_stage(folder):
         assert np.allclose(y * grown, rows - (rows[0] if name in ("volumetric_strain", "lateral_strain", "dilation") else 0)), name
 
 
-# Of each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
+# For each kind of test: columns of its history (value at the last row, from 0), its readings, and what the page makes of them.
 TRIAXIAL = {
     "columns": {"volumetric_strain": 0.004, "lateral_strain": -0.006},
     "readings": {"axial_strength": (250e6, "Pa"), "confinement": (10e6, "Pa"), "crack_initiation_stress": (110e6, "Pa"),
@@ -657,7 +657,7 @@ def bodies_are_cut_where_the_slice_is(folder):
     assert (low == 0).all() and (high == [2, 6, 4]).all(), (low, high)
 
 
-def of_bodies_the_folds_are_drawn(folder):
+def folds_of_bodies_are_drawn(folder):
     edges = report_beside._edges(CUBE_FACETS, CUBE[CUBE_FACETS])
     assert len(edges) == 12 and (np.count_nonzero(CUBE[edges[:, 0]] != CUBE[edges[:, 1]], axis=1) == 1).all(), edges
     assert len(report_beside._edges(CUBE_FACETS[1:], CUBE[CUBE_FACETS[1:]])) == 13  # a hole has sides
@@ -676,7 +676,7 @@ def walls_are_where_they_have_come_to(folder):
 
 
 def seen(scene, size, dimension=3, **given):
-    """What the pictures know of grains in a box of such a size."""
+    """The data of the pictures for grains in a box of this size."""
     rng = np.random.default_rng(1)
     results = report.Results.__new__(report.Results)
     position = rng.uniform(0, 1, (400, 3)) * size
@@ -697,7 +697,7 @@ def gravity_or_z_is_up_unless_a_specimen_stands(folder):
     assert seen("", (9.0, 1.0, 0.0), dimension=2).up_axis() == 1
 
 
-def a_bed_is_seen_from_above_and_what_moves_by_its_speed(folder):
+def a_bed_is_drawn_from_above_and_moving_grains_by_speed(folder):
     speed = np.linspace(0, 2, 1200).reshape(400, 3)
     low, high = (report_pictures.Specimen(seen("", size, velocity=speed)) for size in ((5.0, 4.0, 1.0), (1.0, 1.0, 3.0)))
     assert low.is_bed() and not high.is_bed()
@@ -742,9 +742,9 @@ def main():
         the_line_of_the_modulus_lies_on_the_curve,
         curves_of_an_envelope_are_those_of_its_readings, each_of_several_envelopes_has_its_rows_and_its_reason, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
-        gravity_or_z_is_up_unless_a_specimen_stands, a_bed_is_seen_from_above_and_what_moves_by_its_speed, colours_are_those_of_quantiles,
-        links_lead_below_the_page, bodies_are_cut_where_the_slice_is, of_bodies_the_folds_are_drawn, walls_are_where_they_have_come_to,
-        the_command_tells_by_its_exit_code)]
+        gravity_or_z_is_up_unless_a_specimen_stands, a_bed_is_drawn_from_above_and_moving_grains_by_speed, colours_are_those_of_quantiles,
+        links_lead_below_the_page, bodies_are_cut_where_the_slice_is, folds_of_bodies_are_drawn, walls_are_where_they_have_come_to,
+        the_command_reports_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (
         every_figure_of_a_packing_is_listed_with_its_meaning, figures_of_a_packing_stand_in_the_order_of_their_texts,

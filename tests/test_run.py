@@ -1,4 +1,4 @@
-"""What a run that is interrupted, killed, damaged or done again comes to. Speaks TAP. (More of the same bits: test_run_bits.py.)"""
+"""Runs that are interrupted, killed, damaged or repeated, and their results. Speaks TAP. (More on equal bits: test_run_bits.py.)"""
 import random
 import signal
 
@@ -325,7 +325,7 @@ def results_of_another_scene_are_not_overwritten(folder):
 
 
 @fact
-def files_of_somebody_else_are_replaced_only_by_force(folder):
+def foreign_files_are_replaced_only_by_force(folder):
     names = ("summary.json", "report.html", "bonds.hdf.series", "particles_0000000000.hdf", "failed_bodies_0000000012.hdf")
     for name in names:
         out = os.path.join(folder, name + " of others")
@@ -365,7 +365,7 @@ run: {threads: 1}
 
 @fact
 def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
-    """Its automatic step is that of a contact that nobody has seen yet, and it is fast when it gets there."""
+    """Its automatic step is that of a contact that does not exist yet, and it is fast when it gets there."""
     grain = {"specimen": {"particles": [[0, 0, 0.5, 0.001]], "material": "a"}, "law": {"stiffness": "hertz"},
              "materials": [{"name": "a", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.5, "restitution": 0.5}],
              "gravity": [0, 0, -9.81], "walls": [{"name": "f", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "a"}],
@@ -414,7 +414,7 @@ def grains_that_begin_fast_take_steps_that_resolve_their_motion(folder):
         out = os.path.join(folder, f"at-{speed}")
         run(write_scene(folder, given), out)
         assert abs(summary(out)["energy_residual"]) < 0.01, speed
-        # What flies on through where the others are has met none of them.
+        # A grain that flies on through the others has touched none of them.
         with results(out) as file:
             left = file["particles/position"][:27, 0].mean()
         assert left < 0.018, (speed, left)

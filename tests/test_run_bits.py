@@ -1,4 +1,4 @@
-"""The same answer every time: threads, instruction sets, interruptions, kills. Speaks TAP. Beside test_run.py no new code, so that
+"""Equal bits on any threads and instruction sets, after interruptions and kills. Speaks TAP. It runs no code that test_run.py does not, so that
 sanitizers leave it out."""
 import signal
 

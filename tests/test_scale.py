@@ -77,7 +77,7 @@ def a_test_of_a_file_of_four_metres_is_warned_of_unless_it_is_bending(folder):
 
 
 @fact
-def a_scale_of_one_that_is_given_says_that_lengths_are_metres(folder):
+def a_given_scale_of_one_needs_no_warning(folder):
     test = {"kind": "compression", "axis": "z", "lower": "lower", "upper": "upper"}
     for scene in (core(folder), core(folder, size=40, speed=50, end=1, test=test)):  # the second: a pillar
         assert "without a scale" in check(folder, scene).stdout

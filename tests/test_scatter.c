@@ -382,7 +382,7 @@ static void refuse(const char *law, const char *contacts, const char *expected) 
     if (!strstr(error.message, expected)) fail_msg("%s", error.message);
 }
 
-static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
+static void wrong_keys_of_a_pair_are_refused_at_their_line(void **state) {
     (void)state;
     refuse("harmonic", "contacts: [{between: [rock, stel]}]\n",
            "s.yaml:7:22: contacts[0].between: expected the name of a material, found 'stel'; did "
@@ -405,7 +405,7 @@ static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
            "contacts[0].kratio: expected 0 (no tangential spring) or at least 1e-6, found 1e-09");
 }
 
-static void what_a_distribution_needs_is_asked_for(void **state) {
+static void parameters_of_a_distribution_are_required(void **state) {
     (void)state;
     const char *const wrong[][2] = {
         {"{distribution: weibull}", "materials[0].strength_scatter.modulus: required by the "
@@ -449,8 +449,8 @@ int main(void) {
         cmocka_unit_test(bonds_of_a_pair_have_a_friction_of_their_own),
         cmocka_unit_test(friction_of_a_pair_alone_is_friction),
         cmocka_unit_test(the_first_step_includes_the_stiffness_of_pairs),
-        cmocka_unit_test(what_a_pair_cannot_say_is_refused_where_it_stands),
-        cmocka_unit_test(what_a_distribution_needs_is_asked_for),
+        cmocka_unit_test(wrong_keys_of_a_pair_are_refused_at_their_line),
+        cmocka_unit_test(parameters_of_a_distribution_are_required),
     };
     return cmocka_run_group_tests_name("scatter", tests, NULL, NULL);
 }

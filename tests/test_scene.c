@@ -200,7 +200,7 @@ static void a_strain_is_a_number_or_a_ratio_of_lengths(void **state) {
                 "'off', found '1 mm' (another dimension)");
 }
 
-static void a_rate_of_damping_is_said_to_need_the_viscous_model(void **state) {
+static void a_rate_of_damping_needs_the_viscous_model(void **state) {
     (void)state;
     refuses_set(
         "damping.background", "{model: viscous, coefficient: 50 Hz}",
@@ -788,7 +788,7 @@ int main(void) {
         cmocka_unit_test(a_value_that_is_no_quantity_is_refused),
         cmocka_unit_test(a_coefficient_of_friction_is_a_number_or_an_angle_and_no_slope),
         cmocka_unit_test(a_strain_is_a_number_or_a_ratio_of_lengths),
-        cmocka_unit_test(a_rate_of_damping_is_said_to_need_the_viscous_model),
+        cmocka_unit_test(a_rate_of_damping_needs_the_viscous_model),
         cmocka_unit_test(a_short_ton_is_noted_and_a_tonne_is_not),
         cmocka_unit_test(keys_that_change_nothing_are_noted),
         cmocka_unit_test(keys_that_need_particles_spins_or_damping_are_noted),

@@ -147,7 +147,7 @@ static void a_scene_without_a_shape_says_nothing_of_packing(void **state) {
     gn_scene_free(&scene);
 }
 
-static void a_copy_stands_when_the_original_is_gone(void **state) {
+static void a_copy_is_independent_of_its_original(void **state) {
     (void)state;
     static const char *const files[] = {"tests/scenes/everything.yaml", "tests/scenes/polygon.yaml",
                                         "scenes/block-on-bed.yaml"};
@@ -437,7 +437,7 @@ int main(void) {
         cmocka_unit_test(a_written_scene_comes_back_bit_for_bit),
         cmocka_unit_test(every_shape_comes_back_bit_for_bit),
         cmocka_unit_test(a_scene_without_a_shape_says_nothing_of_packing),
-        cmocka_unit_test(a_copy_stands_when_the_original_is_gone),
+        cmocka_unit_test(a_copy_is_independent_of_its_original),
         cmocka_unit_test(awkward_numbers_come_back_bit_for_bit),
         cmocka_unit_test(effects_are_what_the_scene_calls_for),
         cmocka_unit_test(bonds_need_a_group),

@@ -211,7 +211,7 @@ static void a_shape_of_the_other_dimension_is_refused(void **state) {
     }
 }
 
-static void of_several_sources_each_is_named(void **state) {
+static void two_sources_of_a_specimen_are_named_in_the_error(void **state) {
     (void)state;
     refused(2, "  disc: {diameter: 1}\n  rectangle: {width: 1, height: 1}\n  particles: 9",
             "s.yaml:2:1: specimen: expected one of file, a list of particles, lattice, rectangle, "
@@ -276,7 +276,7 @@ static void only_a_mesh_has_nodes(void **state) {
             "s.yaml:5:20: specimen.packing.start: expected mesh beside nodes, found disc");
 }
 
-static void what_has_coordinates_has_no_origin(void **state) {
+static void shapes_with_coordinates_refuse_an_origin(void **state) {
     (void)state;
     refused(2, "  polygon: [[0, 0], [1, 0], [0, 1]]\n  particles: 9\n  origin: [0, 1]",
             "s.yaml:5:11: specimen.origin: expected rectangle, disc, box or cylinder beside it, "
@@ -289,7 +289,7 @@ static void what_has_coordinates_has_no_origin(void **state) {
             "found mesh");
 }
 
-static void what_is_not_packed_has_no_keys_of_packing(void **state) {
+static void keys_of_packing_are_refused_for_specimens_from_files(void **state) {
     (void)state;
     static const char shapes[] = "expected one of box, cylinder, surface, mesh beside it, found "
                                  "file";
@@ -501,14 +501,14 @@ int main(void) {
         cmocka_unit_test(a_refinement_is_a_box_or_the_boundary),
         cmocka_unit_test(a_size_ratio_beside_a_sieve_is_refused),
         cmocka_unit_test(a_shape_of_the_other_dimension_is_refused),
-        cmocka_unit_test(of_several_sources_each_is_named),
+        cmocka_unit_test(two_sources_of_a_specimen_are_named_in_the_error),
         cmocka_unit_test(a_number_of_particles_needs_a_shape),
         cmocka_unit_test(a_number_of_particles_has_limits),
         cmocka_unit_test(a_shape_needs_a_number_or_a_mean_radius),
         cmocka_unit_test(mesh_nodes_leave_no_choice_of_number),
         cmocka_unit_test(only_a_mesh_has_nodes),
-        cmocka_unit_test(what_has_coordinates_has_no_origin),
-        cmocka_unit_test(what_is_not_packed_has_no_keys_of_packing),
+        cmocka_unit_test(shapes_with_coordinates_refuse_an_origin),
+        cmocka_unit_test(keys_of_packing_are_refused_for_specimens_from_files),
         cmocka_unit_test(a_polygon_of_bad_corners_is_refused),
         cmocka_unit_test(an_overlap_size_needs_passive_overlaps),
         cmocka_unit_test(a_refinement_says_where_once),

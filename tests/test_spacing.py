@@ -16,7 +16,7 @@ def early(folder, *arguments):
 
 
 def share_of_peak(folder):
-    """Of every snapshot: time over that of the peak, stress over the peak."""
+    """For every snapshot: time over that of the peak, stress over the peak."""
     rows = history(folder)
     peak = rows["stress"].argmax()
     return [(time / rows["time"][peak], np.interp(time, rows["time"], rows["stress"]) / rows["stress"][peak])
@@ -126,7 +126,7 @@ def threads_and_interruptions_leave_the_same_rows_and_snapshots(folder):
 
 @fact
 def the_time_left_is_that_to_the_end_which_is_expected(folder):
-    """The specimen foretells its peak; behind that, and where nothing is foretold, it is at most the time to time.end."""
+    """The peak is predicted from the specimen; behind that, and without a prediction, it is at most the time to time.end."""
     done = expect(gneiss("run", UCS, "--out", folder, "--threads", 1, "--log", "json", *LATE, "--set", "time.end=15 ms"), 0)
     lines = [json.loads(line) for line in done.stdout.splitlines()[:-1]]
     for line in lines:

@@ -353,8 +353,8 @@ static void walls_and_bodies_follow_materials_that_change(void **state) {
     }
 }
 
-/* A bond that is stretched and sheared bears nothing once it is dissolved: that is no sliding. The
- * normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
+/* A bond that is stretched and sheared carries nothing once it is dissolved: that is no sliding.
+ * The normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
 static void dissolving_a_bond_is_no_friction(void **state) {
     (void)state;
     gn_run *run =
@@ -715,7 +715,7 @@ static void readings_are_found_once_for_a_state(void **state) {
     run_end(run);
 }
 
-static void time_end_says_which_stage_was_not_over(void **state) {
+static void a_run_stopped_by_time_end_names_the_unfinished_stage(void **state) {
     (void)state;
     gn_run *run = run_of(joined(heap, "time: {end: 1 ms}\nrun: {threads: 1}\nstages:\n",
                                 "- {name: wait, gravity: [0, 0, -10], end: {unbalanced: 1e-9}}\n"
@@ -1018,7 +1018,7 @@ static void refused(const char *stages, const char *expected) {
 }
 
 /* A servo that held a force holds a stress, and a force again. */
-static void what_is_said_last_takes_the_place_of_the_other(void **state) {
+static void the_last_stage_decides_between_force_and_stress(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_scene scene, one;
@@ -1042,7 +1042,7 @@ static void what_is_said_last_takes_the_place_of_the_other(void **state) {
     gn_scene_free(&scene);
 }
 
-static void what_cannot_be_is_refused_with_its_place(void **state) {
+static void wrong_stages_are_refused_at_their_line(void **state) {
     (void)state;
     refused("stages: []\n", "s.yaml:17:9: stages: expected a number of elements in [1, 1000]");
     refused("stages:\n- {end: {time: 1}}\n- {name: b}\n", "stages[0].name: required");
@@ -1209,15 +1209,15 @@ int main(int argc, char **argv) {
         cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(readings_are_found_once_for_a_state),
-        cmocka_unit_test(time_end_says_which_stage_was_not_over),
+        cmocka_unit_test(a_run_stopped_by_time_end_names_the_unfinished_stage),
         cmocka_unit_test(bodies_and_elements_take_their_part),
         cmocka_unit_test(a_run_begins_where_another_ended),
         cmocka_unit_test(free_overlaps_go_over_into_another_run),
         cmocka_unit_test(overlaps_of_a_packing_wait_for_their_bonds),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),
-        cmocka_unit_test(what_is_said_last_takes_the_place_of_the_other),
-        cmocka_unit_test(what_cannot_be_is_refused_with_its_place),
+        cmocka_unit_test(the_last_stage_decides_between_force_and_stress),
+        cmocka_unit_test(wrong_stages_are_refused_at_their_line),
         cmocka_unit_test(a_stage_that_never_ends_is_refused),
         cmocka_unit_test(steps_that_outlast_the_run_are_refused),
     };

@@ -185,7 +185,7 @@ static void mean_deviation_and_interval_are_the_textbook_ones(void **state) {
     assert_close(s.interval, 2.7764451051977987 * sqrt(0.5), 1e-12);
 }
 
-static void what_is_no_number_is_left_out(void **state) {
+static void values_that_are_not_finite_are_left_out(void **state) {
     (void)state;
     const double values[] = {NAN, 2, INFINITY, 4}, one[] = {NAN, 7}, none[] = {NAN};
     gn_statistics s = gn_statistics_of(values, 4, 1);
@@ -260,7 +260,7 @@ int main(void) {
         cmocka_unit_test(student_quantiles_are_those_of_the_table),
         cmocka_unit_test(many_degrees_of_freedom_are_normal),
         cmocka_unit_test(mean_deviation_and_interval_are_the_textbook_ones),
-        cmocka_unit_test(what_is_no_number_is_left_out),
+        cmocka_unit_test(values_that_are_not_finite_are_left_out),
         cmocka_unit_test(a_path_leads_to_its_key),
         cmocka_unit_test(docs_sweep_md_has_the_keys),
     };

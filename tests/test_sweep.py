@@ -332,7 +332,7 @@ def the_contents_of_files_count_not_their_places(folder):
 
 
 @fact
-def scenes_that_are_gone_do_not_stop_what_was_begun(folder):
+def deleted_scenes_do_not_stop_a_sweep(folder):
     scene = packed_file(folder)
     out = os.path.join(folder, "out")
     sweep(folder, {"scene": scene, "seeds": 2}, quick=False)
@@ -469,7 +469,7 @@ def runs_end_when_their_sweep_is_killed(folder):
 
 
 @fact
-def ctrl_c_leaves_checkpoints_and_a_summary_and_the_same_command_goes_on(folder):
+def ctrl_c_leaves_checkpoints_and_a_summary_and_the_same_command_continues(folder):
     unkilled = sweep(folder, EIGHT, *LONG, name="unkilled", quick=False)
     file, out = sweep_file(folder, **EIGHT), os.path.join(folder, "out")
     process = start("sweep", file, "--out", out, "--quiet", *LONG, "--set", "output.checkpoint=off")
@@ -627,7 +627,7 @@ def a_reading_that_no_run_has_is_warned_of(folder):
 
 
 @fact
-def what_a_run_warns_of_stands_in_its_row(folder):
+def warnings_of_a_run_are_in_its_row(folder):
     table = sweep(folder, {"parameters": {"run.residual_warning": ["1e-30", "off"]}})
     assert [row["status"] for row in table] == ["done", "done"]
     assert "energy_residual: " in table[0]["message"] and "energy_residual" not in table[1]["message"], table
@@ -658,7 +658,7 @@ def run_with_seeds_prints_mean_and_interval_of_every_reading(folder):
 
 
 @fact
-def json_lines_tell_every_event_and_the_means(folder):
+def json_lines_report_every_event_and_the_means(folder):
     done = expect(gneiss("sweep", sweep_file(folder, seeds=2, **FRICTIONS), "--out", os.path.join(folder, "out"), "--log", "json", *QUICK), 0)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert [line["sweep"] for line in lines].count("done") == 6 and [line["sweep"] for line in lines].count("started") == 6

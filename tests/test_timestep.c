@@ -428,7 +428,7 @@ static void few_particles_have_the_limit_of_all(void **state) {
 }
 
 /* In a lattice every particle could. */
-static void where_all_are_alike_few_say_nothing(void **state) {
+static void a_lattice_has_no_limit_by_few_particles(void **state) {
     (void)state;
     specimen *s = lattice_specimen(&lattices[3], 1e-3);
     bond(s, 0.0, 3.7, 0.0);
@@ -599,7 +599,7 @@ int main(void) {
         cmocka_unit_test(the_bound_is_below_the_sharp_limit_in_packings),
         cmocka_unit_test(the_limits_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(few_particles_have_the_limit_of_all),
-        cmocka_unit_test(where_all_are_alike_few_say_nothing),
+        cmocka_unit_test(a_lattice_has_no_limit_by_few_particles),
         cmocka_unit_test(pairs_that_touch_have_a_limit_by_few),
         cmocka_unit_test(the_bound_is_that_of_the_worst_block),
         cmocka_unit_test(a_step_that_holds_is_below_the_limit_of_all_near_contacts),

@@ -1,4 +1,4 @@
-"""Files that were damaged, changed or made by somebody else: each is refused or computed again, and named. Speaks TAP."""
+"""Files that were damaged, changed or made by another program: each is refused or computed again, and named. Speaks TAP."""
 import csv
 import glob
 import random
@@ -108,7 +108,7 @@ def steps_and_rates_of_a_checkpoint_far_from_those_of_its_run_are_named(folder):
 
 
 @fact
-def a_checkpoint_of_another_run_is_not_gone_on_with(folder):
+def a_checkpoint_of_another_run_is_not_continued(folder):
     first, second = (os.path.join(folder, name) for name in "ab")
     for other in (("--set", "materials.block.friction=0.1"), ("--set", "run.seed=7"), None):
         for out in (first, second):

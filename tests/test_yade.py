@@ -1,4 +1,4 @@
-"""The same two particles, chain and lattice in YADE and in gneiss, step by step. Speaks TAP; skipped without YADE.
+"""Two particles, a chain and a lattice in YADE and in gneiss, step by step. Speaks TAP; skipped without YADE.
 
 Both take shear increments in the middle of a step and let contacts act from the instant at which they close: peer.py makes
 YADE do so, and what it does by itself is held to be another definition here.
@@ -17,7 +17,7 @@ import jobs  # noqa: E402
 import steps  # noqa: E402
 
 FIRST, TOGETHER, APART = 1e-9, 1e-4, 1e-3
-# Of 9 000: what is compared ends half way to the first break, which comes at step 2 420; many bonds have to break after it.
+# Steps, of 9 000: the comparison ends half way to the first break, at step 2 420; many bonds have to break after it.
 ENOUGH = {"lattice": 4000, "lattice undamped": 4000}
 
 
@@ -67,7 +67,7 @@ for index, entry in enumerate(steps.DIFFERENCES):
 
 
 def check_order(increment):
-    """Of first order in YADE: half the step, half the difference."""
+    """The difference is of first order in YADE: half the step, half the difference."""
     skip_without_yade()
     (_, whole), (_, half), (_, quarter) = steps.order(increment)
     if increment == "middle":

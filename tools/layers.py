@@ -1,7 +1,7 @@
 """Holds the includes of src, bench and validate against the table of docs/design.md: `./do check layers`.
 
 A folder may include itself, base, and what its row names; a row names only folders above it, so that there is no circle.
-A name with a slash is one header. No folder includes a <folder>_private.h of another. Includes that break these rules and are left stand in
+A name with a slash is one header; `A to B` stands for all rows from A to B. No folder includes a <folder>_private.h of another. Includes that break these rules and are left stand in
 tools/layers_upward.txt; a line there that no file needs is refused, so that the list only shrinks. Functions above 60 lines are refused as well.
 Prints file:line of whatever is not so.
 """
@@ -16,13 +16,23 @@ LONGEST = 60
 INCLUDE = re.compile(r'\s*#\s*include\s+[<"]([^">]+)[">]')
 
 
+def uses_of(cell, above):
+    """The names of a cell, with those of `A to B` written out; `above`: the folders of the rows above, in their order."""
+    for use in (use.strip() for use in cell.split(",")):
+        first, between, last = use.partition(" to ")
+        if between and first in above and last in above:
+            yield from above[above.index(first) : above.index(last) + 1]
+        else:
+            yield use
+
+
 def rows(text):
     """{folder: (line, [what it may use])}, in the order of the table."""
     found = {}
     for number, line in enumerate(text.splitlines(), 1):
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
         if line.startswith("| ") and len(cells) == 3 and re.fullmatch(r"[\w/]+/?", cells[0]) and cells[0] != "folder":
-            found[cells[0].rstrip("/").removeprefix("src/")] = (number, [use.strip() for use in cells[2].split(",")])
+            found[cells[0].rstrip("/").removeprefix("src/")] = (number, list(uses_of(cells[2], list(found))))
     return found
 
 

@@ -88,8 +88,8 @@ def count_rows(results):
         broken, left = int(np.isin(state, (1, 2)).sum()), int((state == 3).sum())
         asleep = int(results.asleep.sum())
         if asleep:
-            rows += [("particles asleep, in elements", asleep), ("particles awake", results.particle_count - asleep)]
-        rows += [("bonds of those awake" if asleep else "bonds at the start", len(state)),
+            rows += [("dormant particles, in elements", asleep), ("active particles", results.particle_count - asleep)]
+        rows += [("bonds of active particles" if asleep else "bonds at the start", len(state)),
                  ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count - asleep):.3g}"),
                  ("broken in tension", int((state == 1).sum())),
                  ("broken in shear", int((state == 2).sum())),
@@ -223,7 +223,7 @@ def cards(results):
 
 def bodies_text(results):
     asleep = int(results.asleep.sum())
-    parts = [f"{results.particle_count} particles" + (f" ({asleep} asleep)" if asleep else "")] if results.particle_count or not results.element_count else []
+    parts = [f"{results.particle_count} particles" + (f" ({asleep} dormant)" if asleep else "")] if results.particle_count or not results.element_count else []
     return ", ".join(parts + ([f"{results.element_count} elements"] if results.element_count else []))
 
 

@@ -131,5 +131,5 @@ def plot_together(results, path):
         draw_panel(figure, a, section, what)
     save(figure, path)
     times = f"displacements drawn {factor:g} times" if factor > 1 else "displacements as they are"
-    sleepers = " Particles that are asleep are left out: the elements that they are in are there." if results.asleep.any() else ""
+    sleepers = " Dormant particles are left out: the elements that contain them are drawn." if results.asleep.any() else ""
     return f"Particles and elements at the end of the run, {times}.{section.where}{sleepers}"

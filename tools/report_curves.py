@@ -395,7 +395,7 @@ def plot_conversion(results, path):
         return None
     factor, unit = scale_of(time, "s")
     figure, axes = new_axes("Particles and elements", f"time [{unit}]", "number")
-    axes.step(time / factor, particles, where="post", color=INK, label="particles that are awake", **style_for(particles))
+    axes.step(time / factor, particles, where="post", color=INK, label="active particles", **style_for(particles))
     axes.step(time / factor, elements, where="post", color=BLUE, dashes=(5, 2), label="elements that are left", **style_for(elements))
     axes.set_ylim(bottom=0)
     axes.margins(x=0.02)

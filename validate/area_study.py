@@ -1,4 +1,4 @@
-"""What bodies of bonds with sections of their own are (law.stiffness dempack and polyhedron): how the sections fill packings,
+"""Bodies of bonds with sections of their own (law.stiffness dempack and polyhedron): how the sections fill packings,
 E and nu beside uniform strain, the sweeps over alpha and beta of Santasusana 2013, 5.1.3, a hydrostatic cube. Fills the
 tables of docs/evidence/area-laws.md; some minutes of one core.
 
@@ -17,7 +17,7 @@ DISCS = "scenes/elastic-discs.yaml"
 ROCKS = ("rock-a", "rock-b", "rock-c")
 YOUNG, POISSON = 20e6, 0.25
 FOLDER = study.RUNS / "areas"
-# Of the source: discs, mean radius mm, n_c, e %. The fit of a packing is stopped early where contacts are few.
+# From the source: discs, mean radius mm, n_c, e %. The fit of a packing is stopped early where contacts are few.
 MESHES = [(2260, 0.72, 5.08, 11.0, 24), (1262, 1.02, 5.14, 9.4, 24), (725, 1.42, 5.24, 6.8, 24), (1343, 1.02, 5.79, 11.1, "auto"),
           (325, 2.0, 3.76, 18.3, None)]
 ALPHAS, BETAS = (1, 1.5, 2, 2.5), (0, 0.5, 1, 1.5, 2, 3)
@@ -31,7 +31,7 @@ def mesh_settings(mesh):
 
 
 def checked(scene, settings):
-    """What `gneiss check` says of the sections."""
+    """The report of `gneiss check` on the sections."""
     done = study.call(["check", str(scene), "--threads", "1", *study.set_arguments(settings)])
     if done.returncode:
         sys.exit(done.stderr)

@@ -316,7 +316,7 @@ def of_one_line():
 
 
 def of_two_lines():
-    """The same, with bonds that soften as Petersson has it."""
+    """The table with bonds that soften by Petersson's law."""
     contact, bulk, calibration = calibrate("bilinear")
     study.put("beams.md", "table bilinear contacts", calibration)
     found = [(f"r {1e3 * RADII[0]:g} mm, packing {seed}", beam(RADII[0], seed, contact, bulk, note="-bilinear")) for seed in SEEDS]

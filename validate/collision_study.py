@@ -76,7 +76,7 @@ def oblique_scene(random, mu, kratio, restitution, slips):
 
 
 def slip_of(velocity, spin):
-    """Of the first sphere's surface over the second's at the contact between them, along y and z."""
+    """Slip of the first sphere's surface over the second's at the contact between them, along y and z."""
     v, w = velocity[0::2] - velocity[1::2], spin[0::2] + spin[1::2]
     return np.stack([v[:, 1] + R * w[:, 2], v[:, 2] - R * w[:, 1]], axis=1)
 
@@ -209,7 +209,7 @@ def dropped(restitution, steps):
 
 
 def work_of_spring(restitution, dt, phase):
-    """What the spring's forces do over the collision by leap-frog alone, over the work of gravity; of a loop it should be 0."""
+    """The work of the spring's forces over the collision by leap-frog alone, over the work of gravity; over a loop it should be 0."""
     beta, r = damping_fraction(restitution), DROP["radius"]
     k = 4 / 3 * DROP["young"] / (2 * (1 - DROP["poisson"]**2)) * np.sqrt(r)
     m, x, v, spring, work, t, before = DENSITY * 4 / 3 * np.pi * r**3, DROP["height"], 0.0, 0.0, 0.0, 0.0, 0.0

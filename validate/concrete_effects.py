@@ -1,4 +1,4 @@
-"""What the number of particles, speed, step and round-off do to the concrete of concrete_study.py (Santasusana 2013, ch. 5), without
+"""Effects of the number of particles, speed, step and round-off on the concrete of concrete_study.py (Santasusana 2013, ch. 5), without
 pressure and under 9 MPa. Writes the section on concrete of docs/accuracy.md and its pictures.
 
     /usr/bin/python3 validate/concrete_effects.py [--fresh] [--kept] [--quick] [most] [large]
@@ -53,7 +53,7 @@ def told(pressure):
 # --- number of particles ------------------------------------------------------------------------------------------
 
 def particles():
-    """Of every number its curves under both pressures, three packings of the smaller ones."""
+    """For every number its curves under both pressures, three packings of the smaller ones."""
     if "most" in sys.argv:
         for pressure in PRESSURES:
             concrete.tested(concrete.MOST, 1, pressure)
@@ -101,7 +101,7 @@ def particle_words(found):
 # --- speed ------------------------------------------------------------------------------------------------------------
 
 def speed_name(count, pressure, speed):
-    """What names a run of the material that softens and yields at one speed beside its number and pressure: nothing at the usual one."""
+    """The part of a run's name that gives its speed, for the material that softens and yields: nothing at the usual one."""
     usual = ({**concrete.TESTS, **concrete.MANY} if count >= concrete.RAISED_FROM else concrete.TESTS)[pressure][1]
     return "" if speed == usual else f"-at{speed:g}"
 
@@ -111,7 +111,7 @@ def there(count, pressure, speed):
 
 
 def speeds():
-    """Of both pressures; with many spheres too, where it is asked for or those runs are there."""
+    """Runs at other speeds under both pressures; with many spheres too, where it is asked for or those runs are there."""
     asked = [(COUNT, p, SPEEDS[p]) for p in PRESSURES]
     if not QUICK:
         asked += [(MANY, p, [v for v in MANY_SPEEDS[p] if "large" in sys.argv or there(MANY, p, v)]) for p in PRESSURES]
@@ -193,7 +193,7 @@ def step_rows(found):
 
 
 def shaken():
-    """The same packing as a file, as packed and with coordinates changed by round-off; under pressure the membrane lies on the particles."""
+    """One packing as a file, as packed and with coordinates changed by round-off; under pressure the membrane lies on the particles."""
     folder = concrete.FOLDER / f"shaken-{COUNT}"
     if not (folder / "packing.txt").exists() or study.FRESH:
         if study.KEPT:
@@ -221,7 +221,7 @@ def shaken():
 
 
 def automatic_step(curve):
-    """Of the program, for a run whose steps scaled masses may have lengthened, ns."""
+    """The step that the program chooses, for a run whose steps scaled masses may have lengthened, ns."""
     steps = curve.run.results("history/time")[-1] / curve.run.results("history/step")[-1]
     return 1e9 * steps / (concrete.RAISED if curve.run.summary["counts"]["particles"] >= concrete.RAISED_FROM else 1)
 

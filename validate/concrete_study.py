@@ -117,7 +117,7 @@ def tested(count, seed, pressure, label="", settings=None, **change):
 
 
 class Curve:
-    """What was read while the ends closed; strains from the start of that, compression positive, stresses in MPa."""
+    """The readings while the ends closed; strains from the start of that, compression positive, stresses in MPa."""
 
     def __init__(self, run, pressure):
         self.run, self.pressure = run, pressure
@@ -163,7 +163,7 @@ class Curve:
 
     @property
     def fell(self):
-        """Whether the largest deviator was a peak, and not where the run ended or shortly before."""
+        """True if the largest deviator was a peak, and not where the run ended or shortly before."""
         return self.stress[-1] < 0.95 * self.peak
 
     def rising(self, low, high):
@@ -322,14 +322,14 @@ def choices_part():
 
 
 def kept_there(count, pressures, seeds=(1,)):
-    """Whether these runs were made before."""
+    """True if these runs were made before."""
     return all((FOLDER / f"{count}-{seed}-{pressure:g}" / "study.json").exists() for pressure in pressures for seed in seeds)
 
 
 # --- hydrostatic and oedometric states --------------------------------------------------------------------------
 
 def bond_stress(strain):
-    """Of a bond along the path of largest compression, Pa, strain compression positive."""
+    """Stress of a bond along the path of largest compression, Pa, strain compression positive."""
     stress, slope, kink = np.zeros_like(strain), YOUNG, 0.0
     result, left = stress, np.array(strain, float)
     for limit, ratio in YIELD:

@@ -12,8 +12,8 @@ BIN = 2e-3  # m: over which places and velocities of a packing are averaged
 # --- what a mesh cannot take ------------------------------------------------------------------------------------
 
 def short_waves(length, side):
-    """Of the energy of a pulse 1 + cos of `length` in a medium without dispersion: (what is above the cut-off 2 c/h of the mesh, what an abrupt
-    end of the mesh returns), in %. With k = 2 pi kappa/length the energy per kappa is (sin(pi kappa)/(1 - kappa^2))^2/(pi^2/4). A mesh of lumped masses has
+    """Parts of the energy of a pulse 1 + cos of `length` in a medium without dispersion: (above the cut-off 2 c/h of the mesh, returned by an abrupt
+    end of the mesh), in %. With k = 2 pi kappa/length the energy per kappa is (sin(pi kappa)/(1 - kappa^2))^2/(pi^2/4). A mesh of lumped masses has
     omega h/(2 c) = sin(k h/2) = sin(theta) and the impedance Z = cos(theta) of that of long waves, so that ((1 - Z)/(1 + Z))^2 = tan(theta/2)^4 runs back."""
     kappa = (np.arange(4_000_000) + 0.5) * 1e-4
     density = (np.sin(np.pi * kappa) / (1 - kappa**2)) ** 2 * 1e-4 / (np.pi**2 / 4)
@@ -113,7 +113,7 @@ def before_zone(result, kind, modulus, end, forward=False, area=HEIGHT):
 
 
 def coherent(result, wave, area):
-    """Of the wave along -x in a packing the part that has the shape of the pulse, wherever it is within 60 mm of where an echo of the middle would be, J."""
+    """The part of the wave along -x in a packing that has the shape of the pulse, anywhere within 60 mm of where an echo of the middle would be, J."""
     x, u, v = profile(result, "particles")
     middle, size = 0.5 * (x[1:] + x[:-1]), np.diff(x)
     back, best = 0.5 * (0.5 * (v[1:] + v[:-1]) + SPEED * np.diff(u) / size), 0.0
@@ -184,7 +184,7 @@ def packing_table():
 
 
 def mesh_alone(wave, side, height, even):
-    """What runs back in a bar of elements alone, by the same reading, in %."""
+    """The energy that runs back in a bar of elements alone, by the same reading, in %."""
     name = f"bar-mesh-{round(1e3 * wave)}-{side * 1e3:g}{'-even' if even else ''}"
     result = wave_run(name, True, False, None, None, (0.0, LENGTH), MODULUS, wave, side, height=height, even=even)
     return 100 * before_zone(result, "nodes", MODULUS, 0.26, area=height**2) / stored(result)

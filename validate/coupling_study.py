@@ -23,7 +23,7 @@ def zone(width, mirrored):
 
 
 def wave_settings(width, wave, side, constraint, mirrored):
-    """Of the strip of the scene, in m: elements first, or particles."""
+    """Settings of the strip of the scene, in m: elements first, or particles."""
     start, end = (round(place, 9) for place in zone(width, mirrored))
     columns = 1 + round((end if mirrored else LENGTH - end) / SPACING)
     size = LENGTH - start if mirrored else start
@@ -88,7 +88,7 @@ def wave_table(mirrored):
 
 
 def energy_before(result, kind, edges=None):
-    """Of the columns of points up to the end of the zone between edges = (where elements end, where particles do), with the share that they have of it;
+    """Energy of the columns of points up to the end of the zone between edges = (where elements end, where particles do), with their share in it;
     J. Without a zone up to the same place, edges = (that place,)."""
     x, u, v = columns_of(result, kind, step_of(result))
     middle, size = 0.5 * (x[1:] + x[:-1]), np.diff(x)
@@ -99,7 +99,7 @@ def energy_before(result, kind, edges=None):
 
 
 def left_alone(mirrored, length, side, place):
-    """What a mesh without particles (or a lattice without elements) leaves before a place, in %."""
+    """The energy that a mesh without particles (or a lattice without elements) leaves before a place, in %."""
     if mirrored:
         alone = coupling_packings.wave_run(f"strip-lattice-{length}", False, False, 0.0, LENGTH, None, MODULUS, length * 1e-3, side * 1e-3)
     else:

@@ -146,7 +146,7 @@ def penetration(folder):
         off = 1e3 * (ours[k] - mean[k])
         rows.append([f"{1e3 * t[k]:.0f}", f"{1e3 * ours[k]:.2f}", f"{1e3 * theirs[k]:.2f}" if np.isfinite(theirs[k]) else "", f"{1e3 * mean[k]:.2f}", f"{2e3 * code[k]:.2f}", f"{2e3 * initial[k]:.2f}",
                      f"{off:+.2f}"])
-    # Of the curve of the codes as of ours: by the lowest point and the flight that follows.
+    # Both the curve of the codes and ours are read by the lowest point and the flight that follows.
     up = [speed_at(a, b, 0.034, 0.06) for a, b in ((z[:, 0], z[:, 1]), (t, mean))]
     inside = np.mean(abs(ours - mean)[t > 0.0225] <= 2 * code[t > 0.0225])
     bed = (t > 0.0215) & (t < 0.0295)
@@ -198,7 +198,7 @@ VARIED = {"as above": {}, "friction among grains 0.5 (0.3)": {"m1": {"friction":
 
 
 def inputs(folder):
-    """What one input changed does to the way of the sphere, from shortly before the touch to 30 ms: mm off the mean of the codes."""
+    """The effect of one changed input on the path of the sphere, from shortly before the contact to 30 ms: mm off the mean of the codes."""
     curve = np.loadtxt(folder / "penetration_25k_curve.csv", delimiter=",", skiprows=2)
     begin = -0.046
     speed = np.sqrt(BALL["speed"]**2 + 2 * G * (BALL["at"][2] - begin))
@@ -292,7 +292,7 @@ def emptying(folder, name, material, by, end):
 
 
 def silo(folder):
-    """What stands above the outlet over the time since it was opened, of the runs of SILO_RUNS."""
+    """The mass above the outlet over the time since it was opened, in the runs of SILO_RUNS."""
     at = np.arange(0, SILO_RUNS[0][-1] - OPENED, 0.5)
     rows = []
     for name, material, by, end in SILO_RUNS:
@@ -360,7 +360,7 @@ def yade(folder, turns=3):
 
 
 def whole_case(peer, step):
-    """What 0.1 s costs: gneiss at its own steps, from the run of the penetration; YADE at that of the comparison."""
+    """The cost of 0.1 s: gneiss at its own steps, from the run of the penetration; YADE at that of the comparison."""
     summary = study.RUNS / "dem8" / "penetration" / "summary.json"
     if not summary.exists():
         return ""

@@ -45,7 +45,7 @@ def mesh(diagonals, cells, length=LENGTH):
 # --- bodies at rest -------------------------------------------------------------------------------------------------
 
 def stiffness(x, element, poisson):
-    """Of linear tetrahedra with E = 1, [3 n, 3 n]."""
+    """Stiffness of linear tetrahedra with E = 1, [3 n, 3 n]."""
     lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 0.5 / (1 + poisson)
     edges = x[element][:, 1:] - x[element][:, :1]
     slope = np.empty((len(element), 4, 3))  # gradients of the shape functions
@@ -126,7 +126,7 @@ def rest_table():
 # --- step -------------------------------------------------------------------------------------------------------------
 
 def step_table():
-    """Of cubic cells; times in sides of a cell over the speed of sound of a bar, sqrt(E/rho)."""
+    """The table of steps for cubic cells; times in sides of a cell over the speed of sound of a bar, sqrt(E/rho)."""
     rows = []
     for poisson in (0.0, 0.2, 0.4):
         found = []
@@ -168,7 +168,7 @@ def beam_mesh(split, along, high, broad):
 
 
 def beam_step(name, x, element):
-    """Of the program, s."""
+    """The step that the program chooses, s."""
     folder = study.RUNS / "diagonals"
     folder.mkdir(parents=True, exist_ok=True)
     meshes.write(folder / f"{name}.msh", x, [tuple(nodes + 1) for nodes in element], {})

@@ -139,7 +139,7 @@ def kinetic_ratio(done):
 
 
 def rest_ratio(rest, done):
-    """The same of the run from rest in the same time, over the same energy."""
+    """The kinetic energy of the run from rest in the same time, over the same energy."""
     t, k = rest.history["time"], rest.history["energy_kinetic"]
     steady = done.history["energy_kinetic"][np.argmax(done.history["time"] >= done.start["start"] * (1 - 1e-9))]
     before = t < done.start["start"]
@@ -154,7 +154,7 @@ def fractions():
         rows.append([fraction, f"{1e3 * done.start['time']:.5g}", f"{1e3 * done.first[0]:.5g}", f"{done.peak / 1e6:.1f}",
                      done.broken_at_peak, done.steps, done.start["iterations"], f"{kinetic_ratio(done):.3f}"])
     study.put("first-break.md", "table fractions", study.table(
-        ["start_fraction", "first break foretold, ms", "found, ms", "strength MPa", "broken at the peak", "steps",
+        ["start_fraction", "first break predicted, ms", "found, ms", "strength MPa", "broken at the peak", "steps",
          "iterations", "kinetic energy over that of steady loading"], rows))
 
 
@@ -191,7 +191,7 @@ def main():
          "first_break", "strain at the peak %, from rest", "first_break", "broken at the peak, from rest", "first_break",
          "energy residual"], agree))
     study.put("first-break.md", "table breaks", study.table(
-        ["case", "foretold, ms and bond", "found from there, the first three", "from rest, the first three"], breaks))
+        ["case", "predicted, ms and bond", "found from there, the first three", "from rest, the first three"], breaks))
     study.put("first-break.md", "table cost", study.table(
         ["case", "steps from rest", "steps with first_break", "steps that statics stood for", "iterations",
          "CPU s from rest", "CPU s with first_break"], cost))

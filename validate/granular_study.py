@@ -69,7 +69,7 @@ def silo(ratio, friction=0.5, rolling=0.05, most=3500, fill=18):
         "output": {"history_rows": 50}})
     x, r = grains(filled)
     low, high, inside = 4 * D, 12 * D, wide / 2 - 3 * D
-    # Of every sphere with its centre 3 d from the walls or farther the part between two planes.
+    # The part between two planes of every sphere with its centre 3 d from the walls or farther.
     near = np.abs(x[:, :2]).max(axis=1) < inside
     top, bottom = np.clip((high - x[near, 2]) / r[near], -1, 1), np.clip((low - x[near, 2]) / r[near], -1, 1)
     part = np.pi * r[near]**3 * ((top - top**3 / 3) - (bottom - bottom**3 / 3))
@@ -93,7 +93,7 @@ def silo(ratio, friction=0.5, rolling=0.05, most=3500, fill=18):
 
 
 def discharge(found):
-    """Of silos of one material: exponent of W/rho_b over D - 1.4 d, and C and k with the exponent 2.5 and k left free."""
+    """For silos of one material: exponent of W/rho_b over D - 1.4 d, and C and k with the exponent 2.5 and k left free."""
     rate = np.array([f["rate"] / f["density"] for f in found])
     exponent = np.polyfit(np.log([f["orifice"] - 1.4 * D for f in found]), np.log(rate), 1)[0]
     # W/(rho_b sqrt(g)) to the power 0.4 is a straight line over D: C^0.4 (D - k d).
@@ -196,7 +196,7 @@ def heap(friction, rolling, young=2e6, seed=1):
             if (near := (away >= a) & (away < a + 1.5 * D)).sum() > 3]
     tops = np.array(tops)
     flank = tops[(tops[:, 1] > 0.2 * tops[:, 1].max()) & (tops[:, 0] > 1.5 * D)]
-    # Of a cone the middle is h/4 high and R/2 away from the axis in the mean: all grains count.
+    # The centre of a cone is h/4 high and R/2 away from the axis in the mean: all grains count.
     mass = r**3 / (r**3).sum()
     cone = np.degrees(np.arctan(2 * (mass @ x[:, 2]) / (mass @ away)))
     return float(np.degrees(np.arctan(-np.polyfit(flank[:, 0], flank[:, 1], 1)[0]))) if len(flank) > 2 else float("nan"), float(cone)
@@ -222,7 +222,7 @@ FROUDE = ((0.001, 3.0), (0.01, 2.0), (0.1, 1.2), (0.5, 1.2), (1.5, 2.4), (3.0, 2
 
 
 def drum(froude, end):
-    """Of a drum that turns: where the middle of the grains is, and how many touch nothing."""
+    """For a drum that turns: the centre of the grains, and how many touch nothing."""
     radius = 0.04
     spin = float(np.sqrt(froude * G / radius))
     done = run(f"drum-{froude}", {

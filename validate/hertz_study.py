@@ -81,7 +81,7 @@ def beside_large(m, large, v, spin, dt, steps, gap, pull):
 
 
 def ours(m, two, v, spin, dt, steps, gap, **more):
-    """Of every step: time, position, velocity, spin of the first sphere, overlap."""
+    """For every step: time, position, velocity, spin of the first sphere, overlap."""
     rows = []
     with own.World(scene(m, two, v, spin, dt, gap, **more)) as world:
         for k in range(steps):
@@ -149,7 +149,7 @@ def in_liggghts(job, damped):
 
 
 def in_others(jobs):
-    """Of each job velocity and spin of the first sphere: in YADE, in LIGGGHTS, and there without its tangential dashpot."""
+    """For each job velocity and spin of the first sphere: in YADE, in LIGGGHTS, and there without its tangential dashpot."""
     ends = [rows[-1][4:10] for rows in in_yade(jobs)]
     return [(end, in_liggghts(job, True), in_liggghts(job, False)) for end, job in zip(ends, jobs)]
 
@@ -228,7 +228,7 @@ def oblique():
     return lines
 
 
-# Of Kharaz, Gorham and Salman 2001 (Powder Technology 120, 281-291), as others have read them off its figures (Lethe's example of
+# From Kharaz, Gorham and Salman 2001 (Powder Technology 120, 281-291), as others have read them off its figures (Lethe's example of
 # this experiment): angle of incidence, reading.
 KHARAZ = {"v_t'/v_t": [(1.84, 0.793), (3.70, 0.745), (9.50, 0.673), (20.0, 0.597), (30.1, 0.688), (39.4, 0.771), (49.7, 0.848), (60.0, 0.901)],
           "spin, rad/s": [(6.14, 136), (11.0, 266), (21.3, 578), (31.2, 613), (39.1, 595), (50.3, 453), (60.3, 382)],
@@ -327,7 +327,7 @@ spring that nothing slips off gives back more there. From 20 degrees on velociti
              "of the normal force alone, here the whole of it: a difference of definition. Rows without a closed form do not slide throughout, or are by another definition. 8: r 0.5 m, 1000 times as\n"
              "stiff and dense, at rest: as 6 where it slides.\n")
     kept = PAGE.read_text().partition("\n## Cost\n") if PAGE.exists() else ("", "", "")
-    PAGE.write_text(text + kept[1] + kept[2])  # what was measured by hand stays
+    PAGE.write_text(study.prose(text) + kept[1] + kept[2])  # what was measured by hand stays
 
 
 if __name__ == "__main__":

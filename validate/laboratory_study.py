@@ -150,7 +150,7 @@ def disc_part():
 SIDE = 0.05  # m
 LABRA = {2: {"normal_stiffness": 10e9, "kratio": 2.5, "bond_tension_limit": 1e3, "bond_shear_limit": 1e3},
          3: {"normal_stiffness": 35e6, "kratio": 1 / 0.3, "bond_tension_limit": 100.0, "bond_shear_limit": 100.0}}
-# Of the check: wanted E GPa, nu, UCS MPa; published result with the parameters that follow.
+# For the check: wanted E GPa, nu, UCS MPa; published result with the parameters that follow.
 RAISED = {"time.mass_scaling.factor": 2}  # steps twice as long
 TARGETS = {2: (18.630, 0.2009, 126.38), 3: (18.652, 0.2012, 126.12)}
 CHECK = {2: {"normal_stiffness": 14.392e9, "kratio": 14.392 / 2.868, "bond_tension_limit": 4962.3, "bond_shear_limit": 49623.0, "friction": 0.8},
@@ -383,7 +383,7 @@ def rojek_part():
 
 
 def whole_part():
-    """The same on all spheres of the specimen."""
+    """The five models on all spheres of the specimen."""
     five_models(few(SPECIMEN["particles"]), "rojek-all")
 
 

@@ -196,7 +196,7 @@ def draw(run, path):
     axes[0, 0].plot(1e6 * h["opening"], h["force"] / 1e3, linewidth=1, label="over the opening of the notch's mouth")
     axes[0, 0].set(xlabel="um", ylabel="load, kN")
     axes[0, 0].legend(fontsize=8)
-    axes[0, 1].plot(1e3 * h["time"], h["particles"] / 1e3, linewidth=1, label="particles awake")
+    axes[0, 1].plot(1e3 * h["time"], h["particles"] / 1e3, linewidth=1, label="active particles")
     axes[0, 1].plot(1e3 * h["time"], h["elements"] / 1e3, linewidth=1, label="elements")
     axes[0, 1].plot(1e3 * h["time"], (h["broken_tension"] + h["broken_shear"]) / 1e3, linewidth=1, label="bonds broken")
     axes[0, 1].set(xlabel="time, ms", ylabel="thousand")

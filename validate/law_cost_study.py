@@ -1,4 +1,4 @@
-"""What laws of bonds cost beside the linear one: instructions of the contact kernel by callgrind (valgrind), where it is installed, and
+"""The cost of laws of bonds beside the linear one: instructions of the contact kernel by callgrind (valgrind), where it is installed, and
 its time, one thread, AVX2. A periodic fcc lattice of 5 184 bonds, with spins, friction, dashpots and ledger, which its box stretches
 beyond their strength and then lets back, or presses on. Fills the table of docs/evidence/law-table.md; two minutes.
 

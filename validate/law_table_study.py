@@ -1,5 +1,5 @@
-"""What laws of bonds can reach on the same packing: strength in tension and compression and friction angle, five packings of 1 000
-spheres. And by what a body dissipates more than its contacts' fracture energy says. Fills the tables of docs/evidence/law-table.md;
+"""Strength in tension and compression and friction angle that laws of bonds reach on the same packing, five packings of 1 000
+spheres; and the dissipation of a body beyond its contacts' fracture energy. Fills the tables of docs/evidence/law-table.md;
 a quarter of an hour of one core.
 
     /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [count] [energy] [plane]

@@ -1,4 +1,4 @@
-"""What masses raised for a longer step cost, and what steps of several lengths would bring. Fills the tables of
+"""The cost of masses raised for a longer step, and the gain that steps of several lengths would bring. Fills the tables of
 docs/evidence/mass-scaling.md; about fifteen minutes of one core.
 
     /usr/bin/python3 validate/mass_study.py [--fresh] [--only SECTION]     masses, error, waves, several

@@ -1,4 +1,4 @@
-"""What a membrane does on specimens with tips and edges, at defaults: its work over what they store, the mean stress over the pressure,
+"""A membrane on specimens with tips and edges, at defaults: its work over the energy that they store, the mean stress over the pressure,
 bonds that broke. Writes the table of docs/evidence/laboratory.md (grains that pivot) to standard output; some minutes.
 
     /usr/bin/python3 validate/membrane_work_study.py [build/gneiss]

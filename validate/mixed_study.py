@@ -125,7 +125,7 @@ def run(beam, radius, seed=1, speed=SPEED, end=25e-3, settings=None, note=""):
 
 
 def whole(beam, radius, seed=1):
-    """The same of particles alone, held and pressed by sets of them."""
+    """The run of particles alone, held and loaded by sets of them."""
     ends = (0.0, beam.ends[1] - beam.ends[0])
     made = scene(beam, radius, seed, SPEED, 25e-3)
     moved = {motion["name"]: motion["motion"] for motion in made["elements"]["motions"]}
@@ -138,7 +138,7 @@ def whole(beam, radius, seed=1):
 
 
 def never(beam, radius):
-    """The same of elements alone."""
+    """The run of elements alone."""
     return run(beam, radius, end=3e-3, settings={"couple.convert.stress": 1e12}, note="-never")
 
 
@@ -286,11 +286,11 @@ def cost_table(found):
         elements = run_of_it.results("history/elements") if "alone" not in run_of_it.folder.name else [0]
         rows.append([name, summary["counts"]["particles"], f"{int(awake[0])} to {int(awake[-1])}", f"{int(elements[0])} to {int(elements[-1])}", summary["steps"],
                      f"{1e9 * summary['dt']:.0f}", f"{summary['seconds']['cpu']:.0f}", f"{100 * run_of_it.residual:.0e}"])
-    return study.table(["", "particles packed", "awake", "elements", "steps", "last step, ns", "s of a core", "residual, %"], rows)
+    return study.table(["", "particles packed", "active", "elements", "steps", "last step, ns", "s of a core", "residual, %"], rows)
 
 
 def estimate_table():
-    """Of a section at the notch, upright or leaning; of elements alone."""
+    """The table for a section at the notch, upright or leaning; of elements alone."""
     rows = []
     for name, beam in (("Garcia-Alvarez", GETTU), ("Galvez, type 1", GALVEZ), ("Galvez, type 2", HELD)):
         c, lever = beam.concrete, notch_moment(beam)

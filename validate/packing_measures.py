@@ -96,7 +96,7 @@ def measure(path):
 
 
 def layer(rows, depth):
-    """Of the spheres whose gap to the boundary is below half their radius: their number, the share within 5 % of
+    """For the spheres whose gap to the boundary is below half their radius: their number, the share within 5 % of
     the radius of touching it, and the root mean square gap over the radius."""
     gap = depth / rows[:, 3] - 1
     gap = gap[gap < 0.5]

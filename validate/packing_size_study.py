@@ -38,7 +38,7 @@ COLOURS = ("#2b6cb0", "#3a7d44", "#c8402f")
 
 
 def packed(dimension, shape, packing, count, seed):
-    """What `gneiss pack` says of a packing."""
+    """The report of `gneiss pack` on a packing."""
     scene = {"dimension": dimension, "specimen": {**shape, "particles": count, "packing": packing}}
     text = json.dumps(scene, indent=1)
     program = hashlib.sha256(Path(study.PROGRAM).read_bytes()).hexdigest()

@@ -1,9 +1,9 @@
-"""Whether `gneiss plan --error` keeps what it promises: scenes that the study of accuracy did not use, the proposed settings beside a much
+"""Tests the promise of `gneiss plan --error`: scenes that the study of accuracy did not use, the proposed settings beside a much
 finer run. Fills docs/evidence/planner.md; ten minutes of one core.
 
     /usr/bin/python3 validate/planner_study.py [--fresh] [--again] [--only SCENE] [--seeds 12]
 
---again plans anew and runs what is proposed anew, for seconds on a machine that nobody else uses; finer runs stay. Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
+--again plans anew and runs what is proposed anew, for seconds on an otherwise idle machine; finer runs stay. Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
 """
 import json
 import os
@@ -305,7 +305,7 @@ def shown(value):
 
 
 def guesses(rows):
-    yield "| scene | E foretold, GPa | found | strength foretold, MPa | found | scatter of strength by the law % | of the finer runs % |"
+    yield "| scene | E predicted, GPa | found | strength predicted, MPa | found | scatter of strength by the law % | of the finer runs % |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
     for row in rows:
         e, p = row["plan"]["estimate"], row["plan"]["proposed"]

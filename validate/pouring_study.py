@@ -108,7 +108,7 @@ def pour(number):
 
 
 def kept_rows(count):
-    """Of each number once: rows stay in a file, so that a longer study goes on."""
+    """One row for each number: rows stay in a file, so that a longer study goes on."""
     path = study.RUNS / "pouring" / "rows.json"
     rows = {} if study.FRESH or not path.exists() else {r["number"]: r for r in json.loads(path.read_text())}
     for number in range(1, count + 1):

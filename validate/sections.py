@@ -1,6 +1,8 @@
 """A page that is written section by section: what was measured is kept, and a page made elsewhere keeps what is not here."""
 import re
 
+from study import prose
+
 
 def mark(name):
     return f"<!-- section {name} -->"
@@ -31,5 +33,5 @@ class Page:
         for name in names:
             text = self.kept(name) or self.there(name) or f"## {name}\n\nNot measured yet: `{self.command} {name}`."
             parts.append(f"{mark(name)}\n{text.strip()}")
-        self.path.write_text(self.head + "\n\n".join(parts) + "\n")
+        self.path.write_text(prose(self.head + "\n\n".join(parts) + "\n"))
         print(f"written: {self.path}")

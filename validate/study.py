@@ -1,4 +1,4 @@
-"""What the studies share: runs of the program, kept and reused, and tables between markers of a document.
+"""Shared by the studies: runs of the program, kept and reused, and tables between markers of a document.
 
 A run goes to runs/studies/<name>. It is done again when its settings changed, when it is not there, or with
 --fresh. The program is build/gneiss, or what the environment variable GNEISS names. With --kept nothing is run: tables have the rows
@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+from wrap import prose  # noqa: E402
 RUNS = Path(os.environ.get("GNEISS_STUDIES", ROOT / "runs" / "studies"))
 PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))
 LIBRARY = os.environ.get("GNEISS_LIBRARY", str(ROOT / "build" / "libgneiss.so"))
@@ -52,7 +54,7 @@ class Missing(Exception):
 
 
 def if_there(make, *arguments, **named):
-    """What make(...) returns; None where a run that it needs is not there (with --kept)."""
+    """The result of make(...); None where a run that it needs is not there (with --kept)."""
     try:
         return make(*arguments, **named)
     except Missing as gone:
@@ -164,7 +166,7 @@ def put(document, name, text):
     if not pattern.search(whole):
         print(f"docs/evidence/{document} has no place for {name}:\n{text}\n")
         return
-    path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
+    path.write_text(pattern.sub(lambda m: m.group(1) + prose(text.rstrip()) + "\n" + m.group(2), whole))
 
 
 def put_table(document, name, head, rows, quick, missing=()):
@@ -191,4 +193,4 @@ def section(document, title, text):
     whole = path.read_text()
     head, found, rest = whole.partition(f"## {title}\n\n")
     rest = rest[rest.index("\n## ") + 1:] if "\n## " in rest else ""
-    path.write_text(head.rstrip() + f"\n\n## {title}\n\n{text.rstrip()}\n" + ("\n" + rest if rest else ""))
+    path.write_text(head.rstrip() + f"\n\n## {title}\n\n{prose(text.rstrip())}\n" + ("\n" + rest if rest else ""))

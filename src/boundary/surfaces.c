@@ -36,11 +36,11 @@ typedef struct group {
     const gn_step_context *ctx;
     const gn_dem *dem;
     const gn_boundary *boundary;
-    const gn_solids *solids;
-    const gn_zones *zones;
     const gn_surface *s;
     const gn_rigid *body;
     size_t particle, begin, end;
+    const gn_solids *solids; /* for forces alone; else NULL */
+    const gn_zones *zones;
 } group;
 
 static int32_t facet_of(const group *g, size_t row) {
@@ -70,8 +70,8 @@ static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t c = 0; c < q->soa.count; c++) {
         if ((size_t)q->wall[c] < ctx->scene.wall_count) continue;
         const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
-        group g = {ctx, dem,  boundary, solids, zones, s, body_of(boundary, s), (size_t)q->i[c],
-                   c,   c + 1};
+        group g = {ctx, dem,   boundary, s,   body_of(boundary, s), (size_t)q->i[c],
+                   c,   c + 1, NULL,     NULL};
         gn_facet_near near;
         double centre[3];
         gn_surface_centre(dem, boundary, s, g.particle, centre);
@@ -378,9 +378,8 @@ static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
     int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
     while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
-    return (group){
-        ctx,   dem, boundary, solids, zones, s, body_of(boundary, s), (size_t)q->i[begin],
-        begin, past};
+    return (group){ctx,   dem,  boundary, s,   body_of(boundary, s), (size_t)q->i[begin],
+                   begin, past, NULL,     NULL};
 }
 
 /* Contacts of a particle that presses all that is within reach, each with its part of k, which add
@@ -471,6 +470,8 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
                                 gn_contact_sums *sums) {
     gn_wall_contacts *rows = &boundary->contacts;
     group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
+    g.solids = solids;
+    g.zones = zones;
     gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];

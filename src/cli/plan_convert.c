@@ -1,221 +1,313 @@
 #include "cli/plan_convert.h"
 
+#include "base/timer.h"
 #include "cli/plan_couple.h"
 #include "cli/plan_time.h"
 #include "cli/progress.h"
+#include "scene/stages.h"
+#include "timestep/collisions.h"
+#include "timestep/step_limit.h"
+#include "zones/zone_state.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static void print_dormant(const gn_world *world, const gn_foreseen *foreseen) {
+/* Result of a trial run up to the first conversion, and of conversions around it. */
+typedef struct trial {
+    gn_step_limit all; /* of all particles without elements */
+    double collision;  /* s, a step that resolves collisions of all particles */
+    double alone;      /* s, step of elements alone at the start */
+    double end;        /* s, the latest end of the run */
+    double time;       /* s, at which the trial ended */
+    double steps;      /* until then */
+    double seconds[2]; /* s per step, with elements alone and after conversions */
+    bool begun;        /* elements were converted, or conversion would have ended the run */
+    gn_most_loaded most;
+    const char *stage;   /* in which the trial ended; NULL: no stages */
+    bool guessed;        /* a stage that waits for equilibrium was left after an assumed time */
+    double first, later; /* s, the step after the first conversion, and after further ones */
+    const char *side[2]; /* what sets the first, and the shortest later step */
+    double least;        /* s, the shortest later step, with any particles active */
+    size_t elements;     /* left after further conversions */
+    int fronts;          /* behind the first conversion */
+    double part;         /* of the load, of the last front */
+    char halt[512];      /* why the first conversion ends the run; "": it does not */
+    char stop[512];      /* why a further one does */
+} trial;
+
+/* --- the trial run --- */
+
+/* Finds the limits of all particles as if they were active. */
+static gneiss_status find_all(gn_world *world, trial *t, gneiss_error *error) {
+    gn_resolution collision;
+    GN_TRY(gn_conversion_limit(world, &t->all, error));
+    gn_conversion_turn_over(&world->ctx, &world->dem);
+    gneiss_status status = gn_resolution_listed(&world->ctx, &world->dem, &world->boundary,
+                                                &world->solids, &world->zones, &collision, error);
+    gn_conversion_turn_over(&world->ctx, &world->dem);
+    t->collision = collision.step;
+    return status;
+}
+
+/* Returns the latest end of a stage that begins at a time, s. */
+static double stage_end(const gn_world *world, size_t k, double begin) {
+    const gn_stage *stage = &world->ctx.given.stages[k];
+    double length = INFINITY;
+    if (stage->time >= 0.0) length = stage->time;
+    if (stage->steps >= 0) length = fmin(length, (double)stage->steps * world->ctx.dt);
+    return fmin(begin + length, world->ctx.scene.end);
+}
+
+static double latest_end(const gn_world *world) {
+    double end = world->ctx.time;
+    for (size_t k = world->stages.now; k < world->ctx.scene.stage_count; k++)
+        end = stage_end(world, k, k == world->stages.now ? world->stages.state[k].time : end);
+    return world->ctx.scene.stage_count ? end : world->ctx.scene.end;
+}
+
+/* Returns the time that waves take along the longest side of the body at the speed in a bar, s. */
+static double wave_travel(const gn_world *world) {
+    const gn_fem_solid *b = &world->solids.elements[0]->solid;
+    double slowest = INFINITY; /* square of the speed */
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        const double l = b->elements.lambda[e], m = b->elements.mu[e];
+        const double young = m * (3.0 * l + 2.0 * m) / (l + m);
+        slowest = fmin(slowest, young / b->density[b->elements.material[e]]);
+    }
+    return gn_elements_longest_side(&world->ctx, &world->solids) / sqrt(slowest);
+}
+
+/* Enters the next stage after the end of the present one. A stage that ends in equilibrium, which
+ * the trial does not evaluate, is assumed to last twenty transit times of waves. */
+static gneiss_status follow_stages(gn_world *world, trial *t, double settled, gneiss_error *error) {
+    while (world->stages.now + 1 < world->ctx.scene.stage_count) {
+        const size_t now = world->stages.now;
+        const gn_stage *stage = &world->ctx.given.stages[now];
+        double end = stage_end(world, now, world->stages.state[now].time);
+        const bool waits =
+            (stage->unbalanced > 0.0 || stage->held > 0.0) && end >= world->ctx.scene.end;
+        if (waits) end = world->stages.state[now].time + settled;
+        if (world->ctx.time < end - 0.5 * world->ctx.dt) return GNEISS_OK;
+        t->guessed = t->guessed || waits;
+        GN_TRY(gn_world_enter(world, now + 1, error));
+    }
+    return GNEISS_OK;
+}
+
+/* Runs up to the first conversion, or as long as the budget of element steps lasts. */
+static gneiss_status run_to_first(gn_world *world, trial *t, gneiss_error *error) {
+    enum { WARM_UP = 20 };
+    const double budget = 2e8 / (double)gn_conversion_elements(&world->solids);
+    const double settled = 20.0 * wave_travel(world);
+    double start = gn_now();
+    while (!t->begun && t->steps < budget &&
+           world->ctx.time < world->ctx.scene.end - 0.5 * world->ctx.dt) {
+        GN_TRY(follow_stages(world, t, settled, error));
+        const gneiss_status status = gn_world_step(world, false, error);
+        if (t->steps++ == WARM_UP) start = gn_now();
+        if (status != GNEISS_OK && status != GNEISS_ERROR_UNSTABLE) return status;
+        snprintf(t->halt, sizeof t->halt, "%.400s",
+                 status == GNEISS_OK ? world->outcome.halt : error->message);
+        t->begun = *t->halt || gn_conversion_begun(&world->solids);
+    }
+    t->seconds[0] = (gn_now() - start) / fmax(t->steps - WARM_UP - 1.0, 1.0);
+    t->time = world->ctx.time;
+    if (world->ctx.scene.stage_count) t->stage = world->ctx.scene.stages[world->stages.now].name;
+    return gn_conversion_most_loaded(&world->ctx, &world->solids, &world->most_loaded, &t->most,
+                                     error);
+}
+
+/* --- the step after conversions --- */
+
+static bool is_near(double a, double b) {
+    return a < INFINITY && b < INFINITY && fabs(a - b) <= 1e-3 * b;
+}
+
+static const char by_collisions[] = "collisions";
+
+/* Returns what sets the present step. */
+static const char *side_of(const gn_world *world) {
+    const gn_dem *dem = &world->dem;
+    const double share = gn_world_nonviscous_share(&world->ctx),
+                 elements = gn_elements_stable(&world->solids);
+    const int32_t p = dem->limit.sharp_id;
+    if (is_near(world->ctx.dt, dem->resolution.step)) return by_collisions;
+    if (is_near(world->ctx.dt, 0.98 * dem->listed)) return "contacts that may close";
+    if (world->ctx.stable < 0.9 * share * fmin(elements, dem->stable))
+        return "slaved spins of the zone";
+    if (elements <= dem->stable) return "elements that are left, by their rigorous bound";
+    return p >= 0 && gn_coupled_has(world->zones.coupled, p) ? "particles of the zone"
+                                                             : "particles";
+}
+
+/* Converts the elements that are loaded to a part of a limit or more; `halt` says why this would
+ * end the run. A given step that is too long for the particles is such a reason. */
+static gneiss_status try_front(gn_world *world, double part, char *halt, size_t size,
+                               gneiss_error *error) {
+    *world->outcome.halt = '\0';
+    const gneiss_status status = gn_conversion_convert_above(world, part, error);
+    snprintf(halt, size, "%.400s",
+             status == GNEISS_ERROR_UNSTABLE ? error->message : world->outcome.halt);
+    return status == GNEISS_ERROR_UNSTABLE ? GNEISS_OK : status;
+}
+
+/* Converts front by front what is loaded less, down to a part of the limit, as if the load grew. */
+static gneiss_status try_fronts(gn_world *world, trial *t, double load, double least,
+                                gneiss_error *error) {
+    enum { FRONTS = 30 };
+    const double next = 0.94;
+    for (; t->fronts < FRONTS && t->part * next >= least && !*t->stop; t->fronts++) {
+        t->part *= next;
+        GN_TRY(try_front(world, t->part * load, t->stop, sizeof t->stop, error));
+        if (*t->stop || world->ctx.dt >= t->later) continue;
+        t->later = world->ctx.dt;
+        t->side[1] = side_of(world);
+    }
+    return GNEISS_OK;
+}
+
+/* Two steps with a larger ratio are taken as one. */
+static const double equal_ratio = 0.95;
+
+/* Any particle may become active on the way of a crack, the fastest of all included. */
+static void find_least(const gn_world *world, trial *t) {
+    const double all =
+        gn_world_nonviscous_share(&world->ctx) * world->ctx.scene.safety * t->all.sharp;
+    t->least = t->later;
+    if (world->ctx.scene.step > 0.0 || fmin(all, t->collision) >= t->least) return;
+    t->least = fmin(all, t->collision);
+    t->side[1] = all <= t->collision ? "particles" : by_collisions;
+    if (t->least >= equal_ratio * t->later) t->later = t->least;
+}
+
+static gneiss_status try_converting(gn_world *world, trial *t, gneiss_error *error) {
+    GN_TRY(run_to_first(world, t, error));
+    t->end = latest_end(world);
+    if (!(t->most.share > 0.0) || *t->halt) return GNEISS_OK;
+    const double load = t->begun ? 1.0 : t->most.share;
+    if (!t->begun) GN_TRY(try_front(world, load, t->halt, sizeof t->halt, error));
+    if (*t->halt) return GNEISS_OK;
+    t->part = 1.0;
+    t->later = t->first = world->ctx.dt;
+    t->side[0] = t->side[1] = side_of(world);
+    GN_TRY(try_fronts(world, t, load, 0.7, error));
+    t->elements = gn_conversion_elements(&world->solids);
+    GN_TRY(gn_time_fixed_steps(world, &t->seconds[1], error));
+    GN_TRY(try_fronts(world, t, load, t->begun ? t->time / t->end : 1.0, error));
+    find_least(world, t);
+    return GNEISS_OK;
+}
+
+/* --- number of steps --- */
+
+/* Fewest and most steps, and the seconds that they take. */
+typedef struct cost {
+    double steps[2], seconds[2];
+} cost;
+
+/* Without a conversion in the trial the fewest steps are those of elements alone. */
+static cost cost_of(const trial *t) {
+    const double left = *t->halt ? 0.0 : fmax(t->end - t->time, 0.0);
+    const double dt[2] = {t->begun ? t->later : t->alone, t->least > 0.0 ? t->least : t->alone};
+    cost c;
+    for (int k = 0; k < 2; k++) {
+        const double more = left > 0.0 ? ceil(left / dt[k]) : 0.0;
+        const bool with_particles = t->least > 0.0 && (k || t->begun);
+        c.steps[k] = t->steps + more;
+        c.seconds[k] = t->steps * t->seconds[0] + more * t->seconds[with_particles];
+    }
+    return c;
+}
+
+/* --- output --- */
+
+static void print_dormant(const gn_world *world, const trial *t) {
     printf("dormant particles\n  dormant          %zu, with %zu stored bonds; the step above is "
            "that of the elements alone\n",
            gn_conversion_asleep(&world->dem), world->dem.prepared.soa.count);
-    if (foreseen->all.sharp < INFINITY)
+    if (t->all.sharp < INFINITY)
         printf("  sharp limit      %.6g s of all of them without elements, rigorous bound %.6g s\n",
-               foreseen->all.sharp, foreseen->all.bound);
+               t->all.sharp, t->all.bound);
     char watched[GNEISS_MESSAGE_SIZE];
     if (*gn_conversion_watches(&world->ctx, &world->solids, watched, sizeof watched))
         printf("  warning: %s\n", watched);
 }
 
-/* Prints the stages. An end that may come at another time shifts all later stages. */
-static void print_stages(const gn_world *world, const gn_foreseen *foreseen) {
-    const gn_course *c = &foreseen->course;
-    for (size_t k = 0; world->ctx.scene.stage_count && k < c->count; k++) {
-        const gn_course_part *part = &c->part[k];
-        const bool last = k + 1 == world->ctx.scene.stage_count;
-        printf(
-            "  stage %-10s from %.4g s to %.4g s%s\n", world->ctx.scene.stages[k].name, part->begin,
-            part->end,
-            part->guessed
-                ? ", a guess: it waits for equilibrium, assumed after twenty transit times of waves"
-            : part->open && !last
-                ? " at the latest: it may end earlier, by a condition that is not predicted"
-            : part->open ? " at the latest"
-                         : "");
-    }
-    if (c->count < world->ctx.scene.stage_count)
-        printf("  stage %-10s not reached before time.end\n",
-               world->ctx.scene.stages[c->count].name);
-}
-
-/* Returns the interval between evaluations of the limits, s: the delay after which a reached limit
- * is seen. */
-static double detection_delay(const gn_world *world, const gn_foreseen *foreseen) {
-    return (double)world->ctx.scene.couple.convert.every *
-           foreseen->course.part[foreseen->stage].dt;
-}
-
-/* Returns the uncertainty of the time of a limit by waves, s. A body lags behind a steadily growing
- * load, and oscillates about it, by 1/omega of its slowest mode; under a sudden load the stress
- * rises in steps, as waves pass, of the size of the first. */
-static double wave_uncertainty(const gn_foreseen *foreseen) {
-    const double pi = 3.14159265358979323846, most = 0.5 * foreseen->period;
-    if (foreseen->rise < foreseen->period) return most;
-    return fmax(foreseen->period / (2.0 * pi), fmin(foreseen->burst * foreseen->rise, most));
-}
-
-static void print_waves(const gn_foreseen *foreseen) {
-    const double fast = 0.2, lag = wave_uncertainty(foreseen);
-    const double share = foreseen->rise > 0.0 ? lag / foreseen->rise : (double)INFINITY;
-    printf("  waves            shift that by about %.2g s (slowest period %.3g s; the load rises "
-           "within %.3g s)\n",
-           lag, foreseen->period, foreseen->rise);
-    if (foreseen->time < INFINITY && share > fast)
-        printf("  warning: the load is fast relative to waves: they may reach a limit earlier, at "
-               "another time and place than in equilibrium\n");
-    if (foreseen->time == INFINITY &&
-        (foreseen->most * (1.0 + fmin(1.0, share)) >= 1.0 || foreseen->burst >= 1.0))
-        printf("  warning: the load is fast relative to waves, which may reach a limit that is not "
-               "reached in equilibrium\n");
-}
-
-static void print_when(const gn_world *world, const gn_foreseen *foreseen) {
-    if (foreseen->time < INFINITY)
-        printf("  first            at %.3g s", foreseen->time);
+static void print_first(const trial *t) {
+    if (t->begun)
+        printf("  first            at %.3g s", t->time);
     else
-        printf("  first            none before the end: %.3g of a limit at most", foreseen->most);
-    if (world->ctx.scene.stage_count)
-        printf(", in stage '%s'", world->ctx.scene.stages[foreseen->stage].name);
-    if (foreseen->time < INFINITY && detection_delay(world, foreseen) > 0.02 * foreseen->time)
-        printf(", detected up to %.2g s later (couple.convert.every)",
-               detection_delay(world, foreseen));
-    printf("%s\n", foreseen->time < INFINITY ? "" : "; the step after one is below");
+        printf("  first            none in %.0f steps, to %.3g s: %.3g of a limit at most",
+               t->steps, t->time, t->most.share);
+    if (t->stage) printf(", in stage '%s'", t->stage);
+    printf("%s\n", t->begun || !(t->most.share > 0.0)
+                       ? ""
+                       : "; the step below is that after a conversion of the most loaded elements");
+    if (t->guessed)
+        printf("  stages           one that waits for equilibrium was assumed to last twenty "
+               "transit times of waves\n");
 }
 
-/* Two values with a larger ratio are printed as one. */
-static const double equal_ratio = 0.95;
-
-static void print_dt(const gn_foreseen *foreseen) {
-    printf("  dt               %.6g s then, set by the %s\n", foreseen->first.dt,
-           foreseen->first.side);
-    printf("                   %.6g", foreseen->least.dt);
-    if (foreseen->least.dt < equal_ratio * foreseen->grown.dt)
-        printf(" to %.6g", foreseen->grown.dt);
-    printf(" s after further conversions, set by the %s\n", foreseen->least.side);
-}
-
-/* Prints the prediction for a body that follows its motions and loads quasi-statically. */
-static void print_first(const gn_world *world, const gn_foreseen *foreseen) {
-    printf("conversion, with the body in equilibrium under its motions and loads\n");
-    print_stages(world, foreseen);
-    if (!foreseen->place) {
-        printf("  first            none: there is no load\n");
-        return;
-    }
-    print_when(world, foreseen);
-    print_waves(foreseen);
-    if (*foreseen->halt) {
-        printf("  warning: the first would end the run: %s\n", foreseen->halt);
-        return;
-    }
-    print_dt(foreseen);
+static void print_dt(const gn_world *world, const trial *t) {
+    printf("  dt               %.6g s then, set by the %s\n", t->first, t->side[0]);
+    printf("                   %.6g", t->least);
+    if (t->least < equal_ratio * t->later) printf(" to %.6g", t->later);
+    printf(" s after further conversions, set by the %s\n", t->side[1]);
     if (world->ctx.scene.couple.spins == GN_COUPLE_SLAVED)
         printf("                   roughly: the effect of slaved spins depends on single elements "
                "of fronts; runs had 0.4 to 2 times that\n");
-    if (*foreseen->stop && foreseen->time < INFINITY && foreseen->part * foreseen->reach >= 1.0)
+    if (*t->stop && t->begun)
         printf("  warning: at about %.3g times that load conversion would end the run (roughly: "
                "where elements are smaller than particles, 0.4 to 1.6 times as much): %s\n",
-               1.0 / foreseen->part, foreseen->stop);
+               1.0 / t->part, t->stop);
 }
 
-/* Returns the end of the prediction, s: a first conversion that reaches the end of the box ends the
- * run. */
-static double prediction_end(const gn_foreseen *foreseen) {
-    const double end = gn_course_end(&foreseen->course);
-    return *foreseen->halt ? fmin(foreseen->time, end) : end;
-}
-
-/* Steps of elements alone and, from the predicted time on, of elements and converted particles:
- * with the longest predicted step, and with the shortest. */
-typedef struct foreseen_steps {
-    double alone, least, most;
-} foreseen_steps;
-
-/* Counts the steps in a part of the course between two times. */
-static double steps_between(const gn_course_part *part, double from, double to, double dt) {
-    const double length = fmin(part->end, to) - fmax(part->begin, from);
-    return length > 0.0 ? ceil(length / dt) : 0.0;
-}
-
-static void find_steps(const gn_foreseen *foreseen, foreseen_steps *steps) {
-    const double end = prediction_end(foreseen),
-                 until = foreseen->place ? fmin(foreseen->time, end) : end;
-    const gn_course *c = &foreseen->course;
-    *steps = (foreseen_steps){0};
-    for (size_t k = 0; k < c->count; k++) {
-        const gn_course_part *part = &c->part[k];
-        steps->alone += steps_between(part, 0.0, until, part->dt);
-        if (!(until < end)) continue;
-        /* A stage may have its own step. */
-        const double dt = part->later > 0.0 ? part->later : part->dt;
-        steps->least += steps_between(part, until, end, dt);
-        steps->most +=
-            steps_between(part, until, end, dt * foreseen->least.dt / foreseen->grown.dt);
+static bool has_open_end(const gn_scene *scene) {
+    bool open = scene->stop_peak_drop > 0.0 || scene->stop_strain > 0.0;
+    for (size_t k = 0; k < scene->stage_count; k++) {
+        const gn_stage *stage = &scene->stages[k];
+        open = open || stage->strain > 0.0 || stage->stress > 0.0 || stage->peak_drop > 0.0 ||
+               stage->unbalanced > 0.0 || stage->held > 0.0;
     }
+    return open;
 }
 
-static void print_steps(const gn_world *world, const gn_foreseen *foreseen,
-                        const foreseen_steps *steps) {
-    printf("cost\n  steps            %.0f", steps->alone + steps->least);
-    if (steps->least < equal_ratio * steps->most) printf(" to %.0f", steps->alone + steps->most);
-    printf(" to t = %g s", prediction_end(foreseen));
-    if (steps->most > 0.0) printf(", %.0f of them with elements alone", steps->alone);
-    bool open = world->ctx.scene.stop_peak_drop > 0.0 || world->ctx.scene.stop_strain > 0.0;
-    for (size_t k = 0; k < foreseen->course.count; k++)
-        open = open || foreseen->course.part[k].open;
-    printf("%s\n", open ? " (a stop condition may come first)" : "");
-}
-
-static void print_foreseen(const gn_world *world, const gn_foreseen *foreseen,
-                           const double per_step[2]) {
-    char text[32], most[32];
-    foreseen_steps s;
-    find_steps(foreseen, &s);
-    print_first(world, foreseen);
-    print_steps(world, foreseen, &s);
-    printf("  per step         %.1f us with %d thread%s", per_step[0] * 1e6, world->ctx.threads,
+static void print_cost(const gn_world *world, const trial *t) {
+    const cost c = cost_of(t);
+    char text[32];
+    printf("cost\n  steps            %.0f", c.steps[0]);
+    if (c.steps[0] < equal_ratio * c.steps[1]) printf(" to %.0f", c.steps[1]);
+    printf(" to t = %g s", *t->halt ? t->time : t->end);
+    if (t->begun) printf(", %.0f of them with elements alone", t->steps);
+    printf("%s\n", has_open_end(&world->ctx.scene) ? " (a stop condition may come first)" : "");
+    printf("  per step         %.1f us with %d thread%s", t->seconds[0] * 1e6, world->ctx.threads,
            world->ctx.threads > 1 ? "s" : "");
-    if (per_step[1] > 0.0)
-        printf(" with elements alone, %.1f us once %zu of them are left", per_step[1] * 1e6,
-               foreseen->some);
-    const double alone = s.alone * per_step[0];
-    printf("\n  time             %s",
-           gn_format_seconds(alone + s.least * per_step[1], text, sizeof text));
-    if (s.least < equal_ratio * s.most)
-        printf(" to %s", gn_format_seconds(alone + s.most * per_step[1], most, sizeof most));
-    printf("%s\n", s.most > 0.0 ? ", plus the cost of further conversions" : "");
-}
-
-/* Tries steps of elements alone as far as they last, and steps after the first conversion;
- * seconds[2]: s, of a step of each. */
-static gneiss_status try_converting(gn_world *world, bool print, gn_foreseen *foreseen,
-                                    double per_step[2], gneiss_error *error) {
-    GN_TRY(gn_conversion_foresee(world, foreseen, error));
-    if (print) print_dormant(world, foreseen);
-    GN_TRY(gn_time_steps(world, fmin(world->ctx.scene.end, 0.5 * foreseen->time), &per_step[0],
-                         error));
-    if (!foreseen->place) return GNEISS_OK;
-    GN_TRY(gn_conversion_try(world, foreseen, error));
-    if (*foreseen->halt) return GNEISS_OK;
-    GN_TRY(gn_time_fixed_steps(world, &per_step[1], error));
-    return gn_conversion_try_more(world, foreseen, error);
+    if (t->seconds[1] > 0.0)
+        printf(" with elements alone, %.1f us once %zu of them are left", t->seconds[1] * 1e6,
+               t->elements);
+    printf("\n  time             %s", gn_format_seconds(c.seconds[0], text, sizeof text));
+    if (c.steps[0] < equal_ratio * c.steps[1])
+        printf(" to %s", gn_format_seconds(c.seconds[1], text, sizeof text));
+    printf("%s\n", t->seconds[1] > 0.0 ? ", plus the cost of further conversions" : "");
 }
 
 gneiss_status gn_plan_converting(gn_world *world, bool print, double *seconds,
                                  gneiss_error *error) {
-    gn_foreseen f = {0};
-    foreseen_steps steps;
-    double per_step[2] = {0.0};
-    gneiss_status status = try_converting(world, print, &f, per_step, error);
-    if (status == GNEISS_OK) {
-        find_steps(&f, &steps);
-        *seconds = steps.alone * per_step[0] + 0.5 * (steps.least + steps.most) * per_step[1];
-    }
-    if (status == GNEISS_OK && print) print_foreseen(world, &f, per_step);
-    gn_foreseen_free(&f);
-    return status;
+    trial t = {.alone = world->ctx.dt};
+    GN_TRY(find_all(world, &t, error));
+    if (print) print_dormant(world, &t);
+    GN_TRY(try_converting(world, &t, error));
+    const cost c = cost_of(&t);
+    *seconds = 0.5 * (c.seconds[0] + c.seconds[1]);
+    if (!print) return GNEISS_OK;
+    printf("conversion, by a trial run\n");
+    print_first(&t);
+    if (*t.halt)
+        printf("  warning: the first would end the run: %s\n", t.halt);
+    else if (t.least > 0.0)
+        print_dt(world, &t);
+    print_cost(world, &t);
+    return GNEISS_OK;
 }
 
 /* Steps become shorter with the first conversion, not before. */

@@ -171,8 +171,9 @@ static void print_passed(const char *wall, const gn_wall_passed *passed, int *wa
 gneiss_status gn_print_walls_passed(gn_world *world, int *warnings, gneiss_error *error) {
     if (!world->ctx.scene.has_couple || !world->ctx.scene.wall_count) return GNEISS_OK;
     gn_wall_passed *passed = gn_alloc_array(world->ctx.scene.wall_count, sizeof *passed);
-    gneiss_status status = passed ? gn_wall_foresee_passed(world, passed, error)
-                                  : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check walls");
+    gneiss_status status = passed
+                               ? gn_wall_predict_passed(&world->ctx, &world->solids, passed, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check walls");
     for (size_t k = 0; status == GNEISS_OK && k < world->ctx.scene.wall_count; k++)
         print_passed(world->ctx.scene.walls[k].name, &passed[k], warnings);
     gn_free(passed);

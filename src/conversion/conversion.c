@@ -662,6 +662,24 @@ gneiss_status gn_conversion_look_around(const gn_step_context *ctx, const gn_sol
     return find_excess(ctx, solids, most_loaded, *kind, *excess, error);
 }
 
+gneiss_status gn_conversion_convert_above(gn_world *w, double part, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    bool any = false;
+    w->most_loaded.share = 0.0; /* loads below the largest so far count as well */
+    gneiss_status status =
+        gn_conversion_look_around(&w->ctx, &w->solids, &w->most_loaded, &kind, &excess, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(&w->solids); e++)
+        if (kind[e] == GN_FRONT_READY && excess[e] > 0.0 && excess[e] >= part) {
+            kind[e] = GN_FRONT_LEAVING;
+            any = true;
+        }
+    if (any) status = gn_conversion_convert(w, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
 static gneiss_status look(gn_world *w, gneiss_error *error) {
     uint8_t *kind;
     double *excess;

@@ -8,7 +8,6 @@
 #define GN_CONVERSION_CONVERSION_H
 
 #include "base/error.h"
-#include "conversion/load_course.h"
 #include "couple/ties.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
@@ -67,6 +66,8 @@ bool gn_conversion_begun(const gn_solids *solids);
 gneiss_status gn_conversion_kinds(const gn_step_context *ctx, const gn_solids *solids,
                                   uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
+/* Converts the elements that are loaded to at least this part of a limit. */
+gneiss_status gn_conversion_convert_above(gn_world *world, double part, gneiss_error *error);
 
 /* What that would come to, with nothing changed but world->halt and `kind`: how many rings of
  * elements would go along. */
@@ -113,46 +114,6 @@ gneiss_status gn_conversion_measure(const gn_step_context *ctx, const gn_dem *de
 /* For who looks at a scene at its start, when all of the particles sleep: the body as though they
  * were all awake and bonded; a second call puts that back. Else nothing is done. */
 void gn_conversion_turn_over(const gn_step_context *ctx, gn_dem *dem);
-/* What a run of elements that convert comes to, before it has made a step
- * (conversion_prediction.c).
- */
-typedef struct gn_foreseen_step {
-    double dt;        /* s */
-    size_t elements;  /* that are left */
-    const char *side; /* what sets the step */
-} gn_foreseen_step;
-typedef struct gn_foreseen {
-    gn_course course;  /* what it goes through */
-    gn_step_limit all; /* of all particles by themselves, as if they were awake */
-    double collision;  /* s: that resolves their collisions; INFINITY: none has to be */
-    double time;       /* s: when the body, at rest under its motions and loads, comes to a limit
-                          first; INFINITY: not before the end */
-    size_t stage;      /* part of the course in which it does, or is loaded most */
-    double most;       /* times a limit that it is loaded there, at most, to a hundredth or so */
-    double reach;      /* times the first limit that its loads come to later on; 1 at least */
-    double rise;       /* s: that the load takes to come there, twice its second half */
-    double period;     /* s: the longest of the body's that it can swing with */
-    double burst;      /* times a limit, of a wave that the quickest change of a motion sends off */
-    double *place;     /* [nodes][4] m: then, or where it is loaded most; NULL: nothing loads it */
-    char halt[512];    /* why nothing of it can be converted; empty: something can */
-    gn_foreseen_step first; /* once the element has gone that is loaded most there, */
-    gn_foreseen_step grown; /* once more have, front by front as the load grows, */
-    size_t some;            /* elements that were left when those were loaded 0.7 times as much */
-    gn_foreseen_step least; /* and with whatever particle awake */
-    char stop[512];         /* why one of these fronts would end the run; empty: none would, */
-    double most_then;       /* times a limit, of these places; */
-    double part;            /* of that, where the last front was; */
-    int fronts;             /* behind the first */
-} gn_foreseen;
-/* Finds time and place, and leaves the world as it was. */
-gneiss_status gn_conversion_foresee(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
-/* Where it has a place converts what comes first, and what is loaded 0.7 times as much, front by
- * front, of a world that is of no use any more but for the cost of its steps; then what goes with
- * the most that its loads come to, and what later stages make of the step. */
-gneiss_status gn_conversion_try(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
-gneiss_status gn_conversion_try_more(gn_world *world, gn_foreseen *foreseen, gneiss_error *error);
-void gn_foreseen_free(gn_foreseen *foreseen);
-
 /* The limits that all of them would have by themselves. */
 gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
 

@@ -2,14 +2,12 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "conversion/conversion.h"
-#include "conversion/load_course.h"
-#include "conversion/rest_state.h"
 #include "fem/solid.h"
 #include "frame/step_context.h"
 #include "scene/scene.h"
+#include "scene/table.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "world/world.h"
@@ -90,114 +88,70 @@ gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary 
 
 /* --- before a run --- */
 
-typedef struct foresight {
-    gn_rest *rest;
-    const uint8_t *used;
-    double near, blur;
-    gn_wall_passed *passed; /* [walls] */
-    double *least;          /* [walls] m, gaps at the last look */
-    double last;            /* s, of it */
-} foresight;
-
-/* m: the solution is known to a part of what it moves. */
-static double blur_of(const gn_fem_solid *b) {
-    const double known = 1e-4;
-    double most = 0.0;
-    for (size_t n = 0; n < b->nodes.soa.count; n++) {
-        double d[3];
-        for (size_t a = 0; a < 3; a++) d[a] = b->nodes.pos[4 * n + a] - b->nodes.start[4 * n + a];
-        most = fmax(most, gn_dot3(d, d));
-    }
-    return known * sqrt(most);
+/* Adds the paths of motions from the start to a time to the positions of the driven nodes, m. */
+static void move_driven(gn_element_model *q, double time) {
+    gn_fem_solid *b = &q->solid;
+    for (size_t n = 0; b->prescribed.count && n < b->nodes.soa.count; n++)
+        for (size_t a = 0, k; b->nodes.slot[n] >= 0 && a < (size_t)b->dimension; a++) {
+            const int32_t motion = b->channel[b->nodes.slot[n]][a];
+            for (k = 0; k < q->def->motion_count && q->motion[k] != motion;) k++;
+            if (motion < 0 || k == q->def->motion_count) continue;
+            b->nodes.pos[4 * n + a] =
+                b->nodes.start[4 * n + a] +
+                gn_table_between(&q->def->motions[k].motion.velocity[a], 0.0, time);
+        }
 }
 
-static plane plane_at(const foresight *q, size_t wall, size_t part, double time) {
-    const gn_wall_def *def = &q->rest->w->ctx.scene.walls[wall];
-    plane p = {.near = q->near + q->blur};
+static plane plane_at(const gn_step_context *ctx, const gn_solids *solids, size_t wall,
+                      double time) {
+    const gn_wall_def *def = &ctx->scene.walls[wall];
+    plane p = {.near = near_of(ctx, solids)};
     for (size_t a = 0; a < 3; a++) {
-        p.point[a] = def->point[a] + gn_course_wall_path(&q->rest->course, part, wall, a, time);
+        p.point[a] = def->point[a];
         p.normal[a] = def->normal[a];
+        if (!def->servo.active) p.point[a] += gn_table_between(&def->motion.velocity[a], 0.0, time);
     }
     return p;
 }
 
-/* Whoever nothing holds goes u = 1/2 f/m t^2. */
-static void put_at(const foresight *q, size_t part, double time) {
-    if (time > 0.0) q->rest->inertia = 2.0 / (time * time);
-    gn_rest_find(q->rest, part, time);
-    gn_rest_put(q->rest, time > 0.0 ? 1.0 : 0.0);
-}
-
-static void look_at_walls(foresight *q, size_t part, double time) {
-    const gn_world *w = q->rest->w;
-    put_at(q, part, time);
-    q->blur = blur_of(gn_coupled_solid(&w->solids));
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) {
-        const plane p = plane_at(q, k, part, time);
-        gn_wall_passed *to = &q->passed[k];
+/* Leaves driven nodes where the last time has them. */
+static gn_wall_passed predict(const gn_step_context *ctx, const gn_solids *solids,
+                              const uint8_t *used, const uint8_t *driven, size_t wall) {
+    enum { TIMES = 8 };
+    gn_wall_passed found = {0};
+    double before = 0.0;
+    for (int k = 0; k <= TIMES; k++) {
+        const double time = ctx->scene.end * k / TIMES;
+        const plane p = plane_at(ctx, solids, wall, time);
         double least;
-        const gn_wall_passed now = look(gn_coupled_solid(&w->solids), q->used, &p, &least);
-        if (time == 0.0) to->touching = now.touching;
-        if (now.behind && !to->behind) {
-            const double before = fmax(q->least[k], 0.0);
-            to->time = time - (time - q->last) * least / fmin(least - before, -p.near);
-        }
-        if (now.behind > to->behind) to->behind = now.behind;
-        to->deepest = fmax(to->deepest, now.deepest);
-        q->least[k] = least;
+        move_driven(solids->elements[0], time);
+        const gn_wall_passed now = look(gn_coupled_solid(solids), k ? driven : used, &p, &least);
+        if (k == 0) found.touching = now.touching;
+        if (k && now.behind && !found.behind)
+            found.time =
+                time - ctx->scene.end / TIMES * least / fmin(least - fmax(before, 0.0), -p.near);
+        found.behind = now.behind > found.behind ? now.behind : found.behind;
+        found.deepest = fmax(found.deepest, now.deepest);
+        before = least;
     }
-    q->last = time;
+    return found;
 }
 
-static gneiss_status foresee(foresight *q, gneiss_error *error) {
-    enum { LOOKS = 8 };
-    const gn_course *c = &q->rest->course;
-    q->least = gn_alloc_array(q->rest->w->ctx.scene.wall_count + 1, sizeof *q->least);
-    if (!q->least) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
-    for (size_t part = 0; part < c->count; part++)
-        for (int k = part > 0; k <= LOOKS; k++) {
-            const gn_course_part *p = &c->part[part];
-            look_at_walls(q, part, p->begin + (p->end - p->begin) * k / LOOKS);
-        }
-    gn_free(q->least);
-    return GNEISS_OK;
-}
-
-/* With the nodes put back where they were, which may be off their start. */
-static gneiss_status foresee_and_return(foresight *q, gneiss_error *error) {
-    gn_fem_solid *b = gn_coupled_solid(&q->rest->w->solids);
-    const size_t size = 4 * b->nodes.soa.count;
-    double *place = gn_alloc_array_raw(size + 1, sizeof *place);
-    if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for places of nodes");
-    memcpy(place, b->nodes.pos, size * sizeof *place);
-    gneiss_status status = foresee(q, error);
-    memcpy(b->nodes.pos, place, size * sizeof *place);
-    gn_fem_positions_changed(b);
-    gn_free(place);
-    return status;
-}
-
-gneiss_status gn_wall_foresee_passed(gn_world *w, gn_wall_passed *passed, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(&w->solids);
-    gn_course course = {0};
-    gn_rest rest = {0};
-    foresight q = {.rest = &rest, .near = near_of(&w->ctx, &w->solids), .passed = passed};
-    for (size_t k = 0; k < w->ctx.scene.wall_count; k++) passed[k] = (gn_wall_passed){0};
-    if (b->form != GN_FEM_DISPLACEMENT) {
-        for (size_t k = 0; k < w->ctx.scene.wall_count; k++)
-            passed[k] = gn_wall_passed_now(&w->ctx, &w->boundary, &w->solids, k);
-        return GNEISS_OK;
-    }
-    uint8_t *used = find_nodes(b);
-    gneiss_status status =
-        used ? gn_course_make(w, GN_SETTLING * gn_wave_travel(&w->ctx, &w->solids), &course, error)
-             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at walls");
-    q.used = used;
-    if (status == GNEISS_OK) status = gn_rest_make(w, &course, &rest, error);
-    rest.unloaded = !gn_converts(&w->ctx);
-    if (status == GNEISS_OK) status = foresee_and_return(&q, error);
-    gn_rest_free(&rest);
-    gn_course_free(&course);
+gneiss_status gn_wall_predict_passed(const gn_step_context *ctx, const gn_solids *solids,
+                                     gn_wall_passed *passed, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(solids);
+    const size_t nodes = b->nodes.soa.count, size = 4 * nodes * sizeof *b->nodes.pos;
+    uint8_t *used = find_nodes(b), *driven = gn_alloc(nodes + 1);
+    double *place = gn_alloc_array_raw(4 * nodes + 1, sizeof *place);
+    const bool memory = used && driven && place;
+    for (size_t n = 0; memory && n < nodes; n++)
+        driven[n] = used[n] && b->prescribed.count && b->nodes.slot[n] >= 0;
+    if (memory) memcpy(place, b->nodes.pos, size);
+    for (size_t k = 0; memory && k < ctx->scene.wall_count; k++)
+        passed[k] = predict(ctx, solids, used, driven, k);
+    if (memory) memcpy(b->nodes.pos, place, size);
     gn_free(used);
-    return status;
+    gn_free(driven);
+    gn_free(place);
+    return memory ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to check walls");
 }

@@ -19,8 +19,10 @@ typedef struct gn_wall_passed {
 /* Of a wall now; time: that of now. */
 gn_wall_passed gn_wall_passed_now(const gn_step_context *ctx, const gn_boundary *boundary,
                                   const gn_solids *solids, size_t wall);
-/* [walls] of a run that has not begun: at rest under motions and loads, of fixed zones under
- * motions alone, as particles bear the loads with the elements. Leaves the world as it was. */
-gneiss_status gn_wall_foresee_passed(gn_world *world, gn_wall_passed *passed, gneiss_error *error);
+/* Predicts for each of passed[walls] of a run that has not begun which nodes come behind it: all
+ * nodes at the start, later those that motions drive, by the motions of the first stage. Walls with
+ * a servo are taken to stand. */
+gneiss_status gn_wall_predict_passed(const gn_step_context *ctx, const gn_solids *solids,
+                                     gn_wall_passed *passed, gneiss_error *error);
 
 #endif

@@ -222,7 +222,7 @@ static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *erro
     return status;
 }
 
-void gn_elements_set_loads(gn_element_model *q, double time) {
+static void set_loads(gn_element_model *q, double time) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_table *value = e->loads[k].has_force ? e->loads[k].force : e->loads[k].traction;
@@ -271,7 +271,7 @@ static gneiss_status make_drives(const gn_step_context *ctx, gn_element_model *q
         GN_TRY(at(ctx, l->where, group_of(&l->region), "loads", k, status, error));
     }
     look_at_loads(q);
-    gn_elements_set_loads(q, 0.0);
+    set_loads(q, 0.0);
     return GNEISS_OK;
 }
 
@@ -335,7 +335,7 @@ gneiss_status gn_elements_enter(const gn_step_context *ctx, gn_solids *solids,
         GN_TRY(gn_fem_set_environment(&q->solid, ctx->scene.gravity, damping,
                                       ctx->scene.background_coefficient, error));
         look_at_loads(q);
-        gn_elements_set_loads(q, ctx->time);
+        set_loads(q, ctx->time);
         set_velocities(ctx, q, ctx->time, true);
     }
     return GNEISS_OK;
@@ -409,7 +409,7 @@ void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *s
         gn_element_model *q = solids->elements[k];
         double start = gn_now();
         set_velocities(ctx, q, ctx->time + 0.5 * ctx->dt, false);
-        if (q->loads_vary) gn_elements_set_loads(q, ctx->time);
+        if (q->loads_vary) set_loads(q, ctx->time);
         gn_element_contact_load(q);
         if (ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past && ctx->effects & GN_FX_ENERGY)
             q->vel_past = gn_dem_kept(&q->solid.nodes, q->solid.nodes.vel);

@@ -89,8 +89,6 @@ gneiss_status gn_elements_limit(const gn_step_context *ctx, gn_solids *solids, b
                                 gneiss_error *error);
 /* Elements were taken out: the bound holds for those that are left, whatever their parts. */
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
-/* The loads of a time become those on the nodes. */
-void gn_elements_set_loads(gn_element_model *q, double time);
 /* Marks the nodes [nodes], 0 before, of motions and loads: the most of it that holds. */
 typedef enum gn_node_use { GN_NODE_FREE, GN_NODE_WATCHED, GN_NODE_DRIVEN } gn_node_use;
 void gn_elements_driven(const gn_element_model *q, uint8_t *driven);

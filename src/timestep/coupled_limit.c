@@ -29,9 +29,7 @@ typedef struct whole {
     gn_coupled *q;
     const gn_step_context *ctx;
     const gn_dem *dem;
-    const gn_boundary *boundary;
     const gn_solids *solids;
-    const gn_zones *zones;
     gn_springs springs;
     gn_spring_operator pull;
     gn_fem_linear linear;
@@ -326,13 +324,7 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error) {
-    whole y = {.q = zones->coupled,
-               .ctx = ctx,
-               .dem = dem,
-               .boundary = boundary,
-               .solids = solids,
-               .zones = zones,
-               .limit = limit};
+    whole y = {.q = zones->coupled, .ctx = ctx, .dem = dem, .solids = solids, .limit = limit};
     gneiss_status status =
         gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, find, &y, error);
     whole_free(&y);

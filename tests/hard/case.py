@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from program import *  # noqa: F403
 
-# What a scene says besides what is hard in it. The step and all else that decides about a result stays at its default.
+# Keys of every hard scene besides its own. The step and all else that decides about a result stay at their defaults.
 QUIET = {"output": {"snapshots": 0, "history_rows": 100, "checkpoint": "off"}, "run": {"threads": 1}}
 DENSITY = 2500.0
 # Relative rounding of a double, and of what a few thousand steps make of it.
@@ -90,7 +90,7 @@ def stl(folder, name, triangles):
 
 
 class Seen:
-    """What a run left: exit code, message, summary, history, fields."""
+    """The outcome of a run: exit code, message, summary, history, fields."""
 
     def __init__(self, folder, out, done):
         self.folder, self.out, self.code, self.message = folder, out, done.returncode, " ".join(done.stderr.split())
@@ -116,7 +116,7 @@ class Seen:
         return start(self.folder, scene, name, *arguments)
 
     def state(self):
-        """What must not depend on threads, sets or interruptions."""
+        """State that must not depend on threads, instruction sets or interruptions."""
         if self.code == 0:
             return self.summary["state_hash"]
         return re.sub(re.escape(self.out), "", self.message)
@@ -158,8 +158,8 @@ def taken_up(one, scene, row, sets):
 
 
 def same_everywhere(case, one, sets):
-    """The same state (or the same words of a run that was stopped) on other threads and sets, and of a run that was taken up
-    half way. What is refused is refused by `gneiss check` as well."""
+    """Checks that other threads and sets, and a run resumed half way, give the same state, or the same message of a run
+    that stopped. A scene that is refused has to be refused by `gneiss check` as well."""
     scene, wanted = case.scene(one.folder), one.state()
     if one.code == 2:
         checked = gneiss("check", os.path.join(one.folder, "one.yaml"))

@@ -10,7 +10,7 @@ SOLID = [{"young": STIFF, "poisson": 0, "density": HEAVY}]
 
 
 def drawn(folder, notches, box=None, end=5e-5, **changes):
-    """48 x 12 mm of cells of 2 mm, drawn along x; notches of a cell, two deep, from below at these columns. Discs of 1 mm sleep in it."""
+    """48 x 12 mm of cells of 2 mm, drawn along x; notches of a cell, two deep, from below at these columns. Discs of 1 mm are dormant in it."""
     nodes, triangles = grid(24, 6, lambda i, j: (2e-3 * i, 2e-3 * j))
     gone = {24 * j + i for i in notches for j in (0, 1)}
     msh(folder, nodes, [t for k, t in enumerate(triangles) if k // 2 not in gone])
@@ -43,7 +43,7 @@ def between(one):
 
 
 def have_met(one):
-    """What is between the notches bears little and goes because neither zone has room there; beside one notch alone some of it stays."""
+    """The material between the notches carries little and converts because neither zone has room there; beside one notch alone some of it stays."""
     alone = one.again(drawn(one.folder, (8,)), "alone")
     assert between(one) == 0 and between(alone) > 0, (between(one), between(alone))
     return keeps_ledger(1e-3)(one) + f"; none left between, {between(alone)} with one notch"
@@ -60,7 +60,7 @@ def says_where_it_stopped(one):
     assert len(halted) == 1 and re.search(r"which is not in couple\.convert\.box but beyond its upper y side", halted[0]), one.summary["warnings"]
     awake = one.summary["counts"]["particles"] - one.summary["counts"]["asleep"]
     assert one.summary["time"] < 5e-5 and awake > 0, (one.summary["time"], awake)
-    return keeps_ledger(1e-3)(one) + f"; ended at {one.summary['time']:.2e} s with {awake} particles awake"
+    return keeps_ledger(1e-3)(one) + f"; ended at {one.summary['time']:.2e} s with {awake} particles active"
 
 
 def line(x, y, size):
@@ -90,7 +90,7 @@ def edges(folder):
 
 
 def bears_as_before(one):
-    """The lower edges of the middle are gone; the bar bears what elements alone do, of which four over the height are some percent too stiff."""
+    """The lower edges of the middle are gone; the bar carries what elements alone do, of which four over the height are some percent too stiff."""
     at = centres(one)
     low = (at[:, 1] < 1e-3) & (abs(at[:, 0] - 0.02) < 1e-3)
     assert not low.any(), at[low]
@@ -130,9 +130,9 @@ CASES = [
     Case("a crack that runs out of what is packed", "particles are ready up to 10 of 12 mm", "the run ends there, with its results and a name for it",
          out_of_what_is_packed, says_where_it_stopped, "nothing is converted where more would have to go than may", "goes on without a word, with a zone in which no particles are",
          more="test_conversion.c"),
-    Case("elements converted at the edges of a body", "a bar that is bent; its lower edges go first", "it bears what elements alone bear, the ledger closes",
-         edges, bears_as_before, "who is bonded to one that has a part wakes as well and follows the elements", "76 N, as bonds end at particles that stay where they were",
+    Case("elements converted at the edges of a body", "a bar that is bent; its lower edges go first", "it carries the load that elements alone carry, the ledger closes",
+         edges, bears_as_before, "a particle bonded to one of nonzero weight becomes active as well and follows the elements", "76 N, as bonds end at particles that stay where they were",
          more="test_conversion.c"),
-    Case("a run taken up amid conversions that relax", "a disordered packing, of which some wakes before and some after", "the same bits", relaxing, relaxed_on_both_sides,
+    Case("a run taken up amid conversions that relax", "a disordered packing, parts of which become active before and after", "the same bits", relaxing, relaxed_on_both_sides,
          "a relaxation is over within an instant, and nothing is written in it", "there is nothing to take out", more="test_relaxation.c"),
 ]

@@ -81,7 +81,7 @@ def corner_of_segments(folder):
 
 
 def falls_off(one):
-    """What was pressed, 1/2 (m g)^2/k, is next to nothing: the energy is that of the fall."""
+    """The elastic energy at the start, 1/2 (m g)^2/k, is negligible: the energy is that of the fall."""
     v, d = one.field("particles/velocity")[0], one.field("particles/displacement")[0]
     v = v + np.array([0, -WEIGHT, 0]) * 0.5 * one.summary["time"] / one.summary["steps"]
     rows, weight = one.history, math.pi * 1e-6 * DENSITY * WEIGHT
@@ -192,7 +192,7 @@ CASES = [
          "5/7 of the acceleration, no energy to friction", rolling, rolls,
          "contacts take over the shear force of the contact whose normal agrees best",
          "shear forces forgotten: 1e-3 of the energy into friction; edges not suppressed and not shared: 1e-4"),
-    Case("a centre on a facet", "which side it is on cannot be told", "refused, the particle and the body named",
+    Case("a centre on a facet", "its side of the facet is undefined", "refused, the particle and the body named",
          centre_on_a_facet, refuses("particle 0: centre on the surface of body 'plate'"),
          "centres are held against facets when lists are made",
          "runs into a stiffness that is not a number, and says so", ends=2),

@@ -24,7 +24,7 @@ def moved(make, place):
 
 
 def as_near(make, dimension=3):
-    """The same bits, but for the place."""
+    """Checks that the bits are the same, but for the place."""
     def check(one):
         near = one.again(make([0.0] * dimension), "near")
         assert near.code == 0, near.message

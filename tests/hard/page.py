@@ -28,7 +28,7 @@ def cell(text):
 
 
 def told(case):
-    """What the page says of a case but for its figures."""
+    """The row of a case on the page, without its figures."""
     return f"| {cell(case.name)} | {cell(case.hard)} | {cell(case.should)} |"
 
 

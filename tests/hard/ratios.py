@@ -16,7 +16,7 @@ def light_and_heavy(folder):
 
 
 def rebounds(light, ratio, allowed):
-    """Of particle `light`, thrown at 1 m/s, and the other one."""
+    """Checks the speeds of particle `light`, launched at 1 m/s, and of the other one."""
     def check(one):
         v = one.field("particles/velocity")[:, 0]
         wanted = collision(1.0, 0.0, ratio)
@@ -71,7 +71,7 @@ def two_springs(one):
 
 
 def rattles_on_platens(folder):
-    """The same body, shaken and not pressed, so that it comes off the platens: those count as laid on, and are met in a step."""
+    """The bonded body, shaken and not pressed, so that it leaves the platens: those count as in contact, and are touched within a step."""
     scene = bonded_between_platens(folder)
     del scene["damping"]
     for one in scene["walls"]:
@@ -81,7 +81,7 @@ def rattles_on_platens(folder):
 
 
 def bonded_that_rattles(folder):
-    """The same body between plates that it does not touch yet: 20 times as stiff as its bonds."""
+    """The bonded body between plates that it does not touch yet: 20 times as stiff as its bonds."""
     return spheres(lattice("fcc", [2, 2, 2]), 0.02, {"normal_stiffness": 1e4, "kratio": 2, "friction": 0, **STRONG},
                    bonds={}, sets=[thrown("all", None, [0, 0, -0.1])],
                    walls=[wall("lower", [0, 0, -1e-5], [0, 0, 1], 1e6), wall("upper", [0, 0, 6e-3], [0, 0, -1], 1e6)])

@@ -24,7 +24,7 @@ def ring(folder):
 
 
 def angular_momentum(one):
-    """Of spheres, about 0. Positions are a half step later than velocities, which makes no difference to it."""
+    """Angular momentum of spheres about 0. Positions are a half step later than velocities, which makes no difference to it."""
     x, v, w = (one.field("particles/" + name) for name in ("position", "velocity", "spin"))
     r = one.field("particles/radius")
     m = sphere_mass(r)[:, None]

@@ -1,5 +1,5 @@
-"""What the study's own tests found over what `gneiss plan --error` foretells from their specimens: validate/accuracy/base.csv, which the
-program brings the estimates of other scenes to what is found by.
+"""Results of the study's own tests over the predictions of `gneiss plan --error` from their specimens: validate/accuracy/base.csv, with which
+the program corrects the estimates of other scenes.
 
     /usr/bin/python3 validate/accuracy/base.py      measures and writes it: some minutes of one core; ./do accuracy does so as well
     /usr/bin/python3 validate/accuracy/base.py --scatter      only how packings scatter by the law of the bonds (scatter.py)
@@ -79,7 +79,7 @@ def scatter_over_law(study, kind, c):
 
 
 def run_over_lattice(study, kind, scene_file):
-    """Of a run over what a lattice foretells of it, in turns, as the machine is used by others."""
+    """Seconds of a run over those predicted from a lattice, measured in turns, as other programs may use the machine."""
     ratios = []
     for _ in range(AGAIN):
         told, out = plan(study, scene_file, 1), study.path(kind, "base-timed")
@@ -139,7 +139,7 @@ def of_case(study, kind):
 
 
 def of_packing(study):
-    """The making of a packing in steps of its particles, in turns with what a step is foretold to cost."""
+    """The cost of making a packing in steps of its particles, measured in turns with the predicted cost of a step."""
     count, found = (200 if study.quick else 2000), []
     c = cylinder.Cylinder("compression", study.quick)
     scene = {**c.scene({**c.shape(), "particles": count}), "time": {"end": 1e-9}}
@@ -177,7 +177,7 @@ def with_scatter(study, path, found):
 
 
 def written(path):
-    """What the table says, as `write` takes it."""
+    """The content of the table, in the form that `write` takes."""
     found = {}
     for row in slopes.read(path):
         found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])

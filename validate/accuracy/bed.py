@@ -25,7 +25,7 @@ def scene(quick):
 
 
 def stiffness(k):
-    """Of grains and walls."""
+    """Settings of one stiffness for grains and walls."""
     return {"materials.grain.normal_stiffness": k, **{f"walls.{name}.stiffness": k for name in ("floor", "left", "right", "front", "back")}}
 
 

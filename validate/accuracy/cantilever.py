@@ -84,7 +84,7 @@ KINDS = {"CPE3": "CalculiX, the same triangles", "CPE8": "CalculiX, quadratic"}
 
 
 def others(study, truth):
-    """Of CalculiX: {label: [(seconds, error)]}, and the rows of its table."""
+    """CalculiX: {label: [(seconds, error)]}, and the rows of its table."""
     points, lines = {}, []
     for kind, label in KINDS.items():
         for count, found, seconds in by_calculix(kind, (1, 2, 4) if study.quick else (1, 2, 4, 8, 16, 32)):

@@ -27,7 +27,7 @@ def body(specimen, v):
 
 
 def alone(specimen, v, radius):
-    """Of particles: supports and load as wide as five of them."""
+    """The beam of particles; supports and load are as wide as five of them."""
     places = {"left": ((LONG - SPAN) / 2, 0, {"vx": 0, "vy": 0}), "right": ((LONG + SPAN) / 2, 0, {"vy": 0}), "load": (LONG / 2, HEIGHT, {"vy": motion(v)[0]})}
     half = 2.5 * radius
     return {**body(specimen, v), "title": "notched beam of particles",
@@ -36,7 +36,7 @@ def alone(specimen, v, radius):
 
 
 def adaptive(specimen, v):
-    """Of elements, for which the packing stands ready within a hundred millimetres of the notch."""
+    """The beam of elements; the packing is ready within a hundred millimetres of the notch."""
     return {**body(specimen, v), "title": "notched beam of elements that turn into particles",
             "elements": {"beam": {"length": LONG, "height": HEIGHT, "span": SPAN, "notch_depth": DEPTH, "notch_width": WIDTH, "cell": CELL},
                          "materials": [{"young": YOUNG, "poisson": POISSON, "density": DENSITY}],
@@ -63,13 +63,13 @@ def axes(v):
 
 
 def strength(row):
-    """Of a run that has come to its end: what comes after conversion has halted is not known."""
+    """Strength from a run that has reached its end: the curve after conversion has halted is not known."""
     halted = any(one["name"] == "conversion_halted" for one in row.summary.get("warnings", []))
     return float("nan") if halted else row["flexural_strength"]
 
 
 def saved(truth, rows):
-    """What the beam of particles costs over what the cheapest coupled ones of an error do."""
+    """The cost of the beam of particles over that of the cheapest coupled ones of an error."""
     whole, text = truth.seconds, []
     for limit in (0.05, 0.02, 0.01):
         near = [row for same in rows.values() for row in same if abs(strength(row) / strength(truth) - 1) <= limit]

@@ -91,7 +91,7 @@ def scatter(values):
 
 
 def front(points):
-    """Of (seconds, error, ...), those that nothing cheaper is better than, cheapest first."""
+    """The points (seconds, error, ...) that no cheaper point improves on, cheapest first."""
     best, kept = np.inf, []
     for point in sorted(points, key=lambda p: (p[0], p[1])):
         if np.isfinite(point[1]) and point[1] < best:

@@ -27,7 +27,7 @@ def scene(quick):
 
 
 def sides(count):
-    """Of the prisms that stand for the silo and its hole."""
+    """Settings of the number of sides of the prisms that stand for the silo and its hole."""
     return {"bodies.silo.cylinder.sides": count, "bodies.bottom.cylinder.sides": count}
 
 

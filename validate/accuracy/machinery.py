@@ -1,4 +1,4 @@
-"""What the cases share: runs by `gneiss sweep`, kept under their hashes, and what is read from them."""
+"""Shared by the cases: runs by `gneiss sweep`, kept under their hashes, and what is read from them."""
 import csv
 import json
 import os
@@ -16,7 +16,7 @@ import study
 
 @dataclass
 class Axis:
-    """What is varied alone, or together when `settings` sets several keys: values, and for each the keys of the scene. `quick`: the values
+    """A setting that is varied alone, or several when `settings` sets several keys: values, and for each the keys of the scene. `quick`: the values
     of the quick form (none: left out there). The line of an axis in the table of its case is all that a new one needs."""
     name: str
     values: list

@@ -1,5 +1,5 @@
-"""What the tests of discs in the plane share: the Brazilian disc, the block and the notched beam in particles. Strength over every axis, the floors,
-and how it goes with the number of particles."""
+"""Shared by the tests of discs in the plane: the Brazilian disc, the block and the notched beam of particles. Strength over every axis, the floors,
+and its dependence on the number of particles."""
 import copy
 
 import numpy as np
@@ -37,7 +37,7 @@ def rows_of(study, case, shape, count, motion, more, speeds, counts, number=key(
 
 
 def exponent(m, reading):
-    """Of a reading over the number of particles across: d ln(reading)/d ln(n), n ~ sqrt(count), over all runs of the axis."""
+    """The exponent of a reading over the number of particles across: d ln(reading)/d ln(n), n ~ sqrt(count), over all runs of the axis."""
     rows, of = m.case.rows["particles"], m.case.readings[reading]
     _, slope, _, error = fits.line([0.5 * np.log(row.value) for row in rows], np.log([of(row) for row in rows]))
     return slope, error

@@ -1,4 +1,4 @@
-"""What accuracy costs in time; writes docs/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
+"""The cost of accuracy in time; writes docs/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
 which `gneiss plan --error` and the error budget of runs are compiled from.
 
     ./do accuracy                everything; what is kept in runs/accuracy is not run again: an hour of one core

@@ -92,8 +92,8 @@ class Measured:
                 self.slopes.power(reading, axis, "scatter", self.case.groups[axis][0], [p[1] for p in scattered], [p[3] for p in scattered])
 
     def chance(self, axis, reading, point):
-        """What the error of a mean over seeds may be by chance, at two standard errors of it and its reference; of single runs what
-        round-off does to two of them."""
+        """The error that a mean over seeds may have by chance, at two standard errors of it and its reference; for single runs the
+        difference that round-off makes between two of them."""
         if np.isfinite(point[3]):
             return 2 * np.sqrt(2) * point[3] / np.sqrt(point[5]) if reading not in self.case.absolute else 0.0
         shaken = [p[2] for p in self.errors.get(("round-off", reading), [])]
@@ -114,7 +114,7 @@ class Measured:
 
 
 def chance_words(m, axis, reading):
-    """Of grains, which choose other places after every change: whether the ends of an axis differ by more than seeds do."""
+    """Words on whether the ends of an axis differ by more than seeds do, for grains, which settle elsewhere after every change."""
     points = m.errors[axis, reading]
     least, most = min(points, key=lambda p: p[0]), max(points, key=lambda p: p[0])
     means = np.hypot(least[3] / np.sqrt(least[5]), most[3] / np.sqrt(most[5]))

@@ -67,7 +67,7 @@ class Slopes:
         return self.add(reading, effect, kind, group, "exponential", c, abs(c) * a_error, None, None, -1 / slope, x.min(), x.max(), len(x))
 
     def ratio(self, reading, effect, group, x, y, reference):
-        """Of a reading over that at the reference."""
+        """The slope of a reading over that at the reference."""
         x, y = fits.clean(x, y)
         u, v = np.log(x / reference), np.log(y)
         if not np.sum(u * u) > 0:

@@ -70,7 +70,7 @@ def profile(row):
 
 
 def instant(row):
-    """Of the velocities: leapfrog has those of the last half step."""
+    """The instant of the velocities: leapfrog has those of the last half step."""
     return row["time"] - 0.5 * row["dt"]
 
 
@@ -81,7 +81,7 @@ def shape(row):
 
 
 def speed(row):
-    """Of the middle of the pulse's energy, from where it stood half a width behind the front."""
+    """The speed of the middle of the pulse's energy, from where it was half a width behind the front."""
     x, v = profile(row)
     return (np.sum(x * v**2) / np.sum(v**2)) / (instant(row) - 0.5 * WIDTH / SPEED)
 

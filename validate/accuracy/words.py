@@ -36,7 +36,7 @@ def plain(value):
 
 
 def trend(slope, error, what):
-    """Whether a slope is one, by its own standard error."""
+    """Words on whether a slope differs from zero, by its own standard error."""
     if not np.isfinite(error):
         return f"{what}: {signed(slope)}"
     if abs(slope) < 2 * error:

@@ -138,7 +138,7 @@ class Deck:
 
 
 class Result:
-    """Of the last increment: displacement {node: [3]}; stress {element: [points, 6]}, xx yy zz xy xz yz at the
+    """From the last increment: displacement {node: [3]}; stress {element: [points, 6]}, xx yy zz xy xz yz at the
     integration points; and the log, the seconds of wall, and the increment of an explicit step, if there is one."""
 
     def __init__(self, folder, log, seconds):

@@ -1,5 +1,5 @@
-"""Steps of the penetration case of Dosta et al. 2024 in YADE, timed: `yade -n -x yade_dem8.py`, told by the environment variable
-JOB (json) what to read and where to write. Started by validate/dem8_study.py."""
+"""Steps of the penetration case of Dosta et al. 2024 in YADE, timed: `yade -n -x yade_dem8.py`, with the environment variable
+JOB (json) for what to read and where to write. Started by validate/dem8_study.py."""
 import json
 import math
 import os

@@ -1,5 +1,5 @@
-"""Collisions of two spheres, or of a sphere and a plane (z = 0), by YADE's Hertz-Mindlin law: `yade -n -x yade_hertz.py`, told by
-the environment variable JOB (json) where to write and which jobs to do. Started by validate/hertz_study.py."""
+"""Collisions of two spheres, or of a sphere and a plane (z = 0), by YADE's Hertz-Mindlin law: `yade -n -x yade_hertz.py`, with
+the environment variable JOB (json) for where to write and which jobs to do. Started by validate/hertz_study.py."""
 import json
 import math
 import os
@@ -15,7 +15,7 @@ def material(m):
 
 
 def carry_out(job):
-    """Of every step: time, then place, velocity and spin of each sphere; of the last one alone where no rows are asked for."""
+    """For every step: time, then position, velocity and spin of each sphere; for the last one alone where no rows are asked for."""
     O.reset()
     for s in job["spheres"]:
         k = O.bodies.append(sphere(s["at"], s["r"], material=material(s)))

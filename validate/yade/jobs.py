@@ -160,7 +160,7 @@ PARTS = {"displacement": slice(0, 3), "velocity": slice(3, 6), "spin": slice(6, 
 
 
 def apart(job, a, b):
-    """Of two runs: {part: (steps, largest difference, largest value)}, at each instant over particles and components;
+    """Differences of two runs: {part: (steps, largest difference, largest value)}, at each instant over particles and components;
     parts that never move are left out. Reactions of prescribed components only: the others are not reactions."""
     n = min(len(a["snapshot_step"]), len(b["snapshot_step"]))
     assert np.array_equal(a["snapshot_step"][:n], b["snapshot_step"][:n])

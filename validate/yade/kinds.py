@@ -118,7 +118,7 @@ def readings(job, run, area, size):
 
 
 def of_beam(job, run):
-    """The same of a beam: stiffness N/m, opening of the mouth over the deflection, peak load N, deflection there."""
+    """Readings of a beam: stiffness N/m, opening of the mouth over the deflection, peak load N, deflection there."""
     r = beam.readings(job, run, {"small": True})
     return {"E": r["stiffness"], "nu": r["opening"] / r["deflection"], "strength": r["load"], "strain": r["deflection"],
             "tension": r["broken"][0], "shear": r["broken"][1]}

@@ -96,7 +96,7 @@ def packing(name):
 
 
 def shifted(name, number):
-    """The same packing with every coordinate changed by a relative 1e-12: what chaos makes of it."""
+    """The packing with every coordinate changed by a relative 1e-12: shows the effect of chaos."""
     rows = np.loadtxt(packing(name))
     rows[:, :3] *= 1 + 1e-12 * np.random.default_rng(number).uniform(-1, 1, rows[:, :3].shape)
     path = jobs.RUNS / "specimens" / f"{name}-shifted-{number}.txt"

@@ -116,7 +116,7 @@ def variant_text(variants):
 
 
 def verdict(found, packings):
-    """What the tables say, in numbers."""
+    """The content of the tables, in numbers."""
     lines = []
     for test, runs in found.items():
         pairs = [(lab.readings(job, own), lab.readings(job, peer)) for job, own, peer, _ in runs.values()]

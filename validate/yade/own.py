@@ -140,7 +140,7 @@ def skin(job):
 
 
 def fallen(job, reaction, broken, peak):
-    """Whether the load has fallen by the wanted part of its peak; and the peak."""
+    """True if the load has fallen by the wanted part of its peak; and the peak."""
     names = [s["name"] for s in job["sets"]]
     a, b = (names.index(end) for end in job["ends"])
     load = 0.5 * np.abs(reaction[:, a, job["axis"]] - reaction[:, b, job["axis"]])
@@ -159,7 +159,7 @@ def broken_pairs(world, job):
 
 
 def run(job):
-    """The same arrays as peer.py leaves."""
+    """Leaves arrays as peer.py does."""
     snapshots, fields = [], ["pos", "vel", "spin"] if job.get("velocities") else ["pos"]
     apart = job.get("snapshot_every", 0)
     with World(scene(job)) as world:

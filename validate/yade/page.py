@@ -1,4 +1,4 @@
-"""What the sections of docs/evidence/validation.md share: tables, pictures, versions, and sections kept between runs."""
+"""Shared by the sections of docs/evidence/validation.md: tables, pictures, versions, and sections kept between runs."""
 import datetime
 import os
 import platform

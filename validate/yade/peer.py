@@ -129,7 +129,7 @@ def cross(a, b):
 
 
 class Contacts:
-    """What gneiss' law reads of interactions, as arrays [interaction] or [axis, interaction]."""
+    """Quantities of interactions that gneiss' law reads, as arrays [interaction] or [axis, interaction]."""
 
     def __init__(self, members):
         self.members, self.phys = members, [i.phys for i in members]
@@ -160,7 +160,7 @@ class Contacts:
         return 0.5 * dt * dot(self.spins[0] + self.spins[1], axis)
 
     def increment(self, at):
-        """What the step adds to the tangential force on the first particle; at its "end" as YADE, its "middle" as gneiss."""
+        """The increment of the tangential force on the first particle in the step; at its "end" as YADE, its "middle" as gneiss."""
         back = 0.5 * dt if at == "middle" else 0.0
         length = self.distance - back * self.speed
         direction = (self.distance * self.normal - back * self.velocity) / length
@@ -173,7 +173,7 @@ class Contacts:
         return whole + angle * cross(self.normal, half) - 0.5 * angle**2 * half
 
     def before_turn(self, force):
-        """What YADE's turn of the old shear force, f - f x a about two axes one after the other, makes `force` of."""
+        """The force before YADE's rotation of the old shear force, f - f x a about two axes one after the other, to `force`."""
         for a in (self.twist(self.before) * self.before, cross(self.before, self.normal)):
             force = (force - cross(a, force) + dot(a, force) * a) / (1 + dot(a, a))
         return force

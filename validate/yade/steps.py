@@ -149,7 +149,7 @@ def folder(case, change=None, steps=None):
 
 
 def measure(case, change=None, steps=None):
-    """What jobs.apart says, the two runs and the job; `steps` in place of the job's own number."""
+    """The result of jobs.apart, the two runs and the job; `steps` in place of the job's own number."""
     job = job_of(case, **(change or {}), **({"steps": steps} if steps else {}))
     own, peer = jobs.both(folder(case, change, steps), job)
     return jobs.apart(job, own, peer), own, peer, job

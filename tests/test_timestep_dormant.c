@@ -1,4 +1,4 @@
-/* The stable step where most particles sleep: no vector is as long as all of them. */
+/* The stable step where most particles are dormant: no vector is as long as all of them. */
 #include "limit/springs.h"
 #include "timestep_specimen.h"
 

@@ -1,4 +1,4 @@
-/* Which particles bear a membrane, and how patches follow where grains have shifted by themselves.
+/* Particles that support a membrane, and patches that follow where single grains have shifted.
  */
 #include "world_helpers.h"
 
@@ -91,7 +91,7 @@ static void pivoting_particles_carry_no_pressure(void **state) {
 }
 
 /* Bonds with moments, and grains that cannot turn, hold on one contact. */
-static void what_cannot_pivot_is_held(void **state) {
+static void particles_that_cannot_pivot_support_the_membrane(void **state) {
     (void)state;
     static const char *const bonds[] = {
         "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.01, radius_multiplier: 1}\n",
@@ -157,7 +157,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(corners_of_lattices_are_held),
         cmocka_unit_test(pivoting_particles_carry_no_pressure),
-        cmocka_unit_test(what_cannot_pivot_is_held),
+        cmocka_unit_test(particles_that_cannot_pivot_support_the_membrane),
         cmocka_unit_test(grains_that_roll_stretch_no_patch),
         cmocka_unit_test(a_patch_is_not_stretched_out_of_all_measure),
     };
