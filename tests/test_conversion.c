@@ -103,7 +103,7 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     const gn_contacts *lists[] = {&w->dem.bonds.contacts, &w->dem.pairs.contacts};
     size_t asleep = 0, mixed = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_asleep(&w->dem, p)) continue;
+        if (!gn_particle_is_dormant(&w->dem, p)) continue;
         asleep++;
         mixed += !w->dem.still[p / GN_PARTICLE_BLOCK];
         for (size_t a = 0; a < 3; a++) {
@@ -115,8 +115,8 @@ static void dormant_particles_have_no_contacts_and_do_not_move(void **state) {
     assert_int_equal(asleep + gn_world_present(&w->dem), q->soa.count);
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++)
-            assert_false(gn_is_asleep(&w->dem, (size_t)lists[l]->i[c]) ||
-                         gn_is_asleep(&w->dem, (size_t)lists[l]->j[c]));
+            assert_false(gn_particle_is_dormant(&w->dem, (size_t)lists[l]->i[c]) ||
+                         gn_particle_is_dormant(&w->dem, (size_t)lists[l]->j[c]));
     world_end(w);
 }
 
@@ -237,7 +237,8 @@ static void find_empty(const gn_world *w, const double near[3], double low[3], d
     size_t mesh;
     gn_free(gn_fem_places(b, &mesh));
     uint8_t *holds = calloc(mesh, 1);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) holds[gn_home_id(&w->dem, p)] = 1;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        holds[gn_dormant_element(&w->dem, p)] = 1;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double lower[3] = {0.0}, upper[3] = {0.0}, d2 = 0.0;
         bounds_of(b, e, lower, upper);

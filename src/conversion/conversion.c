@@ -19,6 +19,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
@@ -76,12 +77,12 @@ static gneiss_status find_homes(const gn_step_context *ctx, gn_dem *dem, const g
     gn_particles *q = &dem->particles;
     const gn_elements *elements = &gn_coupled_solid(solids)->elements;
     char at[GN_POINT_SIZE], message[256];
-    for (size_t p = 0; p < q->soa.count; p++) gn_sleeper_of(dem, p)->home = -1.0;
+    for (size_t p = 0; p < q->soa.count; p++) gn_dormant_of(dem, p)->element = -1;
     for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
-        dem->sleeper[ties->tie[k].id].home = elements->id[ties->tie[k].element];
+        dem->dormant[ties->tie[k].id].element = elements->id[ties->tie[k].element];
     for (size_t p = 0; p < q->soa.count; p++) {
         q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
-        if (gn_sleeper_of(dem, p)->home >= 0.0) continue;
+        if (gn_dormant_of(dem, p)->element >= 0) continue;
         snprintf(message, sizeof message,
                  "expected every particle in an element, found particle %d at %s m in none",
                  q->id[p], gn_point_text(ctx->scene.origin, q->start + 4 * p, at));
@@ -139,8 +140,8 @@ gneiss_status gn_conversion_prepare(const gn_step_context *ctx, gn_dem *dem,
     gn_ties ties;
     GN_TRY(check_law(ctx, error));
     GN_TRY(check_width(ctx, solids, error));
-    dem->sleeper = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->sleeper);
-    if (!dem->sleeper) return no_memory(error);
+    dem->dormant = gn_alloc_array(dem->particles.soa.count + 1, sizeof *dem->dormant);
+    if (!dem->dormant) return no_memory(error);
     GN_TRY(gn_ties_find(gn_coupled_solid(solids), &dem->particles, &ties, error));
     gneiss_status status = find_homes(ctx, dem, solids, &ties, error);
     gn_ties_free(&ties);
@@ -175,8 +176,8 @@ gneiss_status gn_conversion_lay_down(const gn_step_context *ctx, gn_dem *dem,
     GN_TRY(
         gn_soa_create(&gn_contact_record, &d->bonds.contacts, 0, d->prepared.soa.effects, error));
     for (size_t p = 0; p < q->soa.count; p++) {
-        gn_sleeper_of(dem, p)->mass = q->vel[4 * p + 3];
-        gn_sleeper_of(dem, p)->inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
+        gn_dormant_of(dem, p)->inverse_mass = q->vel[4 * p + 3];
+        gn_dormant_of(dem, p)->inverse_inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
         memset(q->vel + 4 * p, 0, 4 * sizeof *q->vel);
         if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
         q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
@@ -191,7 +192,7 @@ gneiss_status gn_conversion_find_still(gn_dem *dem, gneiss_error *error) {
     if (!d->still) return no_memory(error);
     memset(d->still, 1, d->motion_blocks);
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_is_asleep(dem, p)) d->still[p / GN_PARTICLE_BLOCK] = 0;
+        if (!gn_particle_is_dormant(dem, p)) d->still[p / GN_PARTICLE_BLOCK] = 0;
     return GNEISS_OK;
 }
 
@@ -205,13 +206,13 @@ gneiss_status gn_conversion_ties(const gn_dem *dem, const gn_solids *solids, gn_
     int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
     gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        const bool awake = dem->prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
-        if (gn_home_id(dem, p) >= count)
+        const bool awake = dem->prepared.soa.capacity && gn_particle_is_active(q, p);
+        if (gn_dormant_element(dem, p) >= count)
             status = gn_fail(error, GNEISS_ERROR_INPUT,
                              "expected particles in the %zu elements of the mesh, found number %zu",
-                             count, gn_home_id(dem, p));
+                             count, gn_dormant_element(dem, p));
         else
-            element[p] = awake ? place[gn_home_id(dem, p)] : -1;
+            element[p] = awake ? place[gn_dormant_element(dem, p)] : -1;
     }
     if (status == GNEISS_OK)
         status = gn_ties_take(gn_coupled_solid(solids), q, element, ties, error);
@@ -376,10 +377,10 @@ static void wake_all(gn_conversion *c) {
             continue;
         }
         wake(c, p);
-        gn_sleeper *own = gn_sleeper_of(&c->world->dem, p);
-        q->vel[4 * p + 3] = own->mass / part;
-        if (q->spin) q->spin[4 * p + 3] = own->inertia / part;
-        own->mass = own->inertia = 0.0;
+        gn_dormant_particle *own = gn_dormant_of(&c->world->dem, p);
+        q->vel[4 * p + 3] = own->inverse_mass / part;
+        if (q->spin) q->spin[4 * p + 3] = own->inverse_inertia / part;
+        own->inverse_mass = own->inverse_inertia = 0.0;
     }
 }
 
@@ -571,7 +572,7 @@ static void mark_broken(const gn_dem *dem, const int32_t *place, uint8_t *kind) 
         if (!gn_broken(bonds->cause[c])) continue;
         for (int end = 0; end < 2; end++) {
             const int32_t p = end ? bonds->j[c] : bonds->i[c],
-                          e = place[gn_home_id(dem, (size_t)p)];
+                          e = place[gn_dormant_element(dem, (size_t)p)];
             if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
         }
     }

@@ -22,20 +22,11 @@
 static inline bool gn_converts(const gn_step_context *ctx) {
     return ctx->scene.has_couple && ctx->scene.couple.has_convert;
 }
-static inline gn_sleeper *gn_sleeper_of(const gn_dem *dem, size_t p) {
-    return &dem->sleeper[dem->particles.id[p]];
-}
-static inline bool gn_is_asleep(const gn_dem *dem, size_t p) {
-    return dem->sleeper && gn_sleeper_of(dem, p)->mass > 0.0;
-}
 /* Whether elements convert, and have all of the body at both places. */
 static inline bool gn_conversion_hides(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
                                        int32_t j) {
     const double *part = dem->particles.blend;
     return gn_converts(ctx) && !(part[2 * (size_t)i] + part[2 * (size_t)j] > 0.0);
-}
-static inline size_t gn_home_id(const gn_dem *dem, size_t p) {
-    return (size_t)gn_sleeper_of(dem, p)->home;
 }
 
 /* Before bonds are formed: which element each particle is in. */

@@ -69,8 +69,8 @@ typedef struct boxed {
 
 /* Who has woken has bonds that are no longer put by. At the start, before any sleeps, all count. */
 static int32_t element_of(const boxed *q, int32_t p) {
-    if (q->dem->prepared.soa.capacity && !gn_is_asleep(q->dem, (size_t)p)) return -1;
-    const int32_t e = q->place[gn_home_id(q->dem, (size_t)p)];
+    if (q->dem->prepared.soa.capacity && !gn_particle_is_dormant(q->dem, (size_t)p)) return -1;
+    const int32_t e = q->place[gn_dormant_element(q->dem, (size_t)p)];
     return e < 0 || q->kind[e] == GN_FRONT_FIXED ? -1 : e;
 }
 
@@ -93,7 +93,8 @@ static void add_particles(boxed *q) {
         const size_t k = material_of(q, e);
         gn_zone_material *m = &q->figures->material[k];
         q->mass[k] +=
-            1.0 / (gn_is_asleep(q->dem, p) ? gn_sleeper_of(q->dem, p)->mass : a->vel[4 * p + 3]);
+            1.0 / (gn_particle_is_dormant(q->dem, p) ? gn_dormant_of(q->dem, p)->inverse_mass
+                                                     : a->vel[4 * p + 3]);
         q->volume[k] += gn_ball_volume(b->dimension, a->pos[4 * p + 3]);
         m->modulus[1] += b->elements.lambda[e] + 2.0 * b->elements.mu[e];
         m->density[1] += b->density[b->elements.material[e]];
@@ -270,8 +271,8 @@ void gn_conversion_turn_over(const gn_step_context *ctx, gn_dem *dem) {
     const gn_contacts bonds = dem->bonds.contacts;
     if (!gn_converts(ctx)) return;
     for (size_t p = 0; p < q->soa.count; p++) {
-        swap(q->vel + 4 * p + 3, &gn_sleeper_of(dem, p)->mass);
-        if (q->spin) swap(q->spin + 4 * p + 3, &gn_sleeper_of(dem, p)->inertia);
+        swap(q->vel + 4 * p + 3, &gn_dormant_of(dem, p)->inverse_mass);
+        if (q->spin) swap(q->spin + 4 * p + 3, &gn_dormant_of(dem, p)->inverse_inertia);
     }
     dem->bonds.contacts = dem->prepared;
     dem->prepared = bonds;

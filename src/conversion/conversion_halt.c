@@ -142,7 +142,7 @@ static double element_change(const gn_conversion *c, size_t e, double *whole) {
 static double particle_mass(const gn_conversion *c, size_t p) {
     const double before = c->part[2 * p + 1];
     return before > 0.0 ? 1.0 / (c->world->dem.particles.vel[4 * p + 3] * before)
-                        : 1.0 / gn_sleeper_of(&c->world->dem, p)->mass;
+                        : 1.0 / gn_dormant_of(&c->world->dem, p)->inverse_mass;
 }
 
 /* The same of a particle, and what of it can make up for more: kg of who has another weight, and of

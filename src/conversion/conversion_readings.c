@@ -19,7 +19,7 @@ int32_t *gn_conversion_places(const gn_step_context *ctx, const gn_solids *solid
 
 size_t gn_conversion_asleep(const gn_dem *dem) {
     size_t count = 0;
-    for (size_t p = 0; p < dem->particles.soa.count; p++) count += gn_is_asleep(dem, p);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) count += gn_particle_is_dormant(dem, p);
     return count;
 }
 
@@ -30,11 +30,11 @@ bool gn_conversion_begun(const gn_solids *solids) {
 }
 
 /* Where one that sleeps is in the elements; false: not without their places. */
-static bool find_sleeper(const gn_dem *dem, const gn_solids *solids, const int32_t *places,
+static bool find_dormant(const gn_dem *dem, const gn_solids *solids, const int32_t *places,
                          size_t p, gn_tie *tie, gn_ties *one) {
     const gn_fem_solid *b = gn_coupled_solid(solids);
     if (!places) return false;
-    *tie = gn_tie_at(b, places[gn_home_id(dem, p)], dem->particles.start + 4 * p);
+    *tie = gn_tie_at(b, places[gn_dormant_element(dem, p)], dem->particles.start + 4 * p);
     *one = (gn_ties){.corners = b->dimension + 1, .count = 1, .tie = tie};
     return true;
 }
@@ -45,9 +45,9 @@ void gn_conversion_travel(const gn_dem *dem, const gn_solids *solids, const int3
     gn_tie tie;
     gn_ties one;
     for (size_t a = 0; a < 3; a++) u[a] = q->pos[4 * p + a] - q->start[4 * p + a];
-    if (!gn_is_asleep(dem, p)) return;
+    if (!gn_particle_is_dormant(dem, p)) return;
     u[0] = u[1] = u[2] = NAN; /* no memory */
-    if (find_sleeper(dem, solids, places, p, &tie, &one))
+    if (find_dormant(dem, solids, places, p, &tie, &one))
         gn_tie_travel(&one, 0, &gn_coupled_solid(solids)->nodes, u);
 }
 
@@ -56,7 +56,7 @@ void gn_conversion_velocity(const gn_dem *dem, const gn_solids *solids, const in
     gn_tie tie;
     gn_ties one;
     memcpy(v, dem->particles.vel + 4 * p, 3 * sizeof *v);
-    if (gn_is_asleep(dem, p) && find_sleeper(dem, solids, places, p, &tie, &one))
+    if (gn_particle_is_dormant(dem, p) && find_dormant(dem, solids, places, p, &tie, &one))
         gn_tie_mean(&one, 0, gn_coupled_solid(solids)->nodes.vel, v);
 }
 
@@ -67,7 +67,7 @@ void gn_conversion_gradient(const gn_step_context *ctx, const gn_dem *dem, const
     for (size_t k = 0; gn_converts(ctx) && k < gauge->weights.count; k++) {
         const int32_t p = dem->index_of_id[gauge->weights.id[k]];
         double u[3];
-        if (p < 0 || !gn_is_asleep(dem, (size_t)p)) continue;
+        if (p < 0 || !gn_particle_is_dormant(dem, (size_t)p)) continue;
         gn_conversion_travel(dem, solids, places, (size_t)p, u);
         for (int a = 0; a < 3; a++)
             for (int c = 0; c < 3; c++)

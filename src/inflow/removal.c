@@ -14,6 +14,7 @@
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/origin.h"
 #include "world/world.h"
@@ -55,7 +56,7 @@ enum { LEFT = -1 };
 static int32_t way_out(const gn_step_context *ctx, const gn_dem *dem, size_t p, double reach) {
     const gn_particles *q = &dem->particles;
     const double *x = q->pos + 4 * p;
-    if (q->vel[4 * p + 3] == 0.0) return 0;
+    if (!gn_particle_is_active(q, p)) return 0;
     for (size_t k = 0; k < ctx->scene.sink_count; k++)
         if (gn_sink_takes(ctx, dem, k, p)) return (int32_t)k + 1;
     return ctx->scene.has_domain && !in_domain(ctx, x, reach) ? LEFT : 0;

@@ -15,6 +15,7 @@
 #include "scene/scene.h"
 #include "sched/hold.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <string.h>
@@ -120,7 +121,7 @@ gneiss_status gn_dem_grow(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 static size_t find_stays(const gn_dem *dem, int32_t *place, int32_t *order) {
     const gn_particles *q = &dem->particles;
     size_t count = 0;
-    for (size_t p = 0; p < q->soa.count; p++) place[p] = q->vel[4 * p + 3] > 0.0 ? 1 : -1;
+    for (size_t p = 0; p < q->soa.count; p++) place[p] = gn_particle_is_active(q, p) ? 1 : -1;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
         const gn_contacts *list = &dem->list[l].contacts;
         if (!gn_list_kinds[l]->persistent) continue;

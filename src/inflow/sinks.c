@@ -5,6 +5,7 @@
 #include "particles/dem.h"
 #include "particles/flow.h"
 #include "scene/flow_def.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -104,7 +105,7 @@ static bool is_near(const gn_step_context *ctx, const gn_dem *dem, const double 
         const double way = ctx->dt_past * fabs(v[a]);
         if (x[a] + way < lower[a] || x[a] - way > upper[a]) return false;
     }
-    return v[3] > 0.0;
+    return gn_particle_is_active(&dem->particles, p);
 }
 
 bool gn_sinks_are_due(const gn_step_context *ctx, const gn_dem *dem) {

@@ -12,6 +12,7 @@
 #include "measure/measure.h"
 #include "particles/dem.h"
 #include "particles/fragments.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <string.h>
@@ -83,7 +84,7 @@ static void mark_off(const gn_step_context *ctx, gn_dem *dem, gn_gauge *gauge) {
 }
 
 static bool is_there(const gn_dem *dem, size_t p) {
-    return dem->particles.vel[4 * p + 3] > 0.0 || gn_is_asleep(dem, p);
+    return gn_particle_is_active(&dem->particles, p) || gn_particle_is_dormant(dem, p);
 }
 
 static void mark_removed(gn_dem *dem, gn_gauge *gauge) {

@@ -201,7 +201,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     /* What differs between stages has no storage; files say what there is. */
     w->dem.particles.soa.effects = w->ctx.effects;
     gn_lists_set_effects(&w->ctx, &w->dem);
-    if (w->dem.sleeper) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
+    if (w->dem.dormant) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
     for (int l = 0; l < GN_LIST_COUNT; l++)
         if (gn_list_kinds[l]->of_materials)
             GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
@@ -235,7 +235,7 @@ void gn_dem_free(gn_dem *d) {
         d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
         d->motion_sums,    d->vel_past,        d->spin_past,       d->around,
         d->pieces.parent,  d->pieces.members,  d->pieces.volume,   d->still,
-        d->sleeper,        d->hertz,           d->driven,          d->ways};
+        d->dormant,        d->hertz,           d->driven,          d->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

@@ -71,7 +71,7 @@ typedef struct gn_mass_scaling {
     int64_t raised;  /* particles */
 } gn_mass_scaling;
 
-/* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
+/* A membrane (membrane.h). Areas act where they are; tensors
  * are sums of areas times places or ways, m3. */
 typedef struct gn_membrane {
     double pressure;    /* Pa, in the last step */
@@ -82,29 +82,30 @@ typedef struct gn_membrane {
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
-    double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
     double from;     /* Pa, that it comes from while its ramp lasts */
     double since;    /* s, when that began */
     double unlike;   /* share of it that followed it as a whole as what is around would have
                         stretched it out of all measure; the most at any look */
+    int64_t bodies;  /* that the skin is of, at the last look; those that are not closed as one */
 } gn_membrane;
 
-/* A part of the surface that one particle bears, where things were at the start, in doubles, as
- * checkpoints have it: what it had of a side of the body, or a face of its cell that was bared. */
+/* A part of the surface that one particle bears, where things were at the start:
+ * what it had of a side of the body, or a face of its cell that was bared. */
 typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
     double rest[9];  /* m3, sum of areas times ways from the middle */
     double size;     /* m2; 0: a face, whose size is that of its area */
-    double owner;    /* id of the particle that bears it; -1: none is left */
-    double body;     /* of those of the skin the one that it was of at the last look */
+    int32_t owner;   /* id of the particle that bears it; -1: none is left */
+    int32_t body;    /* of those of the skin the one that it was of at the last look */
 } gn_patch;
 
-/* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
-typedef struct gn_sleeper {
-    double mass, inertia; /* 1/kg, 1/(kg m2), that it will have; 0: it is awake */
-    double home;          /* element that it starts in, by its place in the mesh */
-} gn_sleeper;
+/* A particle of a body that converts (conversion.h). */
+typedef struct gn_dormant_particle {
+    /* 1/kg, 1/(kg m2): those that it has when it is released; 0: it is active */
+    double inverse_mass, inverse_inertia;
+    int32_t element; /* the element that contains it at the start, by its place in the mesh */
+} gn_dormant_particle;
 
 /* Room for counting fragments (fragments.c), with bonds. */
 typedef struct gn_pieces {
@@ -122,9 +123,10 @@ struct gn_dem {
         };
         gn_contact_list list[GN_LIST_COUNT];
     };
-    gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
-    gn_sleeper *sleeper;  /* [particles] by id, with couple.convert; else NULL */
-    uint8_t *still; /* [motion_blocks] no particle of it is awake, with couple.convert; else NULL */
+    gn_contacts prepared;         /* bonds of all particles, whole, with couple.convert */
+    gn_dormant_particle *dormant; /* [particles] by id, with couple.convert; else NULL */
+    uint8_t
+        *still; /* [motion_blocks] no particle of it is active, with couple.convert; else NULL */
     int32_t *index_of_id; /* [ids] -1: gone, its row as well */
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
@@ -277,6 +279,18 @@ void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
 uint64_t gn_dem_hash(const gn_step_context *ctx, const gn_dem *dem, uint64_t h);
 size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem);
+
+static inline gn_dormant_particle *gn_dormant_of(const gn_dem *dem, size_t p) {
+    return &dem->dormant[dem->particles.id[p]];
+}
+/* Tells whether a particle waits to be released by a conversion. */
+static inline bool gn_particle_is_dormant(const gn_dem *dem, size_t p) {
+    return dem->dormant && gn_dormant_of(dem, p)->inverse_mass > 0.0;
+}
+/* Returns the element that contains a particle of a converting body at the start. */
+static inline size_t gn_dormant_element(const gn_dem *dem, size_t p) {
+    return (size_t)gn_dormant_of(dem, p)->element;
+}
 
 /* From x to the nearest image of y, m; returns the square of its length. */
 static inline double gn_branch(const gn_step_context *ctx, const double *x, const double *y,

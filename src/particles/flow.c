@@ -13,6 +13,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -169,7 +170,7 @@ void gn_flow_count(const gn_step_context *ctx, gn_dem *dem) {
         const gn_sink_def *d = &ctx->scene.sinks[k];
         for (size_t p = 0; !d->remove && p < q->soa.count; p++) {
             bool before = beyond(d, q->ref + 4 * p) >= 0.0, now = beyond(d, q->pos + 4 * p) >= 0.0;
-            if (before != now && q->vel[4 * p + 3] > 0.0)
+            if (before != now && gn_particle_is_active(q, p))
                 count_crossing(dem, k, p, now ? 1.0 : -1.0);
         }
     }
@@ -206,7 +207,7 @@ void gn_flow_row(const gn_step_context *ctx, gn_dem *dem) {
 size_t gn_world_present(const gn_dem *dem) {
     size_t count = 0;
     for (size_t p = 0; p < dem->particles.soa.count; p++)
-        count += dem->particles.vel[4 * p + 3] > 0.0;
+        count += gn_particle_is_active(&dem->particles, p);
     return count;
 }
 

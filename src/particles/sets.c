@@ -10,6 +10,7 @@
 #include "particles/particles_private.h"
 #include "scene/scene.h"
 #include "scene/table.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -56,8 +57,8 @@ bool gn_set_selected(const gn_step_context *ctx, const gn_dem *dem, size_t set, 
 
 static bool starts_in(const gn_step_context *ctx, const gn_dem *dem, size_t set, size_t p) {
     const gn_particles *q = &dem->particles;
-    if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
-    if (q->id[p] >= dem->made) return false;      /* a source's: sets are of the specimen */
+    if (!gn_particle_is_active(q, p)) return false; /* it has left */
+    if (q->id[p] >= dem->made) return false;        /* a source's: sets are of the specimen */
     return gn_set_selected(ctx, dem, set, p);
 }
 

@@ -9,6 +9,7 @@
 #include "frame/periodic_box.h"
 #include "frame/step_context.h"
 #include "particles/dem.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 
 #include <math.h>
@@ -91,7 +92,7 @@ static void fill(const gn_particles *q, grid *g) {
     const size_t layer = cells_of_layer(g);
     for (size_t k = layer * g->begin; k < layer * g->end; k++) g->cell[k] = none;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         const double *x = q->pos + 4 * p, *from = q->ref + 4 * p;
         const double d[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]};
         merge(cell_of(g, from), d, d);

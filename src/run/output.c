@@ -539,9 +539,9 @@ static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error 
         GN_TRY(gn_run_stage_readings(run, k, &r, error));
         gn_json_object(j, NULL);
         gn_json_text(j, "name", w->ctx.scene.stages[k].name);
-        gn_json_integer(j, "step", (int64_t)s->step);
+        gn_json_integer(j, "step", s->step);
         gn_json_number(j, "time", s->time);
-        gn_json_integer(j, "row", (int64_t)s->row);
+        gn_json_integer(j, "row", s->row);
         gn_json_text(j, "ended",
                      gn_stage_reason(&w->ctx.scene.stages[k], (gn_stage_cause)s->ended, reason,
                                      sizeof reason));

@@ -13,6 +13,7 @@
 #include "particles/observe.h"
 #include "soa/bond_causes.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/space.h"
 #include "world/world.h"
@@ -40,9 +41,10 @@ READ(radius, w->dem.particles.pos[4 * k + 3])
 READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
-READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
-READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_asleep(&w->dem, k))
-READ(asleep, gn_is_asleep(&w->dem, k))
+READ(mass,
+     gn_particle_is_active(&w->dem.particles, k) ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
+READ(removed, !gn_particle_is_active(&w->dem.particles, k) && !gn_particle_is_dormant(&w->dem, k))
+READ(asleep, gn_particle_is_dormant(&w->dem, k))
 READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
 
 static const gn_world *world_of(const void *view) {
@@ -58,7 +60,7 @@ void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
     const gn_particles *q = &v->world->dem.particles;
     double now[3], travel[3];
     memcpy(now, q->pos + 4 * p, sizeof now);
-    if (gn_is_asleep(&v->world->dem, p)) {
+    if (gn_particle_is_dormant(&v->world->dem, p)) {
         gn_conversion_travel(&v->world->dem, &v->world->solids, v->places, p, travel);
         for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
     }

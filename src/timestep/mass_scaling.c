@@ -13,6 +13,7 @@
 #include "particles/lists.h"
 #include "scene/place.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
@@ -27,7 +28,7 @@ void gn_dem_sum_masses(gn_dem *dem) {
     dem->mass = s->added = s->largest = 0.0;
     s->raised = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue; /* removed */
+        if (!gn_particle_is_active(q, p)) continue; /* removed */
         double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
         dem->mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;
@@ -236,7 +237,7 @@ gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *d
     gneiss_status status =
         gn_dem_masses(ctx, dem, boundary, solids, zones, false, limit, NULL, factor, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         most = fmax(most, factor[p]);
         sum += (factor[p] - 1.0) * gn_own_share(q, p) / q->vel[4 * p + 3];
     }

@@ -11,6 +11,7 @@
 #include "particles/observe.h"
 #include "scene/laboratory.h"
 #include "scene/scene.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "world/world.h"
 
@@ -54,7 +55,7 @@ static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upp
     *lower = INFINITY;
     *upper = -INFINITY;
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        if (!gn_particle_is_active(q, p)) continue;
         const double *x = q->pos + 4 * p;
         *lower = fmin(*lower, x[axis] - x[3]);
         *upper = fmax(*upper, x[axis] + x[3]);
@@ -99,7 +100,7 @@ static bool is_periodic_all_round(const gn_step_context *ctx) {
 static double membrane_growth(const gn_dem *dem) {
     const double *f = dem->membrane->gradient;
     double cofactor[9];
-    if (dem->membrane->bodies != 1.0) return 1.0;
+    if (dem->membrane->bodies != 1) return 1.0;
     gn_cofactor3(f, cofactor);
     const double growth = gn_dot3(f, cofactor);
     return growth > 0.0 ? growth : 1.0;

@@ -61,7 +61,7 @@ gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
     const double pressure = gn_membrane_due(&w->ctx, &w->dem);
     w->stages.now = stage;
     w->stages.state[stage].time = w->ctx.time;
-    w->stages.state[stage].step = (double)w->ctx.step;
+    w->stages.state[stage].step = w->ctx.step;
     gneiss_status status = gn_stages_scene(w, next, error);
     if (status == GNEISS_OK) {
         gn_scene_free(&w->ctx.scene);

@@ -29,6 +29,7 @@
 #include "scene/place.h"
 #include "scene/scene.h"
 #include "soa/field.h"
+#include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
 #include "timestep/step_limit.h"
@@ -238,7 +239,7 @@ static gneiss_status check_some_left(const gn_step_context *ctx, const gn_dem *d
                                      gneiss_error *error) {
     const gn_scene *s = &ctx->scene;
     for (size_t p = 0; p < dem->particles.soa.count; p++)
-        if (dem->particles.vel[4 * p + 3] != 0.0) return GNEISS_OK;
+        if (gn_particle_is_active(&dem->particles, p)) return GNEISS_OK;
     if (s->source_count || !s->sink_count) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s:%d:%d: sinks: expected a specimen of which something lies outside of them, "

@@ -27,13 +27,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How a stage of the scene went; doubles, as checkpoints have it. */
+/* The course of a stage of the scene. */
 typedef struct gn_stage_state {
-    double time, step; /* s, steps: when it began */
-    double row;        /* rows of the history before it */
-    double ended;      /* gn_stage_cause; 0: not yet */
-    double strain;     /* of the test in its first row */
-    double peak;       /* Pa, largest stress of the test in it */
+    double time;   /* s: when it began */
+    double strain; /* of the test in its first row */
+    double peak;   /* Pa, largest stress of the test in it */
+    int64_t step;  /* when it began */
+    int64_t row;   /* rows of the history before it */
+    int64_t ended; /* gn_stage_cause; 0: not yet */
 } gn_stage_state;
 
 /* The stage of the scene that runs, and how each went. */

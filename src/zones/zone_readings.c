@@ -17,14 +17,14 @@
 #include <math.h>
 
 /* Elements carry all of the stress of who sleeps in them. */
-static bool add_to_sleepers(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
-                            const double (*stress)[6], double *sigma) {
+static bool add_to_dormant(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids,
+                           const double (*stress)[6], double *sigma) {
     const bool space = ctx->scene.dimension == 3;
     int32_t *place = gn_conversion_places(ctx, solids);
     for (size_t p = 0; place && p < dem->particles.soa.count; p++)
-        for (int c = 0; c < 6 && gn_is_asleep(dem, p); c++)
+        for (int c = 0; c < 6 && gn_particle_is_dormant(dem, p); c++)
             if (space || c < 2 || c == 3)
-                sigma[6 * p + (size_t)c] = stress[place[gn_home_id(dem, p)]][c];
+                sigma[6 * p + (size_t)c] = stress[place[gn_dormant_element(dem, p)]][c];
     const bool held = place || !gn_converts(ctx);
     gn_free(place);
     return held;
@@ -52,7 +52,7 @@ gneiss_status gn_coupled_add_stress(const gn_step_context *ctx, const gn_dem *de
             if (space || c < 2 || c == 3)
                 sigma[6 * p + (size_t)c] += share * stress[q->ties.tie[k].element][c];
     }
-    const bool held = add_to_sleepers(ctx, dem, solids, (const double(*)[6])stress, sigma);
+    const bool held = add_to_dormant(ctx, dem, solids, (const double(*)[6])stress, sigma);
     gn_free(stress);
     return held ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stress of particles");
@@ -66,7 +66,7 @@ static int32_t *elements_of(const gn_step_context *ctx, const gn_dem *dem, const
     int32_t *place = gn_conversion_places(ctx, solids);
     int32_t *element = gn_alloc_array(n + 1, sizeof *element);
     if (element && (place || !gn_converts(ctx))) {
-        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_home_id(dem, p)] : -1;
+        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_dormant_element(dem, p)] : -1;
         for (size_t k = 0; k < q->ties.count; k++)
             if (q->place[k] >= 0) element[q->place[k]] = q->ties.tie[k].element;
     } else {
