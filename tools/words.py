@@ -35,6 +35,7 @@ CLEAN = [
     "src/cli",
     "src/couple",
     "src/fem",
+    "src/frame",
     "src/io",
     "src/kernels",
     "src/limit",
@@ -42,6 +43,7 @@ CLEAN = [
     "src/mesh",
     "src/neigh",
     "src/pack",
+    "src/particles",
     "src/plan",
     "src/run",
     "src/scene",
@@ -49,6 +51,7 @@ CLEAN = [
     "src/soa",
     "src/static",
     "src/surfaces",
+    "src/world",
     "src/sweep",
     "src/test_kinds",
 ]

@@ -39,7 +39,7 @@ static bool is_written(const gn_field *field) {
     return false;
 }
 
-/* What all pairs share is read where it is. */
+/* Parameters that all pairs share are read in the list itself. */
 static void find_columns(gn_near *n, const gn_contacts *list, const gn_uniform *uniform) {
     size_t stream = 0;
     n->uniform = *uniform;
@@ -184,7 +184,8 @@ size_t gn_near_bytes(const gn_dem *dem) {
 /* Room for rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* What a span of so many steps takes up, if velocities go on to change by as much in a step. */
+/* Returns the path within a span of `steps` steps if velocities go on changing by `change` in each.
+ */
 static double drift(const gn_near_past *past, double change, int steps) {
     return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
@@ -195,8 +196,9 @@ static double largest_change(const gn_near *n) {
     return most;
 }
 
-/* What is found now is to hold for so many steps, if velocities go on to change as in the last
- * step, and a half again. Where little happens a collision may begin, but seldom the fiercest. */
+/* Begins a span: the pairs found now are to hold for `steps` steps if velocities go on changing by
+ * 1.5 times as much as in the last step. Where little happens a collision may begin, but seldom the
+ * fiercest. */
 static void begin_span(gn_near *n, int steps) {
     static const double reserve = 1.5, of_largest = 0.2;
     const double least = of_largest * largest_change(n);
@@ -225,9 +227,9 @@ static void tune_steps(gn_near *n) {
     if (n->steps > MOST) n->steps = MOST;
 }
 
-/* A sweep at other velocities than those that led to the places tells nothing of who touched a step
- * ago. All pairs of new lists are worked on once: zeros that changed their sign with the places of
- * their ends lose it, see put. */
+/* A sweep at other velocities than those that led to the positions does not show which pairs
+ * touched a step ago. All pairs of new lists are processed once: zeros that changed their sign with
+ * the places of their ends lose it, see put. */
 void gn_near_begin(const gn_step_context *ctx, gn_dem *dem, const gn_contact_args *pairs) {
     gn_near *n = &dem->near;
     if (pairs->speed_most <= 0.0) gn_near_forget(ctx, dem);
@@ -336,13 +338,13 @@ static void pack_ends(const gn_step_context *ctx, const gn_dem *dem, const gn_co
     }
 }
 
-/* Who was packed before who acts was found anew. */
+/* The pairs that were packed before the active ones were found again. */
 typedef struct packed_before {
     size_t count;
     uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
 } packed_before;
 
-/* Of pairs that were not packed it is zero; see put. */
+/* Columns of pairs that were not packed are zero; see put. */
 static void move_packed(const gn_step_context *ctx, double *data, const packed_before *was,
                         const block_of_pairs *b) {
     double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
@@ -381,7 +383,7 @@ static void put(const gn_step_context *ctx, const gn_dem *dem, const gn_contacts
 
 /* --- the kernel on them --- */
 
-/* What the kernel gets for the list. */
+/* Returns the list that the kernel works on: the packed columns of a block. */
 static gn_contacts packed(const gn_near *n, const gn_contacts *list, const block_of_pairs *b) {
     gn_contacts part = *list;
     for (int k = 0; k < n->columns; k++)

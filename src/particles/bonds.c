@@ -37,9 +37,9 @@ static bool bondable(const gn_step_context *ctx, const gn_dem *dem, int32_t i, i
            *distance >= sum * (1.0 - ctx->scene.overlap_range);
 }
 
-/* Of the smaller radius. A bond turns with the line of its centres: where these are hardly farther
- * apart than what it is stretched and sheared before it breaks (some thousandths of a radius), the
- * line turns by large angles in a step and the energy goes wrong. */
+/* Least length of a bond over the smaller radius. A bond turns with the line of its centres: where
+ * these are hardly farther apart than what it is stretched and sheared before it breaks (some
+ * thousandths of a radius), the line turns by large angles in a step and the energy goes wrong. */
 static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_step_context *ctx, const gn_dem *dem, int32_t i,
@@ -102,7 +102,7 @@ static void set_bond(const gn_step_context *ctx, gn_dem *dem, size_t c, int32_t 
 
 /* --- overlaps that are free of stress, without a bond --- */
 
-/* Of pairs without a bond: the distances at which they have no force. */
+/* Pairs without a bond that overlap, and the distances at which they have no force. */
 typedef struct free_overlaps {
     gn_pair_list pairs;
     double *rest; /* [pairs.count] m */
@@ -216,7 +216,7 @@ static gn_pair_query bond_query(const gn_step_context *ctx, const gn_dem *dem) {
                            ctx->threads};
 }
 
-/* Of the bonds that there are now; what earlier ones may dissipate stays what it was. */
+/* Fracture energies of planes refer to the present bonds; those of earlier bonds do not change. */
 static void share_out_energies(const gn_step_context *ctx, gn_dem *dem) {
     if (ctx->scene.fracture_energy_of == GN_FRACTURE_BODY) dem->derived.cut = gn_law_cut(ctx, dem);
 }
@@ -291,7 +291,7 @@ static gneiss_status find_bonds(const gn_step_context *ctx, const gn_dem *dem, g
                                 gn_from_run *from, free_overlaps *loose, gneiss_error *error) {
     const gn_pair_query query = bond_query(ctx, dem);
     const bool from_run = ctx->scene.specimen.from[0] && ctx->scene.specimen.from_bonds;
-    /* Of several stages a later one may be the first with bonds. */
+    /* A later stage may be the first with bonds. */
     const bool bonds = ctx->effects & GN_FX_BONDS && ctx->scene.bonds == GN_SWITCH_ON;
     GN_TRY(gn_pairs_find(&query, pairs, error));
     GN_TRY(check_distinct(ctx, dem, pairs, error));

@@ -35,7 +35,7 @@ static void find_windows(const gn_step_context *ctx, const gn_dem *dem, gn_burst
     b->window = b->reach * slow / (double)count;
 }
 
-/* --- who belongs together --- */
+/* --- events that belong together --- */
 
 typedef struct grid {
     const gn_step_context *ctx;

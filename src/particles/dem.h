@@ -52,7 +52,7 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
-/* What a step summed up to, over all blocks. */
+/* Sums of a step over all blocks. */
 typedef struct gn_dem_sums {
     gn_contact_sums list[GN_LIST_COUNT]; /* of each contact list */
     gn_contact_sums contacts;            /* of all lists */
@@ -201,14 +201,14 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
-/* What it comes to for a step (s, safety included) with time.estimate: bound: the step over that of
- * the bound with own masses, and the added mass over the own one; INFINITY: others leave no room
- * for such a step. */
+/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
+ * of the bound with own masses, and the added mass over the own one; INFINITY: other parts do not
+ * permit such a step. */
 gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
                                      const gn_boundary *boundary, const gn_solids *solids,
                                      const gn_zones *zones, double step, double *of_bound,
                                      double *added, gneiss_error *error);
-/* What added mass has of the kinetic energy, with the velocities of the last half step. */
+/* Returns the kinetic energy of the added mass, with the velocities of the last half step. */
 double gn_dem_added_kinetic(const gn_dem *dem);
 /* Without particles: empty records, so that nothing else needs to know. */
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
@@ -229,12 +229,13 @@ void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_per
 void gn_dem_forces(gn_world *world, bool measure);
 /* then the motion of what waited, and what the step sums up to. */
 void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
-/* Forces at the present places, for who looks for equilibrium: contacts see the velocities as those
- * of a path of `span` s that led here, 0: none. Then velocities get what the loads, gravity and
- * applied forces among them, do in half of `kick` s, without background damping; places are of no
- * use after that. With `kick` 0 nothing moves. */
+/* Computes forces at the present positions, for a search for equilibrium: contacts take the
+ * velocities as those of a path of `span` s that led here, 0: none. Then the loads, including
+ * gravity and applied forces, change the velocities for half of `kick` s, without background
+ * damping; positions are undefined after that. With `kick` 0 nothing moves. */
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
-/* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
+/* Finds the displacements that bring the linearised system into equilibrium with `load`, see
+ * gn_equilibrium_solve.
  * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
                            const gn_boundary *boundary, const gn_solids *solids,
@@ -254,13 +255,13 @@ gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
 /* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
  * or, `full`, of all. *due: it has changed, or that of what they touch. */
 gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
-/* The same of what has turned since. */
+/* The limit of the particles whose contacts have turned since the last look. */
 gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
-/* Whether the step of the world holds with all that is listed in touch; else dem.listed says what
- * would. `full`: looks at all of it. */
+/* Finds whether the step of the world is stable with all listed contacts in touch; otherwise
+ * dem.listed is a step that is. `full`: considers all contacts. */
 gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
-/* Whether the step is so short that the sums of what is near settle it, without a look at
- * what has changed. */
+/* Finds whether the step is so short that the sums of stiffness of near contacts prove it stable,
+ * without a look at changes. */
 gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_boundary *boundary, const gn_solids *solids,
                                const gn_zones *zones, bool *far, gneiss_error *error);
@@ -314,12 +315,12 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
         if (!(mask >> a & 1)) free += n[a] * n[a];
     return free;
 }
-/* Of a step of another length than the last (dem_step.c): rows [.][4] as they are before it, NULL:
- * no memory; what the change adds to the energy, in halves. */
+/* A step of another length than the last one (dem_step.c): gn_dem_kept copies rows [.][4] before
+ * it, NULL: no memory; gn_dem_add_change adds the resulting change of energy to its halves. */
 double *gn_dem_kept(const gn_particles *of, const double *rows);
 void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
                        size_t count, double halves[2]);
-/* What the kernels get in the coming step (dem_step.c). */
+/* Return the arguments of kernels in the coming step (dem_step.c). */
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure);

@@ -139,10 +139,10 @@ static void add_up(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 
-/* What leap-frog conserves, 1/2 m v(-) v(+) and what springs hold, depends on its step: with it the
- * kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the difference
- * are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 - dt+^2)/(8
- * m): what oscillates goes on with more energy when the step becomes shorter. */
+/* The energy that leap-frog conserves, 1/2 m v(-) v(+) and that of springs, depends on its step:
+ * the kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the
+ * difference are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 -
+ * dt+^2)/(8 m): an oscillation goes on with more energy when the step becomes shorter. */
 void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
                        size_t count, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);

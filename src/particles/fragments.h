@@ -30,7 +30,7 @@ typedef struct gn_fragment {
 typedef struct gn_fragment_list {
     gn_fragment *row; /* the largest volume first, of the same the least id */
     size_t count;
-    int32_t *of; /* [particles] row, -1: removed or asleep */
+    int32_t *of; /* [particles] row, -1: removed or dormant */
 } gn_fragment_list;
 
 /* With bonds, else there are none. The caller frees, also on failure. */
@@ -43,8 +43,7 @@ void gn_fragments_free(gn_fragment_list *list);
  * call of either. */
 const int32_t *gn_world_bodies(const gn_step_context *ctx, const gn_dem *dem);
 
-/* Whether anything that was held has come loose: a bond has broken or was dissolved, or a particle
- * has left the domain. */
+/* Tells whether a bond has broken or was dissolved, or a particle has left the domain. */
 bool gn_world_has_loosened(const gn_dem *dem);
 
 /* A body with fewer particles than this share of the largest one's has come off it. */

@@ -54,7 +54,7 @@ size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j) {
     return low;
 }
 
-/* Whether the list has (i, j), walking on from *at: both lists are sorted. */
+/* Tells whether the list has (i, j), advancing from *at: both lists are sorted. */
 static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
     while (*at < list->soa.count && comes_before(list, *at, i, j)) (*at)++;
     return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
@@ -256,7 +256,7 @@ static void wrap(const gn_step_context *ctx, gn_dem *dem) {
 
 /* --- the lists --- */
 
-/* What goes by the blocks of the lists: sums, and who works on what. */
+/* Allocates the sums of blocks and distributes the blocks of the lists among threads. */
 static gneiss_status ready_blocks(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     bool held = true;
     for (int l = 0; l < GN_LIST_COUNT; l++) {
@@ -374,7 +374,7 @@ void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem) {
         dem->list[l].uniform = find_uniform(&dem->list[l].contacts);
 }
 
-/* What kernels read besides the records themselves, once lists and `ref` stand. */
+/* Prepares the data that kernels read besides the records, once lists and `ref` are complete. */
 static void ready_kernels(const gn_step_context *ctx, gn_dem *dem) {
     double period[3] = {0, 0, 0};
     if (ctx->effects & GN_FX_PERIODIC) memcpy(period, ctx->period, sizeof period);

@@ -1,5 +1,4 @@
-/* What acts on every particle, for output: the sums that motion_template.c works with, in plain C.
- */
+/* Loads on every particle, for output: the sums of motion_template.c in plain C. */
 #include "particles/loads.h"
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,4 +1,4 @@
-/* Particle sets: who belongs to them, what they change, how they move. */
+/* Particle sets: their particles, the properties that they change, their motion. */
 #include "particles/sets.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -126,7 +126,7 @@ static void apply_set(const gn_step_context *ctx, gn_dem *dem, const gn_set_def 
     }
 }
 
-/* Of their own mass, those that have left have none. */
+/* Returns the own mass of a particle; removed ones have none. */
 static double own_mass(const gn_particles *q, size_t p) {
     double inverse = q->vel[4 * p + 3];
     return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
@@ -225,8 +225,8 @@ void gn_reactions_sum(const gn_step_context *ctx, gn_dem *dem) {
         }
 }
 
-/* Whether a particle counts for the travel of a set: where the set prescribes the velocity, those
- * that have it from there, else all that were selected at the start. */
+/* Tells whether a particle counts for the travel of a set: if the set prescribes the velocity,
+ * those whose velocity it is, otherwise all that were selected at the start. */
 static bool travels(const gn_step_context *ctx, const gn_dem *dem, size_t set, int axis, size_t p) {
     const gn_particles *q = &dem->particles;
     const gn_set_def *s = &ctx->scene.sets[set];

@@ -181,8 +181,8 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }
 
-/* What is made here goes into the box as it stands; rows may have been written with what had gone
- * through its sides. */
+/* A generated packing has to lie in the box as it is; rows of a file may include particles that
+ * have passed through its sides. */
 static gneiss_status check_box(const gn_scene *scene, const gn_packing *packing,
                                gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;

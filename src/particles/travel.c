@@ -14,7 +14,7 @@
 
 #include <math.h>
 
-/* Of all particles of a cell, m. */
+/* Displacements of all particles of a cell, m. */
 typedef struct ways {
     double low[3], high[3];
 } ways;
@@ -23,8 +23,8 @@ typedef struct grid {
     double low[3], scale[3]; /* scale: cells per m */
     size_t count[3];
     bool closed[3];    /* the last cell is beside the first */
-    size_t begin, end; /* layers, those of one place along the last axis, with somebody in them or
-                          in the next one; in all others cells are of no use */
+    size_t begin, end; /* layers of cells, of one place along the last axis, with a particle in them
+                          or in the next one; cells of all others are unused */
     ways *cell;
 } grid;
 
@@ -80,8 +80,8 @@ static ways *cell_of(const grid *g, const double x[3]) {
     return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
 }
 
-/* A box that is high for what is in it has mostly layers without anybody. Where the lowest one has
- * somebody all count: the highest may be next to it. */
+/* In a box that is high for its contents most layers are empty. If the lowest one is not, all
+ * count: the highest may be next to it. */
 static void find_layers(const ways *room, grid *g) {
     const size_t low = place_of(g, room->low[2], 2);
     g->begin = low > 0 ? low - 1 : 0;

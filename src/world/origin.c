@@ -24,8 +24,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of the smallest radius or height. Strains at which rock breaks are 1e-4 to 1e-3; what rounding
- * does to them stays below 1e-4 of that. */
+/* Spacing of doubles over the smallest radius or height. Strains at which rock breaks are 1e-4 to
+ * 1e-3; the effect of rounding on them stays below 1e-4 of that. */
 
 /* --- choosing --- */
 
@@ -116,7 +116,7 @@ gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* What moves and is bonded is read when it is needed. */
+/* Velocities and bonds are read when they are needed. */
 static gneiss_status read_run(gn_scene *s, gneiss_error *error) {
     gn_from_run from;
     GN_TRY(gn_from_run_read(s, &from, error));
@@ -186,8 +186,8 @@ static gneiss_status too_coarse(const gn_step_context *ctx, gn_scene_place where
                    far, gn_point_text(ctx->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
-/* What something moves in a step; components far below the largest are taken for round-off. A
- * constant velocity is rounded the same way in step after step, up to half the spacing each. */
+/* Refuses a path in a step that is too short; components far below the largest count as round-off.
+ * A constant velocity is rounded the same way in step after step, up to half the spacing each. */
 static gneiss_status too_slow(const gn_step_context *ctx, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {

@@ -19,13 +19,13 @@
 /* m; a part of a thousandth of that is small for a specimen, for one in a laboratory, and for a
  * tool. Beams that are bent in one are as long as the first. */
 static const double large = 5.0, large_in_test = 2.0, large_tool = 1.0;
-/* Of the size: what moves a specimen by less does not load it; rock breaks at 1e-4 to 1e-2. */
+/* Least displacement over the size of a specimen that loads it; rock breaks at 1e-4 to 1e-2. */
 static const double next_to_nothing = 1e-4;
 /* kg/m3: of materials as they are given in kg and m. */
 static const double density_least = 10.0, density_most = 3e4;
 /* Waves cross a body that often before it is loaded as a whole. */
 static const double crossings = 3.0;
-/* Of a tool or container over what it holds. */
+/* Largest size of a tool or container over that of its contents. */
 static const double size_ratio = 50.0;
 
 /* A file, the size of what is in it, and the size of its parts: radii, heights of elements. */

@@ -49,7 +49,7 @@ static span span_along(const gn_step_context *ctx, const gn_boundary *boundary,
     return x;
 }
 
-/* Of particles that move, radii included. */
+/* Finds the extent of active particles, radii included. */
 static bool extent_along(const gn_dem *dem, int axis, double *lower, double *upper) {
     const gn_particles *q = &dem->particles;
     *lower = INFINITY;

@@ -105,7 +105,7 @@ static bool wall_presses(const gn_dem *dem, const gn_wall_def *wall) {
     return false;
 }
 
-/* Of bodies and elements nothing is said. */
+/* Contacts of bodies and elements are not considered. */
 static bool contacts_press(const gn_step_context *ctx, const gn_dem *dem, const gn_solids *solids) {
     bool press = ctx->scene.body_count || solids->count || pairs_press(ctx, dem);
     for (size_t k = 0; !press && k < ctx->scene.wall_count; k++)

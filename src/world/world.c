@@ -258,7 +258,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_membrane_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
-    /* What bodies leave free to be sheared. */
+    /* The volume that bodies leave free is sheared. */
     if (gn_scene_test(&w->ctx.scene)->sheared)
         GN_TRY(measure_test(&w->ctx, &w->dem, &w->boundary, &w->solids, error));
     GN_TRY(gn_element_contact_create(&w->ctx, &w->boundary, &w->solids, error));
@@ -359,7 +359,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
-    /* Of the step that is left when collisions have to be resolved, too. */
+    /* The step is now also limited by the resolution of collisions. */
     GN_TRY(gn_world_check_duration(&w->ctx, error));
     return gn_origin_check(&w->ctx, &w->dem, &w->boundary, &w->solids, error);
 }

@@ -100,16 +100,17 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
-/* The same whether it is due or not. */
+/* Rebuilds the lists in any case. */
 gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_step_context *ctx, gneiss_error *error);
 
-/* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
+/* Returns the body whose volume ctx->volume is: "the shape", "the convex hull of the particles",
+ * ... */
 const char *gn_world_volume_source(const gn_step_context *ctx);
 
-/* Of particles and elements, kg, without what was added for a longer step. */
+/* Returns the mass of particles and elements, kg, without mass added for a longer step. */
 double gn_world_mass(const gn_dem *dem, const gn_solids *solids);
 
 /* Hash of the state: particles, contacts, walls, time. */
