@@ -5,7 +5,7 @@
 
 #include "fem_helpers.h"
 
-/* How the cells are cut: like the colours of a chess-board, all along the diagonal from the lower
+/* The cut of the cells: like the colours of a chess-board, all along the diagonal from the lower
  * left to the upper right, or all along the other one. */
 typedef enum cook_cut { COOK_CHESS, COOK_RISING, COOK_FALLING } cook_cut;
 

@@ -17,7 +17,7 @@ typedef struct sample {
     bool held[FIT_MOST][FIT_MOST];
 } sample;
 
-/* Which residuals count at a state, and their weights there. */
+/* The residuals that count at a state, and their weights. */
 typedef struct weights {
     double pair[FIT_MOST][FIT_MOST];
     double plane[FIT_MOST][GN_DOMAIN_PLANES];

@@ -645,7 +645,7 @@ NAMED = ("left the domain",)
 
 
 def judged(done, folder):
-    """How it ended, in which words, its residual and steps."""
+    """The end of a run, its message, residual and steps."""
     message = " ".join(done.stderr.split())[-400:]
     if done.returncode == 0:
         with open(os.path.join(folder, "summary.json"), encoding="utf-8") as file:

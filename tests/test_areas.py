@@ -84,7 +84,7 @@ def single_precision_keeps_bits_and_readings(folder):
     one, two = ran(folder, "one", "--threads", 1, run=mixed), ran(folder, "two", "--threads", 2, run=mixed)
     check_same(one, two)
     breaks(one)
-    # Which bond goes first is a matter of rounding: the same without breaks, over which rounding (6e-8) grows by the steps' number.
+    # Rounding decides which bond breaks first: compared without breaks, over which rounding (6e-8) grows by the steps' number.
     strong = [{**m, "tensile_strength": 1e12, "shear_strength": 1e12} for m in SCENE["materials"]]
     held = [ran(folder, precision, "--threads", 1, materials=strong, contacts=None, run={**mixed, "precision": precision})
             for precision in ("double", "mixed")]

@@ -1,4 +1,4 @@
-/* How far bodies go in an automatic step, and how free ones turn in it. */
+/* Paths of bodies in an automatic step, and the rotation of free ones. */
 #include "body_helpers.h"
 #include "parts.h"
 

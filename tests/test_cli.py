@@ -898,10 +898,10 @@ def a_servo_that_never_reaches_its_target_is_warned_of(folder):
              "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e5, "kratio": 0}],
              "sets": [{"name": "held", "select": {"all": True}, "motion": {"vz": 0}}], "output": {"history_rows": 50},
              "walls": [{"name": "lid", "point": [0, 0, "2.5 mm"], "normal": [0, 0, -1], "stiffness": 1e6, "servo": {"force": 1, "max_velocity": 0.1}}]}
-    for speed, told in ((0.01, True), (1, False)):
+    for speed, reported in ((0.01, True), (1, False)):
         scene["walls"][0]["servo"]["max_velocity"] = speed
-        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
-        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows, and its target is 1 N" in done.stderr) == told, done.stderr
+        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(reported)), "--quiet"), 0)
+        assert ("servo_not_held: wall 'lid' has 0 N in the mean of the last rows, and its target is 1 N" in done.stderr) == reported, done.stderr
 
 
 @fact
@@ -924,10 +924,10 @@ def a_membrane_below_its_pressure_is_warned_of(folder):
     scene = {"dimension": 2, "specimen": {"lattice": {"kind": "hexagonal", "radius": "1 mm", "cells": [6, 6]}}, "law": {"stiffness": "uniform"},
              "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e8, "kratio": 2, "bond_tension_limit": 1e12, "bond_shear_limit": 1e12}],
              "bonds": {}, "membrane": {"pressure": "1 MPa", "ramp": "1 s"}, "time": {"end": "1 ms"}}
-    for ramp, told in (("1 s", True), ("0.5 ms", False)):
+    for ramp, reported in (("1 s", True), ("0.5 ms", False)):
         scene["membrane"]["ramp"] = ramp
-        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
-        assert bool(re.search(r"membrane_ramp: the pressure had reached \d+(\.\d+)? Pa, 0\.001 of its target", done.stderr)) == told, done.stderr
+        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(reported)), "--quiet"), 0)
+        assert bool(re.search(r"membrane_ramp: the pressure had reached \d+(\.\d+)? Pa, 0\.001 of its target", done.stderr)) == reported, done.stderr
 
 
 @fact
@@ -958,13 +958,13 @@ def a_servo_that_misses_its_target_for_a_while_is_warned_of(folder):
     for name, motion in (("stays", 0), ("leaves", away)):
         scene["sets"][0]["motion"]["vz"] = motion
         done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, name), "--quiet"), 0)
-        told = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows, and its target is 1 N \(and was off by more than a tenth in (\d+) % of the run since it was first reached\)", done.stderr)
-        assert bool(told) == (name == "leaves"), done.stderr
+        reported = re.search(r"servo_not_held: wall 'lid' has 1 N in the mean of the last rows, and its target is 1 N \(and was off by more than a tenth in (\d+) % of the run since it was first reached\)", done.stderr)
+        assert bool(reported) == (name == "leaves"), done.stderr
 
 
 @fact
 def errors_caused_by_set_name_the_option(folder):
-    """Also where it shows only once the particles are there."""
+    """This holds also for errors that show only once the particles exist."""
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
                            ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),
@@ -1135,9 +1135,9 @@ def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
     out = os.path.join(folder, "feather")
     for mass, warns in (("1e-21", True), ("1e-7", False)):
         light = ("--set", f"bodies.feather.mass={mass}")
-        told = [expect(gneiss("check", scene, *light), 0).stdout,
+        reported = [expect(gneiss("check", scene, *light), 0).stdout,
                 expect(gneiss("run", scene, "--out", out, "--quiet", "--force", *light), 0).stderr]
-        for text in told:
+        for text in reported:
             assert text.count("body 'feather' of 1e-21 kg on 1e+05 N/m asks") == warns, text
 
 # --- damage -----------------------------------------------------------------------------------------------

@@ -437,9 +437,9 @@ static void the_limit_of_active_particles_is_that_of_the_full_operator(void **st
         assert_true(gn_world_present(&w->dem) >= 64 &&
                     3 * gn_world_present(&w->dem) <= w->dem.particles.soa.count);
         gn_step_limit all = {.bound = w->dem.limit.bound};
-        assert_int_equal(gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones,
-                                              false, find_with_all, &all, NULL),
-                         GNEISS_OK);
+        assert_int_equal(
+            gn_dem_with_spectrum(&w->ctx, &w->dem, &w->boundary, false, find_with_all, &all, NULL),
+            GNEISS_OK);
         assert_true(w->dem.limit.iterations > 0 && w->dem.limit.iterations == all.iterations);
         assert_true(w->dem.limit.sharp == all.sharp && w->dem.limit.sharp_low == all.sharp_low);
         assert_true(w->ctx.dt <= w->ctx.scene.safety * all.sharp);

@@ -431,8 +431,8 @@ static void too_few_particles_end_the_run_and_leave_it_as_it_was(void **state) {
 
 /* --- elements that may not go --- */
 
-/* Least, over the nodes of elements with nodes of a motion or a load, of what they weigh over what
- * the elements at them do as whole ones. */
+/* The least ratio, over nodes of elements with nodes of a motion or a load, of their mass to that
+ * of the whole elements at them. */
 static double least_held(const gn_world *w) {
     const gn_fem_solid *b = &w->solids.elements[0]->solid;
     double *mass = calloc(b->nodes.soa.count, sizeof *mass), least = INFINITY;

@@ -106,12 +106,12 @@ static void finish_alike(const char *couple) {
         assert_near(all[k]->world.ctx.stable, stable, 0.1 * stable);
     }
     /* Bent down into the floor, which stops particles alone. */
-    gn_warnings told;
-    if (gn_run_warnings(one, &told, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    gn_warnings reported;
+    if (gn_run_warnings(one, &reported, &error) != GNEISS_OK) fail_msg("%s", error.message);
     bool passed = false;
-    for (size_t k = 0; k < told.count; k++)
-        passed = passed || (!strcmp(told.warning[k].name, "elements_pass_walls") &&
-                            strstr(told.warning[k].text, "behind wall 'floor'"));
+    for (size_t k = 0; k < reported.count; k++)
+        passed = passed || (!strcmp(reported.warning[k].name, "elements_pass_walls") &&
+                            strstr(reported.warning[k].text, "behind wall 'floor'"));
     assert_true(passed);
     for (int k = 0; k < 3; k++) run_end(all[k]);
 }

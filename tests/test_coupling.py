@@ -126,12 +126,12 @@ def check_warns_of_walls_that_elements_go_through(folder):
 
 @fact
 def check_says_what_diagonals_that_alternate_do_to_zones(folder):
-    scene, told = write_scene(folder, BAR), "masses of {}, which scatter waves only some elements long (elements.{}.diagonals: parallel)"
-    assert told.format("5 : 1", "box") in expect(gneiss("check", scene), 0, r"").stdout
+    scene, reported = write_scene(folder, BAR), "masses of {}, which scatter waves only some elements long (elements.{}.diagonals: parallel)"
+    assert reported.format("5 : 1", "box") in expect(gneiss("check", scene), 0, r"").stdout
     six = expect(gneiss("check", scene, "--set", "elements.box.diagonals=parallel"), 0, r"").stdout
     assert "864 tetrahedra" in six and "note" not in six, six
     assert "note" not in check().stdout
-    assert told.format("2 : 1", "rectangle") in check("elements.rectangle.diagonals=alternating").stdout
+    assert reported.format("2 : 1", "rectangle") in check("elements.rectangle.diagonals=alternating").stdout
 
 
 @fact
@@ -224,10 +224,10 @@ def a_beam_in_mixed_mode_opens_as_it_was_measured(folder):
         near = np.abs(history["opening"][:] - 5e-6) < 0.2e-6
         load = 0.05 * np.mean(history["force"][:][near])
         start = particles["position"][:] - particles["displacement"][:]
-        awake = particles["asleep"][:] == 0
+        active = particles["asleep"][:] == 0
         tip = np.linalg.norm(start[:, :2] - [0.075, 0.02], axis=1) < 5e-3
-        assert np.all(awake[tip]) and 100 < np.sum(awake) < 2500, np.sum(awake)
-        right = np.mean(start[awake & (start[:, 1] > 0.02), 0]) - 0.075
+        assert np.all(active[tip]) and 100 < np.sum(active) < 2500, np.sum(active)
+        right = np.mean(start[active & (start[:, 1] > 0.02), 0]) - 0.075
     assert 2041 < load < 2258, load
     assert right > 1e-3, right
 
@@ -275,28 +275,28 @@ def dormant_particles_are_drawn_at_their_elements(folder):
     out = os.path.join(folder, "out")
     run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=2.6 ms", "--set", "output.snapshots=1", "--set", "run.threads=1")
     read = Results(os.path.join(out, "results.h5"))
-    asleep, moved = read.asleep, np.asarray(read.particle("displacement"), float)
-    awake = int(np.sum(~asleep))
-    assert 100 < awake < 5000, awake
+    dormant, moved = read.dormant, np.asarray(read.particle("displacement"), float)
+    active = int(np.sum(~dormant))
+    assert 100 < active < 5000, active
     start = np.asarray(read.particle("position"), float) - moved
     mesh = Mesh(read)
-    near = np.argmin(np.linalg.norm(start[asleep][:, None, :2] - mesh.start[None, :, :2], axis=2), axis=1)
-    off = np.linalg.norm(moved[asleep] - mesh.displacement[near], axis=1)
+    near = np.argmin(np.linalg.norm(start[dormant][:, None, :2] - mesh.start[None, :, :2], axis=2), axis=1)
+    off = np.linalg.norm(moved[dormant] - mesh.displacement[near], axis=1)
     largest = np.linalg.norm(mesh.displacement, axis=1).max()
     assert np.median(off) < 0.05 * largest and np.max(off) < 0.5 * largest, (np.median(off), np.max(off), largest)
-    assert np.median(np.linalg.norm(moved[asleep], axis=1)) > 0.05 * largest
-    stress = np.asarray(read.particle("stress"), float)[asleep][:, 0]
+    assert np.median(np.linalg.norm(moved[dormant], axis=1)) > 0.05 * largest
+    stress = np.asarray(read.particle("stress"), float)[dormant][:, 0]
     assert np.mean(np.abs(stress)) > 1e3
-    assert len(Section(read, mesh, 1.0).shown) == awake
+    assert len(Section(read, mesh, 1.0).shown) == active
     assert "Dormant particles are left out" in plot_together(read, os.path.join(folder, "together.svg"))
-    assert f"to {awake} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
+    assert f"to {active} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
     rows = {label: value[0] for label, value in count_rows(read)}
-    assert rows["active particles"] == f"{awake:,}".replace(",", " ") and "bonds of active particles" in rows, rows
-    assert f"({len(asleep) - awake} dormant)" in bodies_text(read)
+    assert rows["active particles"] == f"{active:,}".replace(",", " ") and "bonds of active particles" in rows, rows
+    assert f"({len(dormant) - active} dormant)" in bodies_text(read)
     sizes = fragment_sizes(read)
-    assert np.sum(sizes) == awake and sizes[0] > 0.99 * awake, sizes[:5]
+    assert np.sum(sizes) == active and sizes[0] > 0.99 * active, sizes[:5]
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
-        assert json.load(file)["counts"]["asleep"] == len(asleep) - awake
+        assert json.load(file)["counts"]["asleep"] == len(dormant) - active
 
 
 @fact
@@ -560,8 +560,8 @@ def a_zone_that_ends_before_its_particles_do_is_warned_of(folder):
 def plan_names_contacts_where_there_are_some_and_one_thread(folder):
     scene = write_scene(folder, BAR)
     assert re.search(r"per step +\S+ us with 1 thread: .* contact-steps/s, .* element-steps/s", gneiss("plan", scene).stdout)
-    told = gneiss("plan", write_scene(folder, BAR.replace("cells: [13, 3, 4], origin: [7.5 mm, 0, 0]", "cells: [1, 1, 1], origin: [8.5 mm, 0, 0]")))
-    assert re.search(r"per step +\S+ us with 1 thread: [^,]* element-steps/s", told.stdout), told.stdout + told.stderr
+    reported = gneiss("plan", write_scene(folder, BAR.replace("cells: [13, 3, 4], origin: [7.5 mm, 0, 0]", "cells: [1, 1, 1], origin: [8.5 mm, 0, 0]")))
+    assert re.search(r"per step +\S+ us with 1 thread: [^,]* element-steps/s", reported.stdout), reported.stdout + reported.stderr
 
 
 @fact
@@ -727,10 +727,10 @@ def elements_under_compression_convert_by_shear(folder):
     s = summary(out)
     assert 300 < s["counts"]["elements"] < 440 and abs(s["energy_residual"]) < 1e-5 and "reached" in s["stop_reason"], s
     with h5py.File(os.path.join(out, "results.h5")) as file:
-        awake = file["particles/position"][:, 0][file["particles/asleep"][:] == 0]
+        active = file["particles/position"][:, 0][file["particles/asleep"][:] == 0]
         first = file["history/time"][:][np.argmax(file["history/particles"][:] > 0)]
-    assert len(awake) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
-    assert abs(np.mean(awake) - 0.06) < 5e-3, np.mean(awake)
+    assert len(active) == s["counts"]["particles"] - s["counts"]["asleep"] > 200
+    assert abs(np.mean(active) - 0.06) < 5e-3, np.mean(active)
     assert 0.06 / 1754 < first < 0.06 / 1754 + 20e-6, first  # the fronts meet, then the plateaus
     for k, text in enumerate((mohr.replace("cohesion: 1 MPa", "cohesion: 1.6 MPa"), turned)):
         run(write_scene(folder, text), os.path.join(folder, str(k)))

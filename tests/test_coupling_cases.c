@@ -308,10 +308,10 @@ static void a_zone_may_lose_all_its_particles(void **state) {
         assert_true(fabs(momentum_of_elements(w) / (b->mass * speed) + 1.0) < 0.05);
         gn_warnings warnings;
         assert_int_equal(gn_run_warnings(run, &warnings, NULL), GNEISS_OK);
-        bool told = false;
+        bool reported = false;
         for (size_t i = 0; i < warnings.count; i++)
-            told = told || !strcmp(warnings.warning[i].name, "zones_lost");
-        assert_true(told);
+            reported = reported || !strcmp(warnings.warning[i].name, "zones_lost");
+        assert_true(reported);
         gn_run_free(run);
         free(run);
     }
@@ -373,10 +373,10 @@ static void bonds_that_break_in_a_zone_are_warned_of(void **state) {
     assert_int_equal(gn_coupled_broken(&run->world.dem), 6 * 6);
     gn_warnings warnings;
     assert_int_equal(gn_run_warnings(run, &warnings, NULL), GNEISS_OK);
-    bool told = false;
+    bool reported = false;
     for (size_t k = 0; k < warnings.count; k++)
-        told = told || !strcmp(warnings.warning[k].name, "zones_broken");
-    assert_true(told);
+        reported = reported || !strcmp(warnings.warning[k].name, "zones_broken");
+    assert_true(reported);
     gn_run_free(run);
     free(run);
 }

@@ -130,8 +130,8 @@ def failures_of_meson_are_counted(folder):
                {"name": "bad", "result": "FAIL", "returncode": 0, "stdout": "1..2\nok 1 - a\n# why\nnot ok 2 # SKIP b\n"}]
     log = write_scene(folder, "\n".join(json.dumps(entry) for entry in entries), "log.json")
     done = subprocess.run([sys.executable, COUNT, log], capture_output=True, text=True)
-    told = "failed: bad (FAIL)\n    # why\n    not ok 2 # SKIP b\n2 passed, 1 failed, 1 skipped\n"
-    assert (done.returncode, done.stdout) == (1, told), done.stdout
+    reported = "failed: bad (FAIL)\n    # why\n    not ok 2 # SKIP b\n2 passed, 1 failed, 1 skipped\n"
+    assert (done.returncode, done.stdout) == (1, reported), done.stdout
 
 
 @fact
@@ -145,10 +145,10 @@ def links_and_pictures_that_are_not_there_are_named(folder):
     for name in ("e.png", "g.png"):
         write_scene(folder, "", f"{docs}/pictures/{name}")
     done = subprocess.run([sys.executable, LINKS, folder], capture_output=True, text=True)
-    told = (f"README.md:1: {docs}/gone.md is not there\n{docs}/page.md:2: #no: there is no such heading\n"
+    reported = (f"README.md:1: {docs}/gone.md is not there\n{docs}/page.md:2: #no: there is no such heading\n"
             f"{docs}/page.md:2: gone.md is not there\n{docs}/page.md:3: pictures/f.png is not there\n"
             f"{docs}/pictures/g.png: no page shows it\n")
-    assert (done.returncode, done.stdout) == (1, told), done.stdout + done.stderr
+    assert (done.returncode, done.stdout) == (1, reported), done.stdout + done.stderr
 
 
 @fact

@@ -109,8 +109,8 @@ def a_bar_with_a_waist_reads_back_its_modulus(folder):
             {"name": "right", "box": {"min": [length, -1], "max": [length, 1]}, "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
             {"name": "foot", "box": {"min": [0, -1e-4], "max": [0, 1e-4]}, "motion": {"vy": 0}}]}
         scene["test"].update({"area": area} if area else {})
-        told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
-        assert re.search(r"section +\S+ m2 on average, 0.01\S* m2 at the narrowest section", told), told
+        reported = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert re.search(r"section +\S+ m2 on average, 0.01\S* m2 at the narrowest section", reported), reported
         run(write_scene(folder, scene), os.path.join(folder, name), "--threads", 1)
         found = summary(os.path.join(folder, name))["readings"]
         assert abs(found["plane_young_modulus"] / YOUNG - 1) < 0.03, (name, found["plane_young_modulus"])
@@ -131,8 +131,8 @@ def a_bar_with_steps_has_no_modulus_of_a_slender_bar(folder):
         {"name": "left", "box": {"min": [0, -1], "max": [0, 1]}, "motion": {"vx": 0}},
         {"name": "right", "box": {"min": [length, -1], "max": [length, 1]}, "motion": {"vx": [[0, 0], [1e-4, 0.02]]}},
         {"name": "foot", "box": {"min": [0, -1e-4], "max": [0, 1e-4]}, "motion": {"vy": 0}}]}
-    told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
-    assert re.search(r"section +changes fast relative to its width: moduli are read about 1\d % too low", told), told
+    reported = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+    assert re.search(r"section +changes fast relative to its width: moduli are read about 1\d % too low", reported), reported
     out = os.path.join(folder, "steps")
     run(write_scene(folder, scene), out, "--threads", 1)
     found, why = summary(out)["readings"], summary(out)["absent"]

@@ -126,7 +126,7 @@ def the_series_of_many_snapshots_is_not_written_anew_for_each(folder):
 # --- memory ------------------------------------------------------------------------------------------------
 
 def allocations(out, *arguments):
-    """How many the program makes; what libraries do by themselves is not counted."""
+    """The number of calls that the program makes; those of libraries are not counted."""
     file = out + ".count"
     expect(faulty(*arguments, "--out", out, "--quiet", "--threads", 2, count=file), 0)
     return int(open(file).read())

@@ -306,7 +306,7 @@ static void end_bar(bar *b) {
     body_end(b->solid);
 }
 
-/* How far the second probe's history lies behind the first one's: peak of the correlation, by a
+/* The delay of the second probe's history behind the first one's: peak of the correlation, by a
  * parabola through its three largest values. */
 static double measured_speed(const bar *b) {
     double c[3] = {0.0}, best = -1.0;

@@ -53,7 +53,7 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
     world_end(w);
 }
 
-/* Not the number but the mass is that of the rate: to the mass of the largest. */
+/* The mass, not the number, follows the rate, to the mass of the largest particle. */
 static void a_source_keeps_its_rate_of_mass(void **state) {
     (void)state;
     gn_world *w =

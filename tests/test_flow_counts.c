@@ -1,4 +1,4 @@
-/* How many particles sources bring and sinks take, whatever the steps at which they are looked at.
+/* Numbers of particles that sources bring and sinks take, whatever the steps at which they act.
  */
 #include "surface_helpers.h"
 

@@ -286,10 +286,10 @@ def warnings(folder):
 def a_residual_beyond_its_warning_is_named_everywhere(folder):
     done = expect(gneiss("run", LATTICE, "--out", folder, "--quiet", "--set", "run.residual_warning=1e-15"), 0,
                   "warning: energy_residual: .*unexplained.*run.residual_warning: 1e-15")
-    told = [f"{name}: {words}" for name, words in warnings(folder).items()]
-    assert done.stderr.splitlines() == ["gneiss: warning: " + line for line in told], done.stderr
+    reported = [f"{name}: {words}" for name, words in warnings(folder).items()]
+    assert done.stderr.splitlines() == ["gneiss: warning: " + line for line in reported], done.stderr
     with results(folder) as file:
-        assert text(file.attrs["warnings"]).split("\n") == told
+        assert text(file.attrs["warnings"]).split("\n") == reported
 
 
 @fact

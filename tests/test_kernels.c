@@ -409,7 +409,7 @@ static int cause_of(const gn_contacts *k, size_t c, double normal, double shear)
     return shear >= rt ? GN_BROKEN_SHEAR : GN_INTACT;
 }
 
-/* How a contact moved in the step: n now, the velocity along it, and across the normal of the
+/* Motion of a contact in the step: n now, the velocity along it, and across the normal of the
  * middle turned to n; path: by which the distance grew. */
 typedef struct motion {
     double n[3], stretch, vn, vt[3], path, before[3];

@@ -131,11 +131,11 @@ def sizes_of_a_disc_default_to_its_extent(folder):
 def the_size_that_a_test_states_is_held_against_the_specimen(folder):
     """A difference of a tenth is accepted, a larger one is a warning; less than half or more than twice is refused for a disc, a confined specimen
     or an oedometer."""
-    def told(given):
+    def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     for test, doubt in (({}, None), ({"diameter": DIAMETER, "thickness": 0.02}, None), ({"diameter": 1.08 * DIAMETER}, None), ({"diameter": 1.2 * DIAMETER}, "diameter is 0.06 m"),
                         ({"thickness": 0.015}, "thickness is 0.015 m")):
-        found = told(disc(3, 150, test=test))
+        found = reported(disc(3, 150, test=test))
         assert len(found) == bool(doubt) and all(text.startswith(doubt) and ";" not in text for text in found), (test, found)
     for test in ({"diameter": 0.1 * DIAMETER}, {"diameter": 10 * DIAMETER}, {"thickness": 0.25}):
         refused(folder, disc(3, 150, test=test), f"test: expected the size of the specimen at the start, found less than half or more than twice of it: {list(test)[0]} is")
@@ -147,7 +147,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
         if outcome == 2:
             refused(folder, given, "test: expected the size of the specimen at the start")
         else:
-            assert len(told(given)) == outcome, (key, factor, told(given))
+            assert len(reported(given)) == outcome, (key, factor, reported(given))
     # A body that two ends bend, or pull out of another, has lengths and areas of its own: these are only reported.
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(4) for j in range(8)]
     bar = scene(2, specimen={"particles": rows}, time={"end": 1e-5},
@@ -155,7 +155,7 @@ def the_size_that_a_test_states_is_held_against_the_specimen(folder):
                 test={"kind": "tension", "axis": "y", "lower": "lower", "upper": "upper"})
     for test, doubt in (({"length": 0.016, "area": 0.008}, None), ({"length": 0.014, "area": 0.0065}, None), ({"area": 8e-6}, "area is 8e-06 m2"), ({"length": 1.4, "area": 1}, "length is 1.4 m")):
         bar["test"] = {**{key: bar["test"][key] for key in ("kind", "axis", "lower", "upper")}, **test}
-        found = told(bar)
+        found = reported(bar)
         assert len(found) == bool(doubt) and all(text.startswith(doubt) for text in found), (test, found)
     out = run_scene(folder, bar)
     assert "test_geometry" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
@@ -309,8 +309,8 @@ def auto_that_is_written_is_auto(folder):
     ends = {"strain: only": {"strain": 0.05}, "both": {"strain": 0.05, "peak_drop": "auto"}}
     for name, stop in ends.items():
         said = expect(gneiss("check", write_scene(folder, {**given, "time": {"end": 5e-3, "stop": stop}})), 0).stdout
-        told = "stress 0.5 below its peak, as brazilian tests end, or strain 0.05\n" if "peak_drop" in stop else "t = 0.005 s or strain 0.05\n"
-        assert told in said, (name, said)
+        reported = "stress 0.5 below its peak, as brazilian tests end, or strain 0.05\n" if "peak_drop" in stop else "t = 0.005 s or strain 0.05\n"
+        assert reported in said, (name, said)
     weak = disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}])
     weak["time"]["stop"] = ends["both"]
     assert summary(run_scene(folder, weak))["stop_reason"] == "stress fell by 0.5 of its peak, as brazilian tests end"
@@ -342,15 +342,15 @@ def ends_that_measure_nothing_are_refused_or_warned_of(folder):
     pulled = moving(1)
     pulled["test"] = {**pulled["test"], "kind": "tension"}
     refused(folder, pulled, r"test.upper: expected ends that can pull \(sets, motions of elements\), found walls on both sides, which only press")
-    for name, factor, told in (("still", 0, True), ("closing", 1, False)):
+    for name, factor, reported in (("still", 0, True), ("closing", 1, False)):
         warned = {w["name"]: w["text"] for w in summary(run_scene(folder, moving(factor), name=name))["warnings"]}
-        assert ("nothing_measured" in warned) == told, (name, warned)
+        assert ("nothing_measured" in warned) == reported, (name, warned)
 
 
 @fact
 def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
     """Deep inside it, far from it, tilted; flats of a disc, walls that come by themselves and wedges of two are not."""
-    def told(given):
+    def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: (test.(?:upper|lower): wall .*)", expect(gneiss("check", write_scene(folder, given)), 0).stdout)
     def with_top(**more):
         given = disc(2, 150, time={"end": 1e-5})
@@ -359,15 +359,15 @@ def walls_in_a_wrong_position_to_the_specimen_are_warned_of(folder):
     flat = DIAMETER / 2 * np.cos(np.radians(15))
     for top, text in (({}, None), ({"point": [0, flat]}, None), ({"normal": [0.02, -1]}, None), ({"point": [0, 0.01]}, "begins 0.01499 m inside the specimen"),
                       ({"point": [0, 0.05]}, "begins 0.02501 m away from the specimen"), ({"normal": [0.3, -1]}, "is tilted by 16.7 degrees against the axis of the test, y")):
-        found = told(with_top(**top))
+        found = reported(with_top(**top))
         assert len(found) == bool(text) and all(f.startswith("test.upper: wall 'top', an end, ") and text in f for f in found), (top, found)
     falls = with_top(point=[0, 0.05])
-    assert not told({**falls, "gravity": [0, -9.81]})
+    assert not reported({**falls, "gravity": [0, -9.81]})
     wedge = with_top()
     base = wedge["walls"][0]
     wedge["walls"] = [{**base, "name": "left", "point": [0, -0.0354], "normal": [1, 1]}, {**base, "name": "right", "point": [0, -0.0354], "normal": [-1, 1]}, wedge["walls"][1]]
     wedge["test"] = {**wedge["test"], "lower": ["left", "right"]}
-    assert not told(wedge), told(wedge)
+    assert not reported(wedge), reported(wedge)
     out = run_scene(folder, with_top(normal=[0.3, -1]))
     assert "test_ends" in [w["name"] for w in summary(out)["warnings"]], summary(out)["warnings"]
 
@@ -517,7 +517,7 @@ def bending_of_elements_gives_their_modulus(folder):
 @fact
 def a_bending_test_is_held_against_its_beam(folder):
     """Each number by itself; what is right is not warned of, here, with four points, nor in the scenes."""
-    def told(given):
+    def reported(given):
         return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", gneiss("check", write_scene(folder, given)).stdout)
     four = {"load_span": 0.04, "upper": ["load", "other"]}
     for test, doubt in (({}, None), (four, None), ({"span": 0.1 * SPAN}, "span is"), ({"height": 1.2 * HEIGHT}, "height is"),
@@ -528,7 +528,7 @@ def a_bending_test_is_held_against_its_beam(folder):
         if "upper" in test:
             given["sets"][2]["select"]["box"] = {"min": [0.066, 0.036], "max": [0.074, 0.044]}
             given["sets"].append({**given["sets"][2], "name": "other", "select": {"box": {"min": [0.106, 0.036], "max": [0.114, 0.044]}}})
-        found = told(given)
+        found = reported(given)
         assert len(found) == bool(doubt) and all(text.startswith(doubt) and ";" not in text for text in found), (test, found)
     deep = beam()
     del deep["test"]["height"]
@@ -536,7 +536,7 @@ def a_bending_test_is_held_against_its_beam(folder):
     expect(gneiss("check", write_scene(folder, deep)), 2, r"test\.notch: expected a notch that is less deep than the beam, which is 0\.04\d* m high, found 0\.048")
     beside = beam()
     beside["sets"][2]["select"]["box"] = {"min": [0.066, 0.036], "max": [0.074, 0.044]}
-    assert "the load is at" in told(beside)[0]
+    assert "the load is at" in reported(beside)[0]
     out = run_scene(folder, beam(time={"end": 1e-5}, test={"span": 0.1 * SPAN}))
     assert [w["text"] for w in summary(out)["warnings"] if w["name"] == "test_geometry"][0].split(": test: ")[1].startswith("span is 0.016 m"), summary(out)
     elements = {"dimension": 3, "elements": {"beam": {"length": 0.36, "height": 0.04, "thickness": 0.03, "span": 0.32, "notch_depth": 0.01, "notch_width": 0.002, "cell": 0.02},
@@ -545,11 +545,11 @@ def a_bending_test_is_held_against_its_beam(folder):
                 "time": {"end": 1e-3}}
     right = {"kind": "bending", "axis": "y", "lower": "supports", "upper": "load", "span": 0.32, "notch": 0.01, "height": 0.04, "thickness": 0.03}
     for key in (None, "span", "height", "notch", "thickness"):
-        found = told({**elements, "test": {**right, **({key: 0.9 * right[key]} if key else {})}})
+        found = reported({**elements, "test": {**right, **({key: 0.9 * right[key]} if key else {})}})
         assert len(found) == bool(key) and all(text.startswith(f"{key} is") for text in found), (key, found)
     del elements["elements"]["beam"]["notch_depth"], elements["elements"]["beam"]["notch_width"]
-    assert told({**elements, "test": right}) == ["notch is 0.01 m, the specimen has one of 0 m"], told({**elements, "test": right})
-    assert not told({**elements, "test": {**right, "notch": 0}})
+    assert reported({**elements, "test": right}) == ["notch is 0.01 m, the specimen has one of 0 m"], reported({**elements, "test": right})
+    assert not reported({**elements, "test": {**right, "notch": 0}})
 
 
 # --- membrane -------------------------------------------------------------------------------------------
@@ -796,7 +796,7 @@ def a_membrane_goes_with_everything_else(folder):
 
 @fact
 def a_hydrostatic_test_gives_the_bulk_modulus(folder):
-    """That of mean pressure and loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
+    """The slope of mean pressure over loss of volume, which a packing has at any pressure below 1e-3 of its stiffness."""
     out = run_scene(folder, cell(CELL, 300, membrane={"pressure": [[0, 0], [1e-3, PRESSURE]]}, time={"end": 1e-3}))
     read, rows = readings(out), history(out)
     assert abs(read["bulk_modulus"] / (rows["stress"][-1] / rows["volumetric_strain"][-1]) - 1) < 0.05, (read, absent(out))
@@ -1214,8 +1214,8 @@ def the_warning_of_brittle_shear_names_the_key_that_the_law_reads(folder):
             del material["fracture_energy"]
             material.update(keys)
         scene["time"], scene["output"]["energy"] = {"end": 1e-6}, "off"
-        told = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, law), "--quiet"), 0).stderr
-        assert re.search(f"bonds_brittle_in_shear.*{advice}", told), told
+        reported = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, law), "--quiet"), 0).stderr
+        assert re.search(f"bonds_brittle_in_shear.*{advice}", reported), reported
 
 
 @fact
@@ -1623,13 +1623,13 @@ def control_needs_ends_that_move(folder):
 @fact
 def shear_without_normal_stress_is_warned_of(folder):
     """By check and by the run; a constant height is a test of its own."""
-    for k, (more, told) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
+    for k, (more, reported) in enumerate((({}, True), ({"force": [0, -10]}, False), ({"motion": {"vx": 0.01, "vy": 0}}, False), ({"force": [5, 0]}, True))):
         sets = [slab("low", "lower", vx=0, vy=0), {**slab("up", "upper", vx=0.01), **more}]
         given = bonded(sets=sets, test={**ends("shear", "low", "up"), "axis": "x", "normal": "y"})
         checked = expect(gneiss("check", write_scene(folder, given)), 0).stdout
-        assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: test: nothing presses the ends together along y", checked)) == told, (more, checked)
+        assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: test: nothing presses the ends together along y", checked)) == reported, (more, checked)
         out = run_scene(folder, given, name=f"out{k}")
-        assert ("no_normal_stress" in [w["name"] for w in summary(out)["warnings"]]) == told, (more, summary(out)["warnings"])
+        assert ("no_normal_stress" in [w["name"] for w in summary(out)["warnings"]]) == reported, (more, summary(out)["warnings"])
 
 
 @fact
@@ -1725,7 +1725,7 @@ def fields_of_bonds_may_wait_for_the_stage_that_forms_them(folder):
 
 @fact
 def errors_before_the_first_step_of_stages_name_their_line(folder):
-    """And not in the text that the scene of a stage is read from: of what a stage changes that of the stage, of all else its own."""
+    """The place is in the file and not in the text from which the scene of a stage is read: that of the stage for keys that it changes, else the scene's."""
     given = bonded(walls=[plate("floor", 0, 1), plate("lid", 0.017, -1)], test=ends("compression", "floor", "lid"),
                    stages=[{"name": "wait", "end": {"peak_drop": 0.5}}])
     said = expect(gneiss("check", write_scene(folder, given)), 2, r"stages\[0\].end.peak_drop: .*no contact is pressed").stderr
@@ -1744,12 +1744,12 @@ def errors_before_the_first_step_of_stages_name_their_line(folder):
 
 @fact
 def a_stage_of_more_steps_than_the_run_has_is_warned_of_at_the_start(folder):
-    for steps, told in ((10**9, True), (100, False)):
+    for steps, reported in ((10**9, True), (100, False)):
         given = bonded(sets=[slab("low", "lower", vy=0), slab("up", "upper", vy=-0.01)], test=ends("compression", "low", "up"),
                        stages=[{"name": "one", "end": {"steps": steps}}, {"name": "two"}])
         done = expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, f"out{steps}"), "--quiet"), 0)
         for text in (done.stderr, gneiss("check", write_scene(folder, given)).stdout):
-            assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: stages: stage 'one' ends by its steps alone", text)) == told, text
+            assert bool(re.search(r"warning: .*scene.yaml:\d+:\d+: stages: stage 'one' ends by its steps alone", text)) == reported, text
 
 
 @fact
@@ -1818,11 +1818,11 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
 @fact
 def a_response_that_is_too_short_for_the_specimen_is_warned_of(folder):
     """Waves cross the beam in some 50 us; 0.5 ms holds it, 5 us swings (docs/scene.md)."""
-    for response, told in (("0.5 ms", False), ("5 us", True)):
-        done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(told)), "--quiet",
+    for response, reported in (("0.5 ms", False), ("5 us", True)):
+        done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(reported)), "--quiet",
                              "--set", "test.control.opening=2 mm/s", "--set", f"test.control.response={response}", "--set", "output.snapshots=0",
                              "--set", "specimen.particles=500", "--set", "run.threads=1"), 0)
-        assert ("warning: control: the " in done.stderr) == told, done.stderr
+        assert ("warning: control: the " in done.stderr) == reported, done.stderr
 
 
 @fact

@@ -269,7 +269,7 @@ static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **
     assert_close(r.opening_at_peak, 1, 1e-12);
 }
 
-/* Also of a notched one. */
+/* A notched beam has it as well. */
 static void peak_force_and_stiffness_of_a_beam_are_those_of_the_ends(void **state) {
     (void)state;
     table t = bent(0.5);

@@ -1,5 +1,5 @@
 /* The loads of a particle in the output are those from which the step computes its motion. */
-#include "particles/loads.h"
+#include "boundary/loads.h"
 #include "world_helpers.h"
 
 typedef struct loads {

@@ -112,7 +112,7 @@ static void reading_the_world_changes_no_bit(void **state) {
 }
 
 /* Pairs of grains at random places and speeds: bits of every set are those of the scalar one, and
- * whoever is left out touches at no time that was asked for, nor nearly. */
+ * a pair that is left out touches at no time that was asked for, nor nearly. */
 static void acting_pairs_are_found(void **state) {
     (void)state;
     enum { PAIRS = 8 * 200 };

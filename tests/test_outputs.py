@@ -206,7 +206,7 @@ def contacts_are_refused_where_there_are_no_particles(folder):
 # --- bursts --------------------------------------------------------------------------------------------
 
 def bursts_by_hand(folder, period=None):
-    """Which burst each break is of, by comparing all with all."""
+    """The burst of each break, by comparing all with all."""
     e = at_end(folder, "events")
     with results(folder) as file:
         reach, window = (float(file["bursts"].attrs[name]) for name in ("reach", "window"))

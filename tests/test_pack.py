@@ -206,7 +206,7 @@ def a_temporary_file_that_another_process_writes_is_left_alone(folder):
     for file in held:
         file.close()
     pack(folder, request(folder))
-    assert not [name for name in os.listdir(out) if name.endswith(".tmp")], "what nobody writes any more is still there"
+    assert not [name for name in os.listdir(out) if name.endswith(".tmp")], "temporary files are left"
 
 
 # --- what is printed --------------------------------------------------------------------------------------
@@ -764,7 +764,7 @@ def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
 @fact
 def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
     """40 discs, one in 400 of which is above half the largest size. The run has no more than a step."""
-    def told(name, packing, particles):
+    def reported(name, packing, particles):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
         scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},
                  "time": {"step": 1e-6, "end": 1e-6}, "run": {"threads": 1}}
@@ -777,10 +777,10 @@ def sizes_that_too_few_particles_cannot_have_are_warned_of(folder):
         found = [re.findall(pattern, text) for text in (packed.stderr, checked.stdout, *warned)]
         assert len(found) == 2 + len(warned) and len(set(map(str, found))) == 1, (found, packed.stderr)
         return found[0]
-    [(key, asked, got)] = told("wide", {"sizes": "sieve", "sieve": [[0.02, 0], [1, 1]]}, 40)
+    [(key, asked, got)] = reported("wide", {"sizes": "sieve", "sieve": [[0.02, 0], [1, 1]]}, 40)
     assert key == "sieve" and float(asked) == 50 and float(got) < 50 * 0.9 / 1.1, (asked, got)
-    assert not told("even", {"sizes": "uniform", "size_ratio": 3}, 200)
-    assert not told("narrow", {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}, 200)
+    assert not reported("even", {"sizes": "uniform", "size_ratio": 3}, 200)
+    assert not reported("narrow", {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}, 200)
 
 
 @fact

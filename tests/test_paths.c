@@ -9,7 +9,7 @@ static const char head[] =
     "law: {stiffness: uniform}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
     "run: {threads: 1}\ntime: {step: 1e-6, end: 1}\n";
 
-/* How the first step ends. */
+/* The status of the first step. */
 static gneiss_status first_step(const char *scene, gneiss_error *error) {
     gn_world *w = world_of("%s%s", head, scene);
     gneiss_status status = gn_world_step(w, true, error);

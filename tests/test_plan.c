@@ -124,7 +124,7 @@ static void packings_scatter_as_their_bonds_do(void **state) {
     double law = gn_slope_at(gn_slope_find("tension", "E", "packing", true), 2000);
     q.study = q.floors = areas.study = areas.floors = unknown.study = unknown.floors = "tension";
     areas.bonds = "dempack";
-    unknown.bonds = "of a law that nobody looked at";
+    unknown.bonds = "of a law that was never studied";
     assert_near(error_of(areas, "E", "packing"),
                 2 * law * fmax(1, gn_slope_base_of("tension", "scatter over its law: E, dempack")),
                 1e-12);

@@ -47,12 +47,12 @@ def plan(scene, *arguments, code=0):
     return expect(gneiss("plan", scene, "--threads", 1, *arguments), code)
 
 
-def told(scene, *arguments):
+def reported(scene, *arguments):
     return json.loads(plan(scene, "--log", "json", *arguments).stdout.splitlines()[-1])
 
 
 def proposed(scene, *arguments):
-    return told(scene, *arguments)["proposed"]
+    return reported(scene, *arguments)["proposed"]
 
 
 @fact
@@ -66,7 +66,7 @@ def a_larger_error_is_loaded_faster(folder):
 @fact
 def a_scene_far_too_fast_is_slowed_down_to_what_is_known(folder):
     scene = rock(folder, TEXT.replace("0.05 m/s", "1e4 m/s"))
-    found = told(scene, "--error", "8%")
+    found = reported(scene, "--error", "8%")
     assert found["as_is"]["error"] > 1.0 and found["proposed"]["error"] <= 0.08, found
     assert "above 100 %" in plan(scene, "--error", "8%").stdout
 
@@ -74,7 +74,7 @@ def a_scene_far_too_fast_is_slowed_down_to_what_is_known(folder):
 @fact
 def an_error_is_a_share_or_per_cent(folder):
     scene = rock(folder)
-    assert told(scene, "--error", "0.09")["wanted"] == told(scene, "--error", "9 %")["wanted"] == 0.09
+    assert reported(scene, "--error", "0.09")["wanted"] == reported(scene, "--error", "9 %")["wanted"] == 0.09
     for wrong in ("0", "five", "200%", "-1%", "5%%"):
         expect(gneiss("plan", scene, "--error", wrong), 2, "--error: expected a share")
 
@@ -108,8 +108,8 @@ def the_written_scene_keeps_comments_and_says_what_was_proposed(folder):
         text = file.read()
     for comment in ("# a rock", "# one packing", "# closing slowly", "# until it has failed"):
         assert comment in text, text
-    assert abs(told(out, "--error", "9%")["as_is"]["closing"] / p["closing"] - 1) < 1e-5
-    assert told(out, "--error", "9%")["as_is"]["precision"] == p["precision"]
+    assert abs(reported(out, "--error", "9%")["as_is"]["closing"] / p["closing"] - 1) < 1e-5
+    assert reported(out, "--error", "9%")["as_is"]["precision"] == p["precision"]
 
 
 @fact

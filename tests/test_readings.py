@@ -356,8 +356,8 @@ def the_modulus_of_particles_without_a_shape_is_over_the_area_that_is_given(fold
     found = {}
     for area in (15e-3, 20e-3):
         scene["test"]["area"] = area
-        told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
-        assert re.search(r"section +varies along y, 0\.\d+ of the mean at the narrowest section, and no shape gives it", told), told
+        reported = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert re.search(r"section +varies along y, 0\.\d+ of the mean at the narrowest section, and no shape gives it", reported), reported
         out, _ = run_scene(folder, scene, "--quiet", "--force")
         found[area] = summary(out)["readings"]["young_modulus"]
         assert "varies along y" in warnings(out)["uneven_section"], warnings(out)
@@ -428,9 +428,9 @@ def a_gap_to_unbonded_grains_that_counts_as_strain_is_reported(folder):
         scene["walls"][1]["point"][2] += gap
         for key in ("tensile_strength", "shear_strength"):
             del scene["materials"][0][key]
-        told = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
-        line = re.search(r"ends +begin (\S+) m in total away.*", told)
-        assert line and said in line[0] and 0.9 * gap < float(line[1]) < gap + 1e-3, told
+        reported = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        line = re.search(r"ends +begin (\S+) m in total away.*", reported)
+        assert line and said in line[0] and 0.9 * gap < float(line[1]) < gap + 1e-3, reported
         out, _ = run_scene(folder, scene, "--quiet", "--force")
         rows = history(out)
         counted = rows["strain"][-1] * height / rows["deflection"][-1]

@@ -149,8 +149,8 @@ static double stored(const gn_world *w) {
     return sum;
 }
 
-/* But for what the body as a whole asks for at the new places, some 1e-6 of it away: masses, and
- * the velocities that keep its momenta. */
+/* Except for the correction of the body as a whole at the new positions, some 1e-6 of it away:
+ * masses, and the velocities that keep its momenta. */
 static void assert_same_motion(const gn_world *a, const gn_world *b) {
     const gn_particles *p = &a->dem.particles, *q = &b->dem.particles;
     const double *of[2][2] = {{p->vel, q->vel}, {p->spin, q->spin}};
@@ -249,7 +249,7 @@ static void half_of_the_removed_energy_would_have_become_kinetic(void **state) {
 
 /* --- what is in balance --- */
 
-/* But for what the edge of a zone leaves of force, spacing/(4 width) of a bond's, as the rows
+/* Except for the force that the edge of a zone leaves, spacing/(4 width) of a bond's, as the rows
  * beside it have half a spacing to it; at a corner from each side. Such a force moves less than
  * over half of the 8 mm that convert. */
 static void a_lattice_in_uniform_strain_stays(void **state) {

@@ -167,7 +167,8 @@ static void a_damped_contact_closes_the_ledger(void **state) {
     closes("damped", scene, 1);
 }
 
-/* Not bonded: they collide off centre, with friction, and the first leaves while it lasts. */
+/* Unbonded particles: they collide off centre, with friction, and the first leaves while it lasts.
+ */
 static void a_collision_that_is_left_closes_the_ledger(void **state) {
     (void)state;
     static const char *const dashpots[] = {"", "damping: {contact: {fraction: 0.2}}\n"};

@@ -158,7 +158,7 @@ def stages_are_those_of_the_history(folder):
 
 
 def names_of_stages_and_legends_do_not_lie_over_each_other(folder):
-    """Nor a legend over the title or over the label of a second axis."""
+    """No legend covers the title or the label of a second axis."""
     path, shown = os.path.join(folder, "results.h5"), []
     make("stages", path)
     save, report_curves.save = report_curves.save, lambda figure, _: shown.append(figure)

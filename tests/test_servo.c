@@ -28,7 +28,7 @@ static const char one[] = "particles: [[0, 0, 0.99999 mm, 1 mm]]";
 static const char cubes[] =
     "lattice: {kind: cubic, radius: 1 mm, cells: [3, 3, 3], spacing: 0.9999}";
 
-/* How far the force is from 5 N at most in the last quarter of the time. */
+/* The largest deviation of the force from 5 N in the last quarter of the time. */
 static double unrest(gn_world *w, double time) {
     double most = 0.0;
     gneiss_error error = {0};

@@ -151,7 +151,7 @@ static void random_shear_follows_the_surface(void **state) {
              * k_t/(k_t - H) < 3. */
             assert_near(t->force[1], f[0], 1e-11 * (1.0 + size));
             assert_near(t->force[2], f[1], 1e-11 * (1.0 + size));
-            /* But where a step turns the force round. */
+            /* Except where a step reverses the force. */
             if (onward) assert_true(t->sums.damage >= -energy_rounding);
             if (kappa < 1.0)
                 assert_near(t->k.kappa[0], kappa, 1e-11);

@@ -122,7 +122,7 @@ static void one_stage_has_the_bits_of_none(void **state) {
     const char *time = "gravity: [0, 0, -9.81]\ntime: {end: 3 ms}\nrun: {threads: 1}\n";
     uint64_t none = hash_of(joined(heap, time, ""));
     assert_true(none == hash_of(joined(heap, time, "stages: [{name: all}]\n")));
-    /* Nor does it matter where a value stands. */
+    /* The place of a value in the file does not matter. */
     assert_true(none == hash_of(joined(heap, "time: {end: 3 ms}\nrun: {threads: 1}\n",
                                        "stages: [{name: all, gravity: [0, 0, -9.81]}]\n")));
 }

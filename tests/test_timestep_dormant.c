@@ -5,17 +5,17 @@
 /* Makes particles outside of two slabs dormant: without mass and springs. Returns the number of
  * active ones. */
 static size_t lull(specimen *s, double low, double high) {
-    size_t awake = 0;
+    size_t active = 0;
     for (size_t i = 0; i < s->p.soa.count; i++) {
         const double z = s->p.pos[4 * i + 2];
         if (fabs(z - low) < 1e-3 || fabs(z - high) < 1e-3) {
-            awake++;
+            active++;
             continue;
         }
         s->p.vel[4 * i + 3] = 0.0;
         if (s->p.spin) s->p.spin[4 * i + 3] = 0.0;
     }
-    return awake;
+    return active;
 }
 
 /* By vectors of all particles. */
@@ -47,8 +47,8 @@ static specimen *sleeping_rock(int k) {
     bond(s, 0.05, kratios[k / 2], alphas[k % 2]);
     for (size_t i = 0; i < s->p.soa.count; i += 7) s->fixed[i] = (uint8_t)(i % 64);
     s->fixed[70] = 63;
-    const size_t awake = lull(s, 3e-3, 8e-3);
-    assert_true(awake > 100 && 2 * awake < s->p.soa.count);
+    const size_t active = lull(s, 3e-3, 8e-3);
+    assert_true(active > 100 && 2 * active < s->p.soa.count);
     return s;
 }
 
@@ -59,13 +59,13 @@ static void active_particles_have_the_limit_of_the_full_operator(void **state) {
         const gn_step_limit all = full_limit(s, 1e-3), sharp = full_limit(s, 1e-8);
         for (int threads = 1; threads <= 3; threads++) {
             s->spectrum.threads = threads;
-            const gn_step_limit awake = limits_of(s, 1e-3);
-            assert_int_equal(awake.iterations, all.iterations);
-            assert_int_equal(awake.sharp_id, all.sharp_id);
-            assert_true(awake.sharp == all.sharp && awake.sharp_low == all.sharp_low);
-            assert_true(awake.frequency == all.frequency);
-            assert_true(sharp.sharp <= awake.sharp * (1.0 + 1e-12));
-            assert_close(awake.sharp, sharp.sharp, 1e-3);
+            const gn_step_limit active = limits_of(s, 1e-3);
+            assert_int_equal(active.iterations, all.iterations);
+            assert_int_equal(active.sharp_id, all.sharp_id);
+            assert_true(active.sharp == all.sharp && active.sharp_low == all.sharp_low);
+            assert_true(active.frequency == all.frequency);
+            assert_true(sharp.sharp <= active.sharp * (1.0 + 1e-12));
+            assert_close(active.sharp, sharp.sharp, 1e-3);
         }
         destroy(s);
     }
@@ -75,21 +75,21 @@ static void active_particles_have_the_limit_of_the_full_operator(void **state) {
 static void selected_particles_keep_all_springs(void **state) {
     (void)state;
     specimen *s = sleeping_rock(0);
-    gn_springs all, awake;
+    gn_springs all, active;
     uint8_t *inside = calloc(s->p.soa.count, 1);
     size_t count = 0;
     for (size_t i = 0; i < s->p.soa.count; i++) count += inside[i] = inverse_mass(s, i) > 0.0;
     assert_int_equal(gn_springs_build(&s->spectrum, NULL, &all, NULL), GNEISS_OK);
-    assert_int_equal(gn_springs_pick(&all, inside, &awake, NULL), GNEISS_OK);
-    assert_int_equal(awake.particles, count);
-    assert_int_equal(awake.springs, all.springs);
+    assert_int_equal(gn_springs_pick(&all, inside, &active, NULL), GNEISS_OK);
+    assert_int_equal(active.particles, count);
+    assert_int_equal(active.springs, all.springs);
     for (size_t k = 0; k < all.springs; k++) {
-        assert_int_equal(gn_springs_place(&awake, (size_t)awake.spring[k].i), all.spring[k].i);
-        assert_int_equal(gn_springs_place(&awake, (size_t)awake.spring[k].j), all.spring[k].j);
-        assert_true(awake.spring[k].kn == all.spring[k].kn);
+        assert_int_equal(gn_springs_place(&active, (size_t)active.spring[k].i), all.spring[k].i);
+        assert_int_equal(gn_springs_place(&active, (size_t)active.spring[k].j), all.spring[k].j);
+        assert_true(active.spring[k].kn == all.spring[k].kn);
     }
     gn_springs_free(&all);
-    gn_springs_free(&awake);
+    gn_springs_free(&active);
     free(inside);
     destroy(s);
 }

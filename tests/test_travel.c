@@ -1,4 +1,4 @@
-/* Which lists are wide enough: by how much what was not listed can have closed in. */
+/* Lists that are wide enough: bounds on the approach of pairs that were not listed. */
 #include "particles/dem.h"
 #include "particles/lists.h"
 #include "world_helpers.h"

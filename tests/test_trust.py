@@ -311,7 +311,7 @@ def sweep(folder, *arguments, code=0):
         return done, list(csv.DictReader(file)), out
 
 
-def told(rows):
+def reported(rows):
     return [{key: value for key, value in row.items() if not key.startswith("seconds")} for row in rows]
 
 
@@ -325,7 +325,7 @@ def compute_again(folder, spoil, pattern):
     assert rows[1]["status"] != "done" and rows[1]["largest_stress [Pa]"] == "" and re.search(pattern, rows[1]["message"])
     done, rows, _ = sweep(folder)
     assert re.search(r"warning: run 2 \(.*\) lost: .*" + pattern, done.stderr), done.stderr
-    assert told(rows) == told(before)
+    assert reported(rows) == reported(before)
 
 
 @fact
@@ -416,7 +416,7 @@ def a_checkpoint_of_another_run_is_set_aside_by_a_sweep(folder):
     shutil.copy(os.path.join(first, checkpoint), second)
     done, rows, _ = sweep(folder)
     assert re.search(r"run 2 .*lost: its checkpoint .*belongs to another run", done.stderr), done.stderr
-    assert told(rows) == told(before)
+    assert reported(rows) == reported(before)
     assert os.path.exists(os.path.join(second, checkpoint + ".damaged"))
 
 

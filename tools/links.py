@@ -2,7 +2,7 @@
 
 links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
 names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
-names; every picture is shown on a page. Prints file:line of whatever is not so.
+names, also by its folder in src and its name alone; every picture is shown on a page. Prints file:line of whatever is not so.
 """
 import re
 import sys
@@ -53,10 +53,13 @@ def check_links(page, root, shown):
 
 def check_names(path, root):
     is_page = path.suffix == ".md"
+    rooms = "|".join(sorted(folder.name for folder in (root / "src").glob("*/")))
+    in_src = re.compile(rf"(?<![\w./-])(?:{rooms})/\w+\.[ch]\b") if is_page and rooms else None
     for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
         if is_page:
             line = re.sub(r"\[[^]]*\]\([^)]*\)", "", line)
-        for name in NAMED.findall(line) + (SOURCE.findall(line) if is_page else []):
+        short = [f"src/{name}" for name in in_src.findall(line)] if in_src else []
+        for name in NAMED.findall(line) + (SOURCE.findall(line) if is_page else []) + short:
             if not (root / name).exists():
                 yield f"{path.relative_to(root)}:{number}: {name} is not there"
 

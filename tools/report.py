@@ -86,11 +86,11 @@ def count_rows(results):
         rows.append(("removed particles", int(np.count_nonzero(removed))))
     if len(state):
         broken, left = int(np.isin(state, (1, 2)).sum()), int((state == 3).sum())
-        asleep = int(results.asleep.sum())
-        if asleep:
-            rows += [("dormant particles, in elements", asleep), ("active particles", results.particle_count - asleep)]
-        rows += [("bonds of active particles" if asleep else "bonds at the start", len(state)),
-                 ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count - asleep):.3g}"),
+        dormant = int(results.dormant.sum())
+        if dormant:
+            rows += [("dormant particles, in elements", dormant), ("active particles", results.particle_count - dormant)]
+        rows += [("bonds of active particles" if dormant else "bonds at the start", len(state)),
+                 ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count - dormant):.3g}"),
                  ("broken in tension", int((state == 1).sum())),
                  ("broken in shear", int((state == 2).sum())),
                  ("broken, of all", f"{100 * broken / len(state):.3g} %")]
@@ -222,8 +222,8 @@ def cards(results):
 
 
 def bodies_text(results):
-    asleep = int(results.asleep.sum())
-    parts = [f"{results.particle_count} particles" + (f" ({asleep} dormant)" if asleep else "")] if results.particle_count or not results.element_count else []
+    dormant = int(results.dormant.sum())
+    parts = [f"{results.particle_count} particles" + (f" ({dormant} dormant)" if dormant else "")] if results.particle_count or not results.element_count else []
     return ", ".join(parts + ([f"{results.element_count} elements"] if results.element_count else []))
 
 

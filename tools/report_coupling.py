@@ -49,7 +49,7 @@ class Section:
         start, radius = np.asarray(results.particle("position"), float) - moved, np.asarray(results.particle("radius"), float).reshape(-1)
         removed = results.particle("removed")
         there = np.isfinite(start).all(axis=1) if removed is None else np.asarray(removed).reshape(-1) == 0
-        there &= ~results.asleep  # the elements that they are in are drawn
+        there &= ~results.dormant  # the elements that they are in are drawn
         order, self.where = [0, 1, 2], ""
         if not mesh.flat:
             both = np.concatenate([mesh.start, start[there]])
@@ -131,5 +131,5 @@ def plot_together(results, path):
         draw_panel(figure, a, section, what)
     save(figure, path)
     times = f"displacements drawn {factor:g} times" if factor > 1 else "displacements as they are"
-    sleepers = " Dormant particles are left out: the elements that contain them are drawn." if results.asleep.any() else ""
-    return f"Particles and elements at the end of the run, {times}.{section.where}{sleepers}"
+    left_out = " Dormant particles are left out: the elements that contain them are drawn." if results.dormant.any() else ""
+    return f"Particles and elements at the end of the run, {times}.{section.where}{left_out}"

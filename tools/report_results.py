@@ -173,7 +173,7 @@ class Results:
         return 0 if radius is None else len(radius)
 
     @property
-    def asleep(self):
+    def dormant(self):
         """True for dormant particles, those of elements that are still there. Their bonds are not included."""
         value = self.particle("asleep")
         return np.zeros(self.particle_count, bool) if value is None else np.asarray(value).reshape(-1) != 0

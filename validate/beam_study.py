@@ -21,8 +21,7 @@ COUNT = {RADII[0]: 3, RADII[1]: 2}  # packings; one of the smaller particles tak
 # Measured, of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
 MODULUS, POISSON, TENSILE, FRACTURE, DENSITY = 37e9, 0.2, 3.9e6, 143.2, 2346.0
 LENGTH, DEPTH, BREADTH, SPAN, NOTCH, SLOT, GAUGE = 0.175, 0.05, 0.05, 0.125, 0.025, 0.002, 0.020
-# Not measured, taken: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, which what is pressed
-# bears by.
+# Assumed, not measured: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, by which compressed bonds carry more shear.
 SHEAR, SHEAR_ENERGY, FRICTION = 1.0, 1.0, 1.0
 INITIAL = 2.5  # fracture energy over the area under the first tangent of the softening (Bazant and Becq-Giraudon 2002)
 MIDDLE, WIDTH, SIDE = 0.5 * LENGTH, 0.008, 0.0025  # m: mid-span, zone, cells of the mesh

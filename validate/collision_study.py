@@ -136,7 +136,7 @@ def mass_of(radius):
 
 
 def shortest(mass):
-    """How long the shortest contact of each row lasts."""
+    """Duration of the shortest contact of each row."""
     return np.pi / np.sqrt(KN * (1 / mass[..., :-1] + 1 / mass[..., 1:]).max(axis=-1))
 
 

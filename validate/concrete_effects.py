@@ -46,7 +46,7 @@ def cpu(curve):
     return curve.run.summary["seconds"]["cpu"]
 
 
-def told(pressure):
+def reported(pressure):
     return f"under {pressure:g} MPa" if pressure else "without pressure"
 
 
@@ -83,7 +83,7 @@ def particle_words(found):
     counts = list(found)
     sizes = [across(n, found[n][0]) for n in counts]
     fill = np.array([np.mean([concrete.filled(c.run) for c in found[n][0]]) for n in counts])
-    columns = {f"the strength {told(p)}": [np.mean([c.peak for c in found[n][p]]) for n in counts] for p in PRESSURES}
+    columns = {f"the strength {reported(p)}": [np.mean([c.peak for c in found[n][p]]) for n in counts] for p in PRESSURES}
     columns["E"] = [np.mean([c.run.young_modulus_average for c in found[n][0]]) for n in counts]
     last = len(counts) - 1
     steps = "; ".join(f"{name} by {words.signed(v[last] / v[0] - 1)} over all, {words.signed(v[last] / v[last - 1] - 1)} from {counts[last - 1]} to {counts[last]}"
@@ -160,7 +160,7 @@ def speed_words(found, brittle):
     for (count, pressure), curves in found.items():
         slow = min(curves)
         others = ", ".join(f"{words.signed(c.peak / curves[slow].peak - 1)} at {v:g} m/s (g = {group(v, c):.2g})" for v, c in curves.items() if v != slow)
-        parts.append(f"{told(pressure)}, {count} spheres: {others}")
+        parts.append(f"{reported(pressure)}, {count} spheres: {others}")
     fast, slow = brittle[max(brittle)], brittle[min(brittle)]
     return (f"**Speed**, strength against that at the slowest, {'; '.join(parts)}. g: closing speed over wave speed and strain at the peak. "
             f"Bonds that break at once, as in this study of the source: from {min(brittle):g} to {max(brittle):g} m/s E is {words.signed(fast.modulus / slow.modulus - 1)}, the strength "
@@ -231,12 +231,12 @@ RANGES = {2: 1.13, 3: 1.69, 4: 2.06, 5: 2.33, 6: 2.53}  # of so many values of a
 
 def bounded(copies):
     """Where round-off is not multiplied."""
-    kept = [told(p) for p, curves in copies.items() if fits.scatter([c.peak for c in curves]) < 1e-6]
+    kept = [reported(p) for p, curves in copies.items() if fits.scatter([c.peak for c in curves]) < 1e-6]
     return f" ({' and '.join(kept)} it is not multiplied: bonds soften and contacts damp)" if kept else ""
 
 
 def judged(name, values, near):
-    """How the range over steps compares with that of as many steps that are nearly the same."""
+    """The range over steps beside that of as many steps that are nearly equal."""
     mean = np.mean(values)
     return (f"{name} steps have a range of {words.percent(np.ptp(values) / mean)}, where as many that are nearly the same have "
             f"{words.percent(RANGES[len(values)] * fits.scatter(near))}")
@@ -246,16 +246,16 @@ def step_words(found, copies, near, packings, many):
     parts = []
     for pressure, curves in found.items():
         values = np.array([c.peak for c in curves.values()])
-        parts.append(f"{told(pressure)} all are within {words.percent(np.ptp(values) / values[-1])}, E within {words.percent(np.ptp([c.modulus for c in curves.values()]) / curves[min(curves)].modulus)}")
-    off = "; ".join(f"{told(p)} {words.percent(fits.scatter([c.peak for c in curves]))}" for p, curves in copies.items())
-    jitter = "; ".join(f"{told(p)} {words.percent(fits.scatter([c.peak for c in curves]))}" for p, curves in near.items())
-    scatter = "; ".join(f"{told(p)} {words.percent(fits.scatter([c.peak for c in packings[p]]))}" for p in PRESSURES)
-    bounds = ", ".join(f"{max(curves):g} to {min(curves):g} {told(p)}" for p, curves in found.items())
+        parts.append(f"{reported(pressure)} all are within {words.percent(np.ptp(values) / values[-1])}, E within {words.percent(np.ptp([c.modulus for c in curves.values()]) / curves[min(curves)].modulus)}")
+    off = "; ".join(f"{reported(p)} {words.percent(fits.scatter([c.peak for c in curves]))}" for p, curves in copies.items())
+    jitter = "; ".join(f"{reported(p)} {words.percent(fits.scatter([c.peak for c in curves]))}" for p, curves in near.items())
+    scatter = "; ".join(f"{reported(p)} {words.percent(fits.scatter([c.peak for c in packings[p]]))}" for p in PRESSURES)
+    bounds = ", ".join(f"{max(curves):g} to {min(curves):g} {reported(p)}" for p, curves in found.items())
     return (f"**Step**, over the stable one {bounds}: {'; '.join(parts)}. The source's 1e-8 to 1e-7 s are stable and 5e-7 s is not, for spheres of the size of the 13 500: the automatic step of "
             f"{many.run.summary['counts']['particles']} spheres is {automatic_step(many):.0f} ns, where an undamped one would be more than twice as long: contact damping of 0.9 of the critical takes sqrt(1 + 0.9^2) - 0.9 = 0.445 of it.\n\n"
             f"**Floors** of the strength, standard deviations. Coordinates changed by a relative {SHAKEN:g} ({COPIES} runs each): {off}{bounded(copies)}. Steps of {NEARBY[0]:g} to {NEARBY[-1]:g} of "
             f"the stable one ({len(NEARBY)}): {jitter}. Packings ({len(packings[0])} of 1500 spheres): {scatter}. Changes by speed and step are to be compared with the second: "
-            f"{'; '.join(judged(told(p), [c.peak for c in found[p].values()], [c.peak for c in near[p]]) for p in PRESSURES)}.")
+            f"{'; '.join(judged(reported(p), [c.peak for c in found[p].values()], [c.peak for c in near[p]]) for p in PRESSURES)}.")
 
 
 # --- the section -------------------------------------------------------------------------------------------------------
@@ -268,14 +268,14 @@ def picture(found, fast, fine, place):
         finest = np.mean([c.peak for c in found[counts[-1]][pressure]])
         for count in counts:
             axes[0].plot([across(count, found[count][0])] * len(found[count][pressure]), [c.peak / finest for c in found[count][pressure]], "o", ms=3, color=colour)
-        axes[0].plot([across(n, found[n][0]) for n in counts], [np.mean([c.peak for c in found[n][pressure]]) / finest for n in counts], color=colour, label=told(pressure))
+        axes[0].plot([across(n, found[n][0]) for n in counts], [np.mean([c.peak for c in found[n][pressure]]) / finest for n in counts], color=colour, label=reported(pressure))
         for (count, p), curves in fast.items():
             if p == pressure:
                 slow = curves[min(curves)].peak
                 axes[1].plot([group(v, c) for v, c in curves.items()], [c.peak / slow for c in curves.values()], "o-" if count == COUNT else "s--", ms=3, color=colour,
-                             label=f"{told(p)}, {count}")
+                             label=f"{reported(p)}, {count}")
         curves = fine[pressure]
-        axes[2].plot(list(curves), [c.peak / curves[min(curves)].peak for c in curves.values()], "o-", ms=3, color=colour, label=told(pressure))
+        axes[2].plot(list(curves), [c.peak / curves[min(curves)].peak for c in curves.values()], "o-", ms=3, color=colour, label=reported(pressure))
     for ax, label, over in zip(axes, ("particles across", "g of the closing speed", "step over the stable one"), ("the largest number", "the slowest", "the finest")):
         ax.set(xlabel=label, ylabel=f"strength over that of {over}", xscale="log")
         ax.legend()

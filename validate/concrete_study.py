@@ -418,9 +418,9 @@ def oedometer_part(hydrostatic):
         if value > strain.max():
             continue
         measured = [np.interp(value, strain, column) for column in (axial, across)]
-        foretold = [float(part[0]) / 1e6 for part in uniform_oedometer([value], fill)]
-        rows.append([f"{100 * value:g}", f"{measured[0]:.1f}", f"{foretold[0]:.1f}", f"{measured[1]:.1f}", f"{foretold[1]:.1f}",
-                     f"{measured[1] / measured[0]:.3f}", f"{foretold[1] / foretold[0]:.3f}"])
+        predicted = [float(part[0]) / 1e6 for part in uniform_oedometer([value], fill)]
+        rows.append([f"{100 * value:g}", f"{measured[0]:.1f}", f"{predicted[0]:.1f}", f"{measured[1]:.1f}", f"{predicted[1]:.1f}",
+                     f"{measured[1] / measured[0]:.3f}", f"{predicted[1] / predicted[0]:.3f}"])
     put("table oedometer", ["axial strain %", "axial stress MPa", "of uniform strain", "lateral MPa", "of uniform strain", "lateral over axial", "of uniform strain"], rows)
     figure, axes = plt.subplots(1, 2, figsize=(12, 5))
     for (name, pressure), colour in ((("own", 60), "#c8402f"), (("own, no yield", 30), "#2b6cb0")):

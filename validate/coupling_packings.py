@@ -135,7 +135,7 @@ def stored(result):
 
 
 def contact_modulus(space, height):
-    """That gives a packing the modulus M: from the speed of the pulse in a strip of particles alone, M = rho c^2, which grows with it. The last run as well."""
+    """The contact modulus that gives a packing the modulus M: from the speed of the pulse in a strip of particles alone, M = rho c^2, which grows with it. The last run as well."""
     contact, early = MODULUS, 1.2e-4
     for number in range(3):
         name = f"packed-alone-{3 if space else 2}d-{number}"

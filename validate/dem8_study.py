@@ -251,7 +251,7 @@ def turning(folder, by, end, rows):
         "materials": [softer(M1, by), softer(M2, by), STEEL], "contacts": BETWEEN,
         "specimen": {"file": converted("drum", grains), "material": "m1", "group": 0},
         "sets": [{"name": "large", "select": {"ids": large}, "material": "m2"}],
-        # That the heap leans to where x and z are positive, as the quadrants that are counted suggest.
+        # Shows that the heap leans to where x and z are positive, as the counted quadrants suggest.
         "bodies": [{"name": "drum", "surface": walls, "material": "steel", "motion": {"wy": -2.0}}],
         "time": {"end": end}, "output": {"history_rows": 200}}, **{"output.snapshots": rows, "output.checkpoint": "off"})
     return done, counted(done, by_quadrants)

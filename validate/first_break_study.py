@@ -147,7 +147,7 @@ def rest_ratio(rest, done):
 
 
 def fractions():
-    """How near to the first break steps may begin, on rock-b."""
+    """The table of starts near the first break, on rock-b."""
     case, rows = CASES[1], []
     for fraction in (0.5, 0.8, 0.9, 0.95, 0.99):
         done = run(case, 0, True, fraction)
@@ -177,15 +177,15 @@ def main():
                       f"{apart(rest):.2g}", f"{apart(first):.2g}", spread([100 * d.peak_strain for d in rest]),
                       spread([100 * d.peak_strain for d in first]), spread([d.broken_at_peak for d in rest]),
                       spread([d.broken_at_peak for d in first]), f"{max(abs(d.run.residual) for d in first):.0e}"])
-        foretold = first[0].start
-        breaks.append([case[0], f"{1e3 * foretold['time']:.5g}, {min(foretold['first'], foretold['second'])}-"
-                       f"{max(foretold['first'], foretold['second'])}",
+        predicted = first[0].start
+        breaks.append([case[0], f"{1e3 * predicted['time']:.5g}, {min(predicted['first'], predicted['second'])}-"
+                       f"{max(predicted['first'], predicted['second'])}",
                        "; ".join(f"{1e3 * t:.5g}" for t in first[0].first[:3]) + f", {first[0].bond[0]}-{first[0].bond[1]}",
                        "; ".join(f"{1e3 * t:.5g}" for t in rest[0].first[:3]) + f", {rest[0].bond[0]}-{rest[0].bond[1]}"])
-        cost.append([case[0], rest[0].run.summary["steps"], first[0].steps, foretold["steps"], foretold["iterations"],
+        cost.append([case[0], rest[0].run.summary["steps"], first[0].steps, predicted["steps"], predicted["iterations"],
                      f"{np.mean([d.seconds for d in rest]):.1f}", f"{np.mean([d.seconds for d in first]):.1f}"])
         quiet.append([case[0], f"{kinetic_ratio(first[0]):.3f}", f"{rest_ratio(rest[0], first[0]):.3f}",
-                      f"{foretold['unbalanced']:.0e}"])
+                      f"{predicted['unbalanced']:.0e}"])
     study.put("first-break.md", "table agree", study.table(
         ["case", "what", "strength MPa from rest", "first_break", "stress apart on the rise, % of the peak: from rest",
          "first_break", "strain at the peak %, from rest", "first_break", "broken at the peak, from rest", "first_break",

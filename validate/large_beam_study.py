@@ -152,8 +152,8 @@ def draw_cut(axes, run, figure):
 
     low, high = (0.5 * LENGTH - 0.06, 0.03), (0.5 * LENGTH + 0.06, HEIGHT)
     d, x = run.results("particles/displacement"), run.results("particles/position")
-    radius, awake = run.results("particles/radius"), run.results("particles/asleep") == 0
-    shown = awake & (np.abs(x[:, 2] - Z) < 0.5 * radius.mean())
+    radius, active = run.results("particles/radius"), run.results("particles/asleep") == 0
+    shown = active & (np.abs(x[:, 2] - Z) < 0.5 * radius.mean())
     nd, nx, tetrahedra = run.results("nodes/displacement"), run.results("nodes/position"), run.results("elements/node")
     nx = nx - nd
     middle = nx[tetrahedra].mean(axis=1)

@@ -282,9 +282,9 @@ def cost_table(found):
     rows = []
     for name, run_of_it in found:
         summary = run_of_it.summary
-        awake = run_of_it.results("history/particles") if "alone" not in run_of_it.folder.name else [summary["counts"]["particles"]]
+        active = run_of_it.results("history/particles") if "alone" not in run_of_it.folder.name else [summary["counts"]["particles"]]
         elements = run_of_it.results("history/elements") if "alone" not in run_of_it.folder.name else [0]
-        rows.append([name, summary["counts"]["particles"], f"{int(awake[0])} to {int(awake[-1])}", f"{int(elements[0])} to {int(elements[-1])}", summary["steps"],
+        rows.append([name, summary["counts"]["particles"], f"{int(active[0])} to {int(active[-1])}", f"{int(elements[0])} to {int(elements[-1])}", summary["steps"],
                      f"{1e9 * summary['dt']:.0f}", f"{summary['seconds']['cpu']:.0f}", f"{100 * run_of_it.residual:.0e}"])
     return study.table(["", "particles packed", "active", "elements", "steps", "last step, ns", "s of a core", "residual, %"], rows)
 
@@ -392,8 +392,8 @@ def draw_damage(axis, found, beam, figure):
     i, j, state = (found.results(f"bonds/{name}") for name in ("i", "j", "state"))
     damage = np.maximum(found.results("bonds/tension_damage"), found.results("bonds/shear_damage"))
     damage = np.where((state == 1) | (state == 2), 1.0, damage)
-    awake = found.results("particles/asleep") == 0
-    axis.scatter(*start[awake].T, s=0.4, color="0.85")
+    active = found.results("particles/asleep") == 0
+    axis.scatter(*start[active].T, s=0.4, color="0.85")
     part = np.flatnonzero(damage > 0.1)
     part = part[np.argsort(damage[part])]
     dots = axis.scatter(*(0.5 * (start[i] + start[j]))[part].T, s=1.5, c=damage[part], cmap="inferno_r", vmin=0, vmax=1)

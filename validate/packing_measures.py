@@ -1,4 +1,4 @@
-"""Figures of packings, from rows x y z r in metres, whoever made them; and bodies whose surface is looked at."""
+"""Figures of packings, from rows x y z r in metres, from any program; and bodies whose surface is examined."""
 import numpy as np
 
 DIAMETER, HEIGHT = 23e-3, 46e-3
@@ -68,7 +68,7 @@ def fabric(x, i, j):
 
 
 def measure(path):
-    """The figures of a packing of the cylinder, whoever made it. Porosity is over the cylinder's volume."""
+    """The figures of a packing of the cylinder. Porosity is over the cylinder's volume."""
     rows = np.loadtxt(path, ndmin=2)
     x, r = rows[:, :3], rows[:, 3]
     volume = np.pi * DIAMETER ** 2 / 4 * HEIGHT

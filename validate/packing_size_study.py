@@ -78,7 +78,7 @@ def draw(found):
 
 
 def main():
-    study.told(sys.argv[1:], __doc__, ("--quick", "--fresh"))
+    study.reported(sys.argv[1:], __doc__, ("--quick", "--fresh"))
     found, rows = [], []
     for name, dimension, shape, packing, published in KINDS:
         e, n_c, count = figures(name, dimension, shape, packing)

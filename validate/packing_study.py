@@ -1,4 +1,4 @@
-"""How good packings are, how long they take, how much they differ from seed to seed, and beside YADE's.
+"""Quality of packings, their time, their differences from seed to seed, and beside YADE's.
 
     /usr/bin/python3 validate/packing_study.py --gneiss build/gneiss [--yade] [--quick] --out FOLDER
 

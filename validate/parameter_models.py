@@ -170,7 +170,7 @@ def rock_c_experiments():
 
 
 def small_contact_table(all_runs):
-    """Which bonds break before the peak: thirds of the bonds, ordered by their smaller radius."""
+    """The bonds that break before the peak, in thirds of the bonds, ordered by their smaller radius."""
     rows = []
     for specimen, runs in all_runs.items():
         for model, _ in MODELS:

@@ -140,8 +140,8 @@ def main():
     words = (f"Written by `validate/pouring_study.py`: {count} scenes drawn at random, {sum(r['came'] for r in rows)} grains, {sum(r['steps'] for r in rows)} steps. "
              "Density, size (0.3 to 30 mm), stiffness, friction, restitution (0.2 to 0.95), rolling resistance, vessel (box, tube, funnel), rate and speed are drawn; Hertz's law, with and without "
              "pull, in seven of ten, else the linear one; step and all other settings are the defaults. Restitution: two grains of the scene that meet at half the speed of the fall.\n\n")
-    told = ', '.join(f"{w} ({sum(w in r['warnings'] for r in rows)})" for w in named) or 'none'
-    after = f"\n\nExit codes other than 0: {sum(r['code'] != 0 for r in rows)}. Warnings: {told}."
+    reported = ', '.join(f"{w} ({sum(w in r['warnings'] for r in rows)})" for w in named) or 'none'
+    after = f"\n\nExit codes other than 0: {sum(r['code'] != 0 for r in rows)}. Warnings: {reported}."
     if bad:
         after += " Beyond a limit: " + ", ".join(f"{r['number']} (residual {r['residual']:.1e}, restitution {r['found']:.3f} of {r['e']:.3f}, lost {r['lost']})" for r in bad[:12]) + "."
     study.section("granular.md", "Random pourings at default settings", words + table + after)

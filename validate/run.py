@@ -52,7 +52,7 @@ FLAGS = ("--quick", "--time", "--only", "--kept", "--fresh", "--large")
 
 
 def main(arguments):
-    study.told(arguments, __doc__, FLAGS)
+    study.reported(arguments, __doc__, FLAGS)
     if not jobs.yade_program():
         sys.exit("validate: yade is not installed; `./do validate` installs it")
     options = {name: f"--{name}" in arguments for name in ("quick", "large", "time", "fresh")}

@@ -26,7 +26,7 @@ KEPT = "--kept" in sys.argv
 ROCK = "scenes/ucs-rock.yaml"
 
 
-def told(arguments, text, flags):
+def reported(arguments, text, flags):
     """Ends with the text when help is asked for, with a message when a flag is not among the known ones."""
     if {"-h", "--help"} & set(arguments):
         print(text.strip())

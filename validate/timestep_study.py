@@ -1,4 +1,4 @@
-"""How far the step limits are from each other and from the truth. Fills the tables of docs/evidence/timestep.md and
+"""Differences of the step limits from each other and from the true limit. Fills the tables of docs/evidence/timestep.md and
 draws docs/evidence/pictures/timestep-damping.png; about ten minutes of one core.
 
     /usr/bin/python3 validate/timestep_study.py [--fresh]

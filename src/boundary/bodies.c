@@ -467,7 +467,7 @@ void gn_bodies_book(const gn_step_context *ctx, const gn_boundary *boundary, dou
     for (size_t k = 0; k < ctx->scene.body_count; k++) book(ctx, &boundary->bodies[k], dt, ledger);
 }
 
-/* See gn_dem_add_change: of bodies, of which what is free turns besides. */
+/* See gn_rows_add_step_change: of bodies, of which what is free turns besides. */
 static void follow_change(const gn_step_context *ctx, const gn_rigid *b, double halves[2]) {
     const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
     double gain[3];

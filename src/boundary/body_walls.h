@@ -11,10 +11,10 @@
 
 #include "base/effects.h"
 #include "base/error.h"
-#include "boundary/body_springs.h"
 #include "frame/parts.h"
 #include "frame/step_context.h"
 #include "kernels/law.h"
+#include "particles/body_springs.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -90,10 +90,9 @@ static gneiss_status ready_sums(gn_dem *dem, gn_boundary *boundary, gneiss_error
 }
 
 gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones, bool first,
-                                  gneiss_error *error) {
+                                  bool first, gneiss_error *error) {
     GN_TRY(ready_sums(dem, boundary, error));
-    GN_TRY(gn_wall_contacts_find(ctx, dem, boundary, solids, zones, first, error));
+    GN_TRY(gn_wall_contacts_find(ctx, dem, boundary, first, error));
     GN_TRY(gn_body_walls_find(ctx, dem, boundary, first, error));
     return gn_body_pairs_find(ctx, dem, boundary, first, error);
 }

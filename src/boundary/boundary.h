@@ -75,8 +75,7 @@ void gn_boundary_free(gn_boundary *boundary);
 /* Finds what is near each particle, in the order that the particles have; `first`: at the start,
  * where a passive wall takes contacts as they are. */
 gneiss_status gn_boundary_refresh(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones, bool first,
-                                  gneiss_error *error);
+                                  bool first, gneiss_error *error);
 /* There is another number of particles: what goes by it is made with the next lists. */
 void gn_boundary_resized(gn_boundary *boundary);
 /* All that follows from contacts, which were read. */
@@ -115,11 +114,9 @@ gneiss_status gn_boundary_check(const gn_step_context *ctx, const gn_dem *dem,
 /* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
  * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids,
-                                      const gn_zones *zones, bool *more, gneiss_error *error);
+                                      const gn_boundary *boundary, bool *more, gneiss_error *error);
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error);
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error);
 
 uint64_t gn_boundary_hash(const gn_step_context *ctx, const gn_boundary *boundary, uint64_t h);
 size_t gn_boundary_bytes(const gn_step_context *ctx, const gn_boundary *boundary);

@@ -17,8 +17,7 @@
  * forces of the instant and is valid once those of all pairs are known. The share of a rigid body
  * is its weight alone; background damping is neglected. */
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             const gn_zones *zones, size_t row, const double n[3]);
+                             const gn_boundary *boundary, size_t row, const double n[3]);
 /* Acceleration, m/s2, with which the spring of a coupling zone opens the gap of a row along n. kn,
  * N/m, is the stiffness of the contact; the result is 0 if the step does not resolve both springs
  * together. */
@@ -29,8 +28,7 @@ double gn_held_acceleration(const gn_step_context *ctx, const gn_dem *dem,
 gneiss_status gn_walls_create(const gn_step_context *ctx, const gn_dem *dem, gn_boundary *boundary,
                               gneiss_error *error);
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool first,
-                                    gneiss_error *error);
+                                    bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
@@ -66,8 +64,7 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
  * returns the first row behind them. Contacts that share their stiffness with one of the normal
  * `but` are left out; NULL: none is. */
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids,
-                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          const gn_boundary *boundary, size_t begin, size_t end, const double *but,
                           double force[3]);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(const gn_step_context *ctx, gn_boundary *boundary);

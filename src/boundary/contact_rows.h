@@ -12,6 +12,7 @@
 #include "kernels/contact.h"
 #include "kernels/law.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "scene/scene.h"
 #include "scene/sides.h"
 #include "timestep/indentation.h"
@@ -113,7 +114,7 @@ static inline double gn_touch_force(const gn_step_context *ctx, const gn_dem *de
     const gn_touch_step step = gn_touch_step_of(ctx, dem);
     if (gn_touch_crosses(touch, touch->speed * ctx->dt_past) && !(ctx->effects & GN_FX_HERTZ))
         touch->other_acceleration =
-            gn_other_acceleration(ctx, dem, boundary, solids, zones, row, touch->n) +
+            gn_other_acceleration(ctx, dem, boundary, row, touch->n) +
             gn_held_acceleration(ctx, dem, boundary, solids, zones, side->part * side->stiffness,
                                  row, touch->n);
     if (ctx->effects & GN_FX_HERTZ) touch->checked_overlap = gn_pressed_touch(dem, particle);

@@ -26,8 +26,7 @@ static void add_rows(const gn_partials *list, size_t particle, int axes, double 
 /* Adds what the other walls and surfaces do to the particle of a row along their normals. What has
  * nearly the normal n of the row, on the same surface, shares the particle's mass with it. */
 static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                        const gn_solids *solids, const gn_zones *zones, size_t row,
-                        const double n[3], double force[3]) {
+                        size_t row, const double n[3], double force[3]) {
     const gn_wall_contacts *q = &boundary->contacts;
     const size_t walls = ctx->scene.wall_count, end = (size_t)boundary->first[q->i[row] + 1];
     const gn_surface *own =
@@ -35,8 +34,7 @@ static void add_touches(const gn_step_context *ctx, const gn_dem *dem, const gn_
     for (size_t c = (size_t)boundary->first[q->i[row]]; c < end;) {
         if ((size_t)q->wall[c] >= walls) {
             bool same = gn_surface_of_row(ctx, boundary, c) == own;
-            c = gn_surface_presses(ctx, dem, boundary, solids, zones, c, end, same ? n : NULL,
-                                   force);
+            c = gn_surface_presses(ctx, dem, boundary, c, end, same ? n : NULL, force);
         } else {
             if (c != row) gn_wall_presses(ctx, dem, boundary, c, force);
             c++;
@@ -53,8 +51,7 @@ static const gn_rigid *body_of_row(const gn_step_context *ctx, const gn_boundary
 }
 
 double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
-                             const gn_boundary *boundary, const gn_solids *solids,
-                             const gn_zones *zones, size_t row, const double n[3]) {
+                             const gn_boundary *boundary, size_t row, const double n[3]) {
     const gn_particles *q = &dem->particles;
     const gn_wall_contacts *list = &boundary->contacts;
     const size_t p = (size_t)list->i[row];
@@ -64,7 +61,7 @@ double gn_other_acceleration(const gn_step_context *ctx, const gn_dem *dem,
     double force[3] = {0, 0, 0}, sum = 0.0;
     for (int l = 0; l < GN_LIST_COUNT; l++)
         add_rows(&dem->list[l].partials, p, (int)ctx->scene.dimension, force);
-    add_touches(ctx, dem, boundary, solids, zones, row, n, force);
+    add_touches(ctx, dem, boundary, row, n, force);
     const gn_rigid *body = body_of_row(ctx, boundary, row);
     for (int a = 0; a < 3; a++) {
         bool held = slot >= 0 && dem->prescribed.mask[slot] >> a & 1;

@@ -136,8 +136,7 @@ static size_t count_inside(const gn_dem *dem, const gn_boundary *boundary, const
 
 /* From the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, gn_overlap *overlap) {
+                            const gn_boundary *boundary, gn_overlap *overlap) {
     const gn_wall_contacts *q = &boundary->contacts;
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < q->soa.count;) {
@@ -146,7 +145,7 @@ static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, 0.0, contacts, &count);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, 0.0, contacts, &count);
         if (!count) continue;
         gn_overlap *o = &overlap[contacts[0].surface - boundary->surfaces];
         o->touching++;
@@ -156,11 +155,11 @@ static void measure_touches(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, gn_overlap *overlap, gneiss_error *error) {
+                                const gn_boundary *boundary, gn_overlap *overlap,
+                                gneiss_error *error) {
     memset(overlap, 0, boundary->surface_count * sizeof *overlap);
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
-    measure_touches(ctx, dem, boundary, solids, zones, overlap);
+    measure_touches(ctx, dem, boundary, overlap);
     for (size_t k = 0; k < boundary->surface_count; k++) {
         bool closed = false;
         GN_TRY(is_closed(&boundary->surfaces[k].facets, &closed, error));

@@ -17,8 +17,8 @@ typedef struct gn_overlap {
 
 /* Finds the overlap of every surface at the present positions: overlap [surfaces]. */
 gneiss_status gn_world_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, gn_overlap *overlap, gneiss_error *error);
+                                const gn_boundary *boundary, gn_overlap *overlap,
+                                gneiss_error *error);
 /* Returns the overlap of a wall. */
 gn_overlap gn_wall_overlap(const gn_dem *dem, const gn_boundary *boundary, size_t wall);
 /* Tells whether a wall, a body or elements that are no end of the test overlap particles at the

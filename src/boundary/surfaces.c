@@ -62,8 +62,7 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
 /* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
  * which to push it. SIZE_MAX: none. */
 static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones) {
+                           const gn_boundary *boundary) {
     const gn_wall_contacts *q = &boundary->contacts;
     size_t found = SIZE_MAX;
 #pragma omp parallel for schedule(dynamic, 1024) num_threads(ctx->threads) reduction(min : found)
@@ -83,10 +82,9 @@ static size_t row_on_facet(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error) {
+                                        const gn_boundary *boundary, gneiss_error *error) {
     if (!(ctx->effects & GN_FX_FACETS)) return GNEISS_OK;
-    size_t row = row_on_facet(ctx, dem, boundary, solids, zones);
+    size_t row = row_on_facet(ctx, dem, boundary);
     if (row == SIZE_MAX) return GNEISS_OK;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     const char *name = s->body >= 0 ? ctx->scene.bodies[s->body].name : NULL;
@@ -372,7 +370,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, gn_touch_memory *m
 
 /* The group that begins with a row, up to `end`. */
 static group group_at(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                      const gn_solids *solids, const gn_zones *zones, size_t begin, size_t end) {
+                      size_t begin, size_t end) {
     const gn_wall_contacts *q = &boundary->contacts;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, begin);
     int32_t last = (int32_t)ctx->scene.wall_count + s->first + (int32_t)s->facets.count;
@@ -412,10 +410,9 @@ static size_t singles_near(const group *g, double skin, gn_facet_near *near,
 }
 
 size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary, const gn_solids *solids,
-                              const gn_zones *zones, size_t begin, double skin,
+                              const gn_boundary *boundary, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count) {
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, boundary->contacts.soa.count);
+    group g = group_at(ctx, dem, boundary, begin, boundary->contacts.soa.count);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
     *count = skin > 0.0 ? singles_near(&g, skin, near, now) : contacts_of(&g, near, now);
@@ -435,8 +432,7 @@ size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error) {
+                                        const gn_boundary *boundary, gneiss_error *error) {
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < boundary->contacts.soa.count;) {
         size_t count = 0;
@@ -444,7 +440,7 @@ gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, 0.0, found, &count);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, 0.0, found, &count);
         if (count < GN_PATCH_FACETS) continue;
         return gn_fail(error, ctx->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                        "particle %d: expected fewer than %d facets of the elements in it at once, "
@@ -469,7 +465,7 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
                                 const gn_zones *zones, size_t begin, size_t end,
                                 gn_contact_sums *sums) {
     gn_wall_contacts *rows = &boundary->contacts;
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
+    group g = group_at(ctx, dem, boundary, begin, end);
     g.solids = solids;
     g.zones = zones;
     gn_touch_memory old[GN_SURFACE_CONTACTS + 1];
@@ -492,10 +488,9 @@ size_t gn_surface_contacts_work(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 size_t gn_surface_presses(const gn_step_context *ctx, const gn_dem *dem,
-                          const gn_boundary *boundary, const gn_solids *solids,
-                          const gn_zones *zones, size_t begin, size_t end, const double *but,
+                          const gn_boundary *boundary, size_t begin, size_t end, const double *but,
                           double force[3]) {
-    group g = group_at(ctx, dem, boundary, solids, zones, begin, end);
+    group g = group_at(ctx, dem, boundary, begin, end);
     gn_facet_near near[GN_SURFACE_CONTACTS];
     gn_facet_contact now[GN_SURFACE_CONTACTS];
     const gn_touch_step step = gn_touch_step_of(ctx, dem);

@@ -15,8 +15,7 @@
 /* Contacts with them (surfaces.c). A particle whose centre is on a surface cannot be pushed off it:
  * refused at the start, later the run has gone bad. */
 gneiss_status gn_surfaces_check_centres(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error);
+                                        const gn_boundary *boundary, gneiss_error *error);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present
  * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
  * distance up to that far from the particle, each for itself, or of a patch the facets up to that
@@ -32,13 +31,11 @@ typedef struct gn_surface_contact {
     double weight[3];
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_step_context *ctx, const gn_dem *dem,
-                              const gn_boundary *boundary, const gn_solids *solids,
-                              const gn_zones *zones, size_t begin, double skin,
+                              const gn_boundary *boundary, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
 /* That there is room for all facets that a particle presses at once (patch.h). */
 gneiss_status gn_surfaces_check_patches(const gn_step_context *ctx, const gn_dem *dem,
-                                        const gn_boundary *boundary, const gn_solids *solids,
-                                        const gn_zones *zones, gneiss_error *error);
+                                        const gn_boundary *boundary, gneiss_error *error);
 /* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
  * components do not. */
 double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);

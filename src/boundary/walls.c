@@ -18,6 +18,7 @@
 #include "kernels/law.h"
 #include "measure/energy.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "particles/law.h"
 #include "scene/facing.h"
 #include "scene/scene.h"
@@ -137,8 +138,7 @@ static gneiss_status count_rows(const gn_step_context *ctx, gn_dem *dem, gn_boun
 }
 
 gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                    const gn_solids *solids, const gn_zones *zones, bool first,
-                                    gneiss_error *error) {
+                                    bool first, gneiss_error *error) {
     size_t n = dem->particles.soa.count, count = 0;
     if (!(ctx->effects & GN_FX_WALLS)) return GNEISS_OK;
     if (!boundary->first) boundary->first = gn_alloc_array(n + 2, sizeof *boundary->first);
@@ -161,7 +161,7 @@ gneiss_status gn_wall_contacts_find(const gn_step_context *ctx, gn_dem *dem, gn_
     gn_soa_destroy(&gn_wall_contact_record, &old);
     boundary->contacts = now;
     for (size_t k = 0; k < ctx->scene.wall_count; k++) boundary->walls[k].travel = 0.0;
-    return gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error);
+    return gn_surfaces_check_centres(ctx, dem, boundary, error);
 }
 
 /* What moves along the normal; the gap and the arm of the contact force are given back as well. */

@@ -490,8 +490,8 @@ static gneiss_status check_surfaces(const gn_world *world, int *warnings, gneiss
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
+    gneiss_status status =
+        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
     if (status == GNEISS_OK) status = print_bodies(world, overlaps, warnings, error);
     char text[GNEISS_MESSAGE_SIZE];
     if (status == GNEISS_OK && gn_overlap_bursts(&world->ctx, &world->dem, &world->boundary,

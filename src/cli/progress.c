@@ -163,8 +163,8 @@ static gneiss_status warn_of_start(const gn_world *world, gneiss_error *error) {
     if (!overlaps)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        world->boundary.surface_count);
-    gneiss_status status = gn_world_overlaps(&world->ctx, &world->dem, &world->boundary,
-                                             &world->solids, &world->zones, overlaps, error);
+    gneiss_status status =
+        gn_world_overlaps(&world->ctx, &world->dem, &world->boundary, overlaps, error);
     for (size_t k = 0; status == GNEISS_OK && k < world->boundary.surface_count; k++)
         if (k < world->ctx.scene.body_count)
             warn_of_inside("inside body", world->ctx.scene.bodies[k].name, overlaps[k].inside);

@@ -168,51 +168,6 @@ gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_er
     return check_period(ctx, dem, error);
 }
 
-/* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
- * contacts are that hold anything. */
-static gneiss_status enter_bonds(const gn_step_context *ctx, gn_dem *dem, gn_stages *stages,
-                                 gneiss_error *error) {
-    bool said = ctx->scene.bonds_stage == stages->now + 1, on = ctx->scene.bonds == GN_SWITCH_ON;
-    if (!(ctx->effects & GN_FX_BONDS)) return GNEISS_OK;
-    if (on && said) return gn_bonds_add(ctx, dem, error);
-    if (!on) gn_bonds_dissolve(ctx, dem);
-    return GNEISS_OK;
-}
-
-/* Computes the parameters of contacts with walls and surfaces by Hertz's law again, and books the
- * change of the stored energy. */
-static gneiss_status enter_hertz(const gn_step_context *ctx, gn_dem *dem,
-                                 const gn_boundary *boundary, gn_ledger *ledger,
-                                 gneiss_error *error) {
-    gn_hertz_pair *before = dem->hertz;
-    dem->hertz = NULL;
-    gneiss_status status = gn_hertz_prepare(ctx, dem, error);
-    if (status == GNEISS_OK && before)
-        ledger->energy.stage_change += gn_touches_gain(ctx, dem, boundary, before);
-    gn_free(before);
-    return status;
-}
-
-gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
-    if (!w->ctx.scene.has_specimen) return GNEISS_OK;
-    double stored = gn_contacts_stored(&w->ctx, &w->dem, &w->box);
-    w->dem.damping_fraction = gn_contact_damping_fraction(&w->ctx.scene);
-    GN_TRY(enter_hertz(&w->ctx, &w->dem, &w->boundary, &w->ledger, error));
-    GN_TRY(gn_motion_kernel_choose(w->ctx.kernels, w->ctx.effects, &w->dem.motion_kernel, error));
-    /* Effects that differ between stages have no storage; files state the present ones. */
-    w->dem.particles.soa.effects = w->ctx.effects;
-    gn_lists_set_effects(&w->ctx, &w->dem);
-    if (w->dem.dormant) w->dem.prepared.soa.effects = w->dem.bonds.contacts.soa.effects;
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        if (gn_list_kinds[l]->of_materials)
-            GN_TRY(gn_contacts_take_materials(&w->ctx, &w->dem, &w->dem.list[l].contacts, error));
-    GN_TRY(enter_bonds(&w->ctx, &w->dem, &w->stages, error));
-    w->ledger.energy.stage_change += gn_contacts_stored(&w->ctx, &w->dem, &w->box) - stored;
-    gn_dem_step_changed(&w->ctx, &w->dem); /* dashpots */
-    gn_near_forget(&w->ctx, &w->dem);      /* velocities and parameters may be others */
-    return gn_sets_enter(&w->ctx, &w->dem, error);
-}
-
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error) {
     GN_TRY(gn_soa_create(&gn_particle_record, &dem->particles, 0, ctx->effects, error));
     for (int l = 0; l < GN_LIST_COUNT; l++) GN_TRY(gn_list_create_empty(ctx, dem, l, error));
@@ -264,4 +219,46 @@ size_t gn_dem_bytes(const gn_step_context *ctx, const gn_dem *dem) {
     for (int l = 0; l < GN_LIST_COUNT; l++) bytes += list_bytes(&d->list[l]);
     return bytes +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
+}
+
+gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
+    gn_deal_list lists[GN_LIST_COUNT];
+    for (int l = 0; l < GN_LIST_COUNT; l++)
+        lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
+    return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
+}
+
+/* --- what kernels get --- */
+
+gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_periodic_box *box, const gn_contact_list *list,
+                                    bool measure) {
+    gn_contact_args a = {0};
+    a.pos = dem->particles.pos;
+    a.vel = dem->particles.vel;
+    a.spin = dem->particles.spin;
+    a.pos_f = dem->particles.travel_f;
+    a.vel_f = dem->particles.vel_f;
+    a.spin_f = dem->particles.spin_f;
+    a.contacts = &list->contacts;
+    a.uniform = list->uniform;
+    a.partials = &list->partials;
+    a.dt = ctx->dt_past;
+    a.speed_most = dem->speed_most;
+    a.flows = gn_box_moved(box);
+    memcpy(a.flow, box->flow, sizeof a.flow);
+    if (a.flows && a.speed_most > 0.0) a.speed_most += 0.5 * gn_box_speed(box);
+    a.arm_factor = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    memcpy(a.period, ctx->period, sizeof a.period);
+    for (int k = 0; k < 3; k++)
+        a.inverse_period[k] = ctx->period[k] > 0.0 ? 1.0 / ctx->period[k] : 0.0;
+    memcpy(a.gravity, ctx->scene.gravity, sizeof a.gravity);
+    if (ctx->effects & GN_FX_GRAVITY) a.own = dem->particles.own_share;
+    if (dem->prescribed.count) {
+        a.slot = dem->particles.slot;
+        a.held = dem->prescribed.mask;
+    }
+    a.time = ctx->time;
+    a.measure = measure;
+    return a;
 }

@@ -27,7 +27,6 @@
 #include "sched/hold.h"
 #include "soa/bond_causes.h"
 #include "soa/records.h"
-#include "timestep/depth.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -113,6 +112,17 @@ typedef struct gn_pieces {
     double *volume;            /* [particles] m3, in 2D m2 */
 } gn_pieces;
 
+/* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
+typedef struct gn_depth {
+    double excess;        /* overlap over the smaller radius, and over what is too much of it */
+    double share;         /* overlap over the smaller radius; 0: none was pressed */
+    double overlap;       /* m */
+    double time;          /* s, when it was seen */
+    double first, second; /* id of the particle; of another one, or -1 less the place of a wall,
+                             behind the walls of a surface */
+    double looked;        /* step of the last look */
+} gn_depth;
+
 struct gn_dem {
     gn_particles particles;
     union {
@@ -197,84 +207,14 @@ gneiss_status gn_dem_create(const gn_step_context *ctx, gn_dem *dem, const gn_pa
                             gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
 gneiss_status gn_dem_complete(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
-/* Takes what the scene of another stage says, before the lists are made anew. */
-gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
-/* Raises masses, if the scene says so, from the step that the world has found without. */
-gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
-/* Predicts the result for a step (s, safety included) with time.estimate: bound: the step over that
- * of the bound with own masses, and the added mass over the own one; INFINITY: other parts do not
- * permit such a step. */
-gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                     const gn_boundary *boundary, const gn_solids *solids,
-                                     const gn_zones *zones, double step, double *of_bound,
-                                     double *added, gneiss_error *error);
-/* Returns the kinetic energy of the added mass, with the velocities of the last half step. */
-double gn_dem_added_kinetic(const gn_dem *dem);
 /* Without particles: empty records, so that nothing else needs to know. */
 gneiss_status gn_dem_create_empty(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);
 
-/* Sorts the particles and forms their bonds, once all of the scene is there. */
-gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
-/* Makes the lists anew. */
-gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
-/* All that follows from records and lists, which were read. */
-gneiss_status gn_dem_restore(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
-                             gneiss_error *error);
 /* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
  * (travel.c). */
 void gn_dem_look_at_travel(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box);
 
-/* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
-void gn_dem_forces(gn_world *world, bool measure);
-/* then the motion of what waited, and what the step sums up to. */
-void gn_dem_move(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary, bool measure);
-/* Computes forces at the present positions, for a search for equilibrium: contacts take the
- * velocities as those of a path of `span` s that led here, 0: none. Then the loads, including
- * gravity and applied forces, change the velocities for half of `kick` s, without background
- * damping; positions are undefined after that. With `kick` 0 nothing moves. */
-void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
-/* Finds the displacements that bring the linearised system into equilibrium with `load`, see
- * gn_equilibrium_solve.
- * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
-gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const uint8_t *slips, double rate,
-                           const double *load, double tolerance, gn_preconditioner *made, double *u,
-                           gn_equilibrium *found, gneiss_error *error);
-/* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
- * stress, Pa. */
-void gn_dem_book(const gn_dem *dem, gn_half half, gn_energy *ledger);
-void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
-/* Adds the mean resultant on a free particle over the mean contact force. */
-void gn_dem_balance(const gn_dem *dem, const gn_boundary *boundary, gn_balance *balance);
-/* That no particle went bad or too far in the step (paths.c). */
-gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, bool measure, gneiss_error *error);
-
-/* The limit of the particles alone (particle_limit.c): of what has come to act since the last look,
- * or, `full`, of all. *due: it has changed, or that of what they touch. */
-gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
-/* The limit of the particles whose contacts have turned since the last look. */
-gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
-/* Finds whether the step of the world is stable with all listed contacts in touch; otherwise
- * dem.listed is a step that is. `full`: considers all contacts. */
-gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
-/* Finds whether the step is so short that the sums of stiffness of near contacts prove it stable,
- * without a look at changes. */
-gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, bool *far, gneiss_error *error);
-/* The shortest collision among what is listed; among all of the scene, when nothing is listed that
- * collides. *shorter: than known before. */
-gneiss_status gn_dem_resolve_listed(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, const gn_solids *solids,
-                                    const gn_zones *zones, bool *shorter, gneiss_error *error);
-gneiss_status gn_dem_resolve_flight(const gn_step_context *ctx, gn_dem *dem,
-                                    const gn_boundary *boundary, bool *shorter,
-                                    gneiss_error *error);
-/* Forgets what was found of lists and collisions. */
-void gn_dem_limit_anew(gn_dem *dem);
 /* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
 void gn_dem_step_changed(const gn_step_context *ctx, gn_dem *dem);
 
@@ -315,16 +255,12 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
         if (!(mask >> a & 1)) free += n[a] * n[a];
     return free;
 }
-/* A step of another length than the last one (dem_step.c): gn_dem_kept copies rows [.][4] before
- * it, NULL: no memory; gn_dem_add_change adds the resulting change of energy to its halves. */
-double *gn_dem_kept(const gn_particles *of, const double *rows);
-void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
-                       size_t count, double halves[2]);
-/* Return the arguments of kernels in the coming step (dem_step.c). */
+
+/* Returns the arguments of the kernel of a list in the coming step. */
 gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
                                     const gn_periodic_box *box, const gn_contact_list *list,
                                     bool measure);
-gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  bool measure);
+/* Shares out the lists among the threads. */
+gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
 
 #endif

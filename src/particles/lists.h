@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "frame/parts.h"
+#include "kernels/contact.h"
 #include "soa/field.h"
 #include "soa/records.h"
 
@@ -29,5 +30,14 @@ gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn
 /* The first contact of a sorted list that does not come before (i, j) (lists.c). */
 size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
 size_t gn_blocks(size_t count, size_t block);
+
+/* Finds the unbonded pairs within reach and fills their list; a pair that was listed keeps its
+ * history. */
+gneiss_status gn_pairs_make(const gn_step_context *ctx, gn_dem *dem, const gn_periodic_box *box,
+                            gneiss_error *error);
+/* Returns masks of the columns whose contacts all have one value. */
+gn_uniform gn_list_find_uniform(const gn_contacts *contacts);
+
+void gn_dem_sum_masses(gn_dem *dem);
 
 #endif

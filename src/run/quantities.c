@@ -4,6 +4,7 @@
 #include "laboratory/ends.h"
 #include "laboratory/laboratory.h"
 #include "membrane/membrane.h"
+#include "timestep/mass_scaling.h"
 #include "world/space.h"
 #include "zones/zones.h"
 

@@ -9,6 +9,7 @@
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/acts.h"
+#include "timestep/depth.h"
 #include "timestep/step_limit.h"
 
 #include <math.h>

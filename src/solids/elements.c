@@ -12,6 +12,7 @@
 #include "fem/structured.h"
 #include "frame/balance.h"
 #include "frame/ledger.h"
+#include "frame/step_change.h"
 #include "frame/step_context.h"
 #include "measure/energy.h"
 #include "mesh/joints.h"
@@ -412,7 +413,7 @@ void gn_elements_forces(const gn_step_context *ctx, gn_solids *solids, double *s
         if (q->loads_vary) set_loads(q, ctx->time);
         gn_element_contact_load(q);
         if (ctx->dt_past > 0.0 && ctx->dt != ctx->dt_past && ctx->effects & GN_FX_ENERGY)
-            q->vel_past = gn_dem_kept(&q->solid.nodes, q->solid.nodes.vel);
+            q->vel_past = gn_rows_copy(&q->solid.nodes, q->solid.nodes.vel);
         gn_fem_forces(&q->solid, ctx->dt, measure);
         seconds[GN_PHASE_elements] += gn_now() - start;
     }
@@ -433,7 +434,7 @@ static void book_change(const gn_step_context *ctx, gn_ledger *ledger, gn_elemen
                         bool measure) {
     double halves[2] = {0.0, 0.0};
     if (!q->vel_past) return;
-    gn_dem_add_change(ctx, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
+    gn_rows_add_step_change(ctx, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
     if (measure) ledger->reading.step_change += halves[GN_HALF_BEFORE];
     ledger->energy.step_change += halves[GN_HALF_BEFORE] + halves[GN_HALF_AFTER];
     gn_free(q->vel_past);

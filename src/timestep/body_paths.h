@@ -5,6 +5,8 @@
 #include "base/error.h"
 #include "frame/parts.h"
 
+#include <stdbool.h>
+
 /* Lowers *dt (s), of the coming step, as far as bodies ask for: no vertex goes farther in it than a
  * quarter of the smallest radius, and no body turns by more than a quarter of a
  * radian, with bearings about some of its axes by 0.01. */
@@ -25,5 +27,9 @@ double gn_bodies_step(const gn_step_context *ctx, const gn_dem *dem, const gn_bo
  * bounded in scenes. */
 gneiss_status gn_bodies_check_speeds(const gn_step_context *ctx, const gn_boundary *boundary,
                                      gneiss_error *error);
+
+/* That no particle went bad or too far in the step (paths.c). */
+gneiss_status gn_dem_check(const gn_step_context *ctx, const gn_dem *dem,
+                           const gn_boundary *boundary, bool measure, gneiss_error *error);
 
 #endif

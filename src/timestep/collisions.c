@@ -337,8 +337,7 @@ static gn_law_spring surface_spring(const gn_step_context *ctx, const gn_dem *de
 
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
 static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const ties *t, size_t c, fastest *f) {
+                           const gn_boundary *boundary, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)boundary->contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(ctx, boundary, c);
     double inverse = inverse_mass(ctx, dem, p), kn = surface_spring(ctx, dem, p, s).kn;
@@ -349,8 +348,7 @@ static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
-                               &many);
+    c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
         double square = kn * (inverse + give(dem, boundary, &found[m]));
         meet(f, square, share, dem, p, surface_number(ctx, boundary, s));
@@ -359,11 +357,11 @@ static size_t meet_surface(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static void meet_walls(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                       const gn_solids *solids, const gn_zones *zones, const ties *t, fastest *f) {
+                       const gn_zones *zones, const ties *t, fastest *f) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= ctx->scene.wall_count) {
-            c = meet_surface(ctx, dem, boundary, solids, zones, t, c, f);
+            c = meet_surface(ctx, dem, boundary, t, c, f);
             continue;
         }
         const gn_wall_def *def = &ctx->scene.walls[k->wall[c]];
@@ -423,7 +421,7 @@ static gneiss_status meet_listed(const gn_step_context *ctx, const gn_dem *dem,
         meet_pairs(ctx, dem, &t, &dem->pairs.contacts, crowd, f);
         if (t.apart || t.share > 0.0 || t.wedged)
             meet_pairs(ctx, dem, &t, &dem->bonds.contacts, crowd, f);
-        meet_walls(ctx, dem, boundary, solids, zones, &t, f);
+        meet_walls(ctx, dem, boundary, zones, &t, f);
         meet_bodies(ctx, boundary, f);
     }
     gn_free(crowd);

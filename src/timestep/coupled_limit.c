@@ -325,8 +325,7 @@ gneiss_status gn_coupled_limit(const gn_step_context *ctx, const gn_dem *dem,
                                const gn_zones *zones, bool listed, gn_whole_limit *limit,
                                gneiss_error *error) {
     whole y = {.q = zones->coupled, .ctx = ctx, .dem = dem, .solids = solids, .limit = limit};
-    gneiss_status status =
-        gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, find, &y, error);
+    gneiss_status status = gn_dem_with_spectrum(ctx, dem, boundary, listed, find, &y, error);
     whole_free(&y);
     return status;
 }

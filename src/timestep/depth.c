@@ -54,12 +54,12 @@ static void look_at_pairs(const gn_step_context *ctx, gn_dem *dem) {
 }
 
 static size_t look_at_surface(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                              const gn_solids *solids, const gn_zones *zones, size_t row) {
+                              size_t row) {
     const size_t p = (size_t)boundary->contacts.i[row];
     const double radius = dem->particles.pos[4 * p + 3];
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     size_t count = 0;
-    row = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, row, 0.0, found, &count);
+    row = gn_surface_contacts_at(ctx, dem, boundary, row, 0.0, found, &count);
     for (size_t k = 0; k < count; k++) {
         const gn_surface *s = found[k].surface;
         const double overlap = -found[k].contact.overlap;
@@ -73,13 +73,12 @@ static size_t look_at_surface(const gn_step_context *ctx, gn_dem *dem, gn_bounda
     return row;
 }
 
-static void look_at_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_solids *solids, const gn_zones *zones) {
+static void look_at_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         const size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
         if (wall >= ctx->scene.wall_count) {
-            c = look_at_surface(ctx, dem, boundary, solids, zones, c);
+            c = look_at_surface(ctx, dem, boundary, c);
             continue;
         }
         const gn_wall *of = &boundary->walls[wall];
@@ -92,20 +91,18 @@ static void look_at_walls(const gn_step_context *ctx, gn_dem *dem, gn_boundary *
 }
 
 gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            const gn_solids *solids, const gn_zones *zones, gneiss_error *error) {
+                            gneiss_error *error) {
     GN_TRY(gn_loose_find(ctx, dem, error));
     look_at_pairs(ctx, dem);
-    look_at_walls(ctx, dem, boundary, solids, zones);
+    look_at_walls(ctx, dem, boundary);
     dem->depth.looked = (double)ctx->step;
     return GNEISS_OK;
 }
 
 gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones,
                                   gneiss_error *error) {
     bool due = (double)ctx->step - dem->depth.looked >= LOOK_INTERVAL;
-    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, solids, zones, error)
-                                          : GNEISS_OK;
+    return due && ctx->scene.has_specimen ? gn_depth_look(ctx, dem, boundary, error) : GNEISS_OK;
 }
 
 const char *gn_depth_text(const gn_step_context *ctx, const gn_dem *dem, char *text, size_t size) {

@@ -8,17 +8,6 @@
 
 #include <stddef.h>
 
-/* The contact of a particle that was pressed furthest, in doubles, as checkpoints have it. */
-typedef struct gn_depth {
-    double excess;        /* overlap over the smaller radius, and over what is too much of it */
-    double share;         /* overlap over the smaller radius; 0: none was pressed */
-    double overlap;       /* m */
-    double time;          /* s, when it was seen */
-    double first, second; /* id of the particle; of another one, or -1 less the place of a wall,
-                             behind the walls of a surface */
-    double looked;        /* step of the last look */
-} gn_depth;
-
 /* From where Hertz's theory, and any spring between what should hardly touch, misleads: of what was
  * not bonded at the start. Bonded specimens are pressed further by platens, and among debris,
  * without harm to what is read of them; from here on a particle is on its way through. */
@@ -28,9 +17,8 @@ typedef struct gn_depth {
 /* Looks at what is listed, as it is now, into world->dem.depth: whenever lists are made, and in
  * measured steps if that was some steps ago. What cannot move is left out. */
 gneiss_status gn_depth_look(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                            const gn_solids *solids, const gn_zones *zones, gneiss_error *error);
+                            gneiss_error *error);
 gneiss_status gn_depth_look_again(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                                  const gn_solids *solids, const gn_zones *zones,
                                   gneiss_error *error);
 
 /* Whose contact it was. */

@@ -15,6 +15,7 @@
 #include "kernels/law.h"
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
+#include "particles/expected_overlap.h"
 #include "scene/scene.h"
 #include "scene/table.h"
 #include "soa/records.h"
@@ -24,8 +25,6 @@
 
 #include <math.h>
 
-/* Over the radius of the contact: with less a step would have no bound at the start. */
-static const double least = 1e-6;
 /* What is expected at least of an overlap that there is, and what is taken in hand besides. */
 static const double growth = 1.2, reserve = 1.25;
 
@@ -38,47 +37,6 @@ static double applied(const gn_step_context *ctx, const gn_dem *dem) {
         most2 = fmax(most2, gn_dot3(f, f) * inverse * inverse);
     }
     return sqrt(most2);
-}
-
-/* J/kg that gravity and applied forces add while the lists last. */
-static double fall(const gn_step_context *ctx, const gn_dem *dem) {
-    const double *g = ctx->scene.gravity;
-    double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
-    return (pull + dem->push) * dem->verlet.skin;
-}
-
-/* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
- * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
-static double collision(const gn_step_context *ctx, const gn_dem *dem, double kn,
-                        double inverse_mass, double speed2, double radius, double known) {
-    if (!(inverse_mass > 0.0)) return known;
-    if (dem->gain > 0.0) speed2 = (sqrt(speed2) + dem->gain) * (sqrt(speed2) + dem->gain);
-    double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
-    if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
-    return pow(3.75 * energy / kn, 0.4) / radius;
-}
-
-static double pair_radius(const gn_particles *q, size_t i, size_t j) {
-    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
-    return ri * rj / (ri + rj);
-}
-
-static double relative2(const double *a, const double *b) {
-    double v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return gn_dot3(v, v);
-}
-
-double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
-                          double kn) {
-    const gn_particles *q = &dem->particles;
-    const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
-    double radius = pair_radius(q, i, j), known = fmax(fmax(q->pressed[i], q->pressed[j]), least);
-    return radius * collision(ctx, dem, kn, vi[3] + vj[3], relative2(vi, vj), radius, known);
-}
-
-double gn_pressed_touch(const gn_dem *dem, size_t p) {
-    const gn_particles *q = &dem->particles;
-    return q->pos[4 * p + 3] * fmax(q->pressed[p], least);
 }
 
 /* --- looking --- */
@@ -94,11 +52,12 @@ static void look_at_pairs(gn_step_context *ctx, gn_dem *dem) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
-        double d[3], radius = pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
+        double d[3], radius = gn_pair_radius(q, i, j), known = fmin(q->pressed[i], q->pressed[j]);
         double gap = sqrt(gn_branch(ctx, q->pos + 4 * i, q->pos + 4 * j, d)) - q->pos[4 * i + 3] -
                      q->pos[4 * j + 3];
         known = fmax(known, growth * -gap / radius);
-        known = collision(ctx, dem, k->kn[c], vi[3] + vj[3], relative2(vi, vj), radius, known);
+        known = gn_expected_overlap(ctx, dem, k->kn[c], vi[3] + vj[3], gn_relative_speed2(vi, vj),
+                                    radius, known);
         raise(dem, i, known);
         raise(dem, j, known);
     }
@@ -109,7 +68,7 @@ static void keep_pairs(gn_dem *dem) {
     gn_contacts *k = &dem->pairs.contacts;
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        k->most[c] = pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
+        k->most[c] = gn_pair_radius(q, i, j) * fmax(q->pressed[i], q->pressed[j]);
         if (k->most_f) k->most_f[c] = (float)k->most[c];
     }
 }
@@ -120,7 +79,9 @@ static void meet(gn_step_context *ctx, gn_dem *dem, size_t p, const gn_touch_sid
     const double *own = dem->particles.vel + 4 * p;
     double kn = gn_law_of(ctx->effects)->touch_spring(side, 1.0, 0.0, 1.0).kn;
     double known = fmax(dem->particles.pressed[p], growth * overlap / side->radius);
-    raise(dem, p, collision(ctx, dem, kn, own[3], relative2(own, v), side->radius, known));
+    raise(
+        dem, p,
+        gn_expected_overlap(ctx, dem, kn, own[3], gn_relative_speed2(own, v), side->radius, known));
 }
 
 /* Where the contact is. */
@@ -143,14 +104,13 @@ static void surface_velocity(const gn_dem *dem, const gn_boundary *boundary,
 }
 
 static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                              const gn_solids *solids, const gn_zones *zones, size_t row) {
+                              size_t row) {
     size_t count = 0, p = (size_t)boundary->contacts.i[row];
     const gn_surface *s = gn_surface_of_row(ctx, boundary, row);
     gn_touch_side side = gn_surface_side(ctx, dem, s, p, 1.0);
     double v[3];
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    row = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, row, dem->verlet.skin, found,
-                                 &count);
+    row = gn_surface_contacts_at(ctx, dem, boundary, row, dem->verlet.skin, found, &count);
     for (size_t k = 0; k < count; k++) {
         surface_velocity(dem, boundary, &found[k], v);
         meet(ctx, dem, p, &side, v, fmax(-found[k].contact.overlap, 0.0));
@@ -158,13 +118,12 @@ static size_t look_at_surface(gn_step_context *ctx, gn_dem *dem, gn_boundary *bo
     return row;
 }
 
-static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                          const gn_solids *solids, const gn_zones *zones) {
+static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     const gn_wall_contacts *k = &boundary->contacts;
     for (size_t c = 0; ctx->effects & GN_FX_WALLS && c < k->soa.count;) {
         size_t wall = (size_t)k->wall[c], p = (size_t)k->i[c];
         if (wall >= ctx->scene.wall_count) {
-            c = look_at_surface(ctx, dem, boundary, solids, zones, c);
+            c = look_at_surface(ctx, dem, boundary, c);
             continue;
         }
         gn_touch_side side = gn_wall_side(ctx, dem, wall, p);
@@ -175,13 +134,12 @@ static void look_at_walls(gn_step_context *ctx, gn_dem *dem, gn_boundary *bounda
     }
 }
 
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones) {
+void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary) {
     if (!(ctx->effects & GN_FX_HERTZ)) return;
     dem->push = applied(ctx, dem);
-    for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, least);
+    for (size_t p = 0; p < dem->particles.soa.count; p++) raise(dem, p, GN_OVERLAP_LEAST);
     look_at_pairs(ctx, dem);
-    look_at_walls(ctx, dem, boundary, solids, zones);
+    look_at_walls(ctx, dem, boundary);
     keep_pairs(dem);
     gn_near_repack(ctx, dem);
 }

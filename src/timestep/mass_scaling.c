@@ -22,21 +22,6 @@
 
 #include <math.h>
 
-void gn_dem_sum_masses(gn_dem *dem) {
-    const gn_particles *q = &dem->particles;
-    gn_mass_scaling *s = &dem->scaling;
-    dem->mass = s->added = s->largest = 0.0;
-    s->raised = 0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_particle_is_active(q, p)) continue; /* removed */
-        double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
-        dem->mass += own < 1.0 ? own * mass : mass;
-        s->added += (1.0 - own) * mass;
-        s->largest = fmax(s->largest, 1.0 / own);
-        s->raised += own < 1.0;
-    }
-}
-
 double gn_dem_added_kinetic(const gn_dem *dem) {
     const gn_particles *q = &dem->particles;
     double all = 0.0, added = 0.0;
@@ -69,10 +54,8 @@ static gneiss_status find_factors(const gn_step_context *ctx, const gn_dem *dem,
                                   const gn_boundary *boundary, const gn_solids *solids,
                                   const gn_zones *zones, const wanted *q, double part,
                                   gneiss_error *error) {
-    GN_TRY(gn_dem_masses(ctx, dem, boundary, solids, zones, false, part * q->limit, NULL, q->factor,
-                         error));
-    GN_TRY(gn_dem_masses(ctx, dem, boundary, solids, zones, true, part * q->listed, NULL, q->also,
-                         error));
+    GN_TRY(gn_dem_masses(ctx, dem, boundary, false, part * q->limit, NULL, q->factor, error));
+    GN_TRY(gn_dem_masses(ctx, dem, boundary, true, part * q->listed, NULL, q->also, error));
     for (size_t p = 0; p < dem->particles.soa.count; p++)
         q->factor[p] = fmax(q->factor[p], q->also[p]);
     return gn_resolution_masses(ctx, dem, boundary, solids, zones, q->step, q->factor, error);
@@ -152,8 +135,8 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
                        w->dem.particles.soa.count);
     gneiss_status status = GNEISS_OK;
     for (int round = 0; round < ROUNDS; round++) {
-        status = gn_dem_masses(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, step,
-                               changed, factor, error);
+        status =
+            gn_dem_masses(&w->ctx, &w->dem, &w->boundary, listed, step, changed, factor, error);
         if (status != GNEISS_OK || !follow_once(&w->ctx, &w->dem, &w->ledger, factor)) break;
         if (w->dem.damping_fraction == 0.0) break;
     }
@@ -234,8 +217,7 @@ gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *d
     double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
     if (!factor)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
-    gneiss_status status =
-        gn_dem_masses(ctx, dem, boundary, solids, zones, false, limit, NULL, factor, error);
+    gneiss_status status = gn_dem_masses(ctx, dem, boundary, false, limit, NULL, factor, error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
         if (!gn_particle_is_active(q, p)) continue;
         most = fmax(most, factor[p]);

@@ -40,8 +40,7 @@ static void free_data(spectrum_data *d) {
 }
 
 static gneiss_status make_data(const gn_step_context *ctx, const gn_dem *dem,
-                               const gn_boundary *boundary, const gn_solids *solids,
-                               const gn_zones *zones, double reach, spectrum_data *d,
+                               const gn_boundary *boundary, double reach, spectrum_data *d,
                                gneiss_error *error) {
     size_t walls = ctx->scene.wall_count, n = dem->particles.soa.count;
     size_t materials = ctx->scene.material_count;
@@ -62,8 +61,8 @@ static gneiss_status make_data(const gn_step_context *ctx, const gn_dem *dem,
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] =
             dem->particles.slot[p] >= 0 ? dem->prescribed.mask[dem->particles.slot[p]] : 0;
-    gneiss_status status = gn_surface_springs(ctx, dem, boundary, solids, zones, reach, &d->surface,
-                                              &d->surface_count, error);
+    gneiss_status status =
+        gn_surface_springs(ctx, dem, boundary, reach, &d->surface, &d->surface_count, error);
     if (status != GNEISS_OK) free_data(d);
     return status;
 }
@@ -155,13 +154,12 @@ static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_e
 }
 
 gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_boundary *boundary, const gn_solids *solids,
-                                   const gn_zones *zones, bool listed, gn_spectrum_user *use,
+                                   const gn_boundary *boundary, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
     double reach = listed ? dem->verlet.skin : 0.0;
-    GN_TRY(make_data(ctx, dem, boundary, solids, zones, reach, &data, error));
+    GN_TRY(make_data(ctx, dem, boundary, reach, &data, error));
     gn_spectrum spectrum = spectrum_of(ctx, reach, &assembly, &data);
     gneiss_status status = use(&spectrum, context, error);
     free_data(&data);
@@ -169,28 +167,25 @@ gneiss_status gn_dem_with_spectrum(const gn_step_context *ctx, const gn_dem *dem
 }
 
 static gneiss_status ask(const gn_step_context *ctx, const gn_dem *dem, const gn_boundary *boundary,
-                         const gn_solids *solids, const gn_zones *zones, bool listed,
-                         const question *q, gneiss_error *error) {
+                         bool listed, const question *q, gneiss_error *error) {
     question copy = *q;
-    return gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, listed, answer, &copy, error);
+    return gn_dem_with_spectrum(ctx, dem, boundary, listed, answer, &copy, error);
 }
 
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, bool listed, double step, const uint8_t *changed,
-                            double *factor, gneiss_error *error) {
+                            const gn_boundary *boundary, bool listed, double step,
+                            const uint8_t *changed, double *factor, gneiss_error *error) {
     question q = {.step = step, .turned = changed, .masses = factor};
-    return ask(ctx, dem, boundary, solids, zones, listed, &q, error);
+    return ask(ctx, dem, boundary, listed, &q, error);
 }
 
 gneiss_status gn_dem_relax(const gn_step_context *ctx, const gn_dem *dem,
-                           const gn_boundary *boundary, const gn_solids *solids,
-                           const gn_zones *zones, const uint8_t *slips, double rate,
+                           const gn_boundary *boundary, const uint8_t *slips, double rate,
                            const double *load, double tolerance, gn_preconditioner *made, double *u,
                            gn_equilibrium *found, gneiss_error *error) {
     gn_assembly assembly = gn_assembly_of(ctx, dem, boundary);
     spectrum_data data = {0};
-    GN_TRY(make_data(ctx, dem, boundary, solids, zones, 0.0, &data, error));
+    GN_TRY(make_data(ctx, dem, boundary, 0.0, &data, error));
     gn_spectrum spectrum = spectrum_of(ctx, 0.0, &assembly, &data);
     spectrum.slips = slips;
     spectrum.dashpots = 0.0;
@@ -213,16 +208,15 @@ static bool bound_suffices(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 static gneiss_status find_limit(const gn_step_context *ctx, gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, gneiss_error *error) {
+                                const gn_boundary *boundary, gneiss_error *error) {
     gn_step_limit quick = {0};
     const question sharp = {.tolerance = 1e-3, .limit = &dem->limit};
     if (ctx->scene.estimate != GN_STEP_BOUND && !(ctx->scene.step > 0.0))
-        return ask(ctx, dem, boundary, solids, zones, false, &sharp,
+        return ask(ctx, dem, boundary, false, &sharp,
                    error); /* no bound suffices: not twice the springs for it */
-    GN_TRY(ask(ctx, dem, boundary, solids, zones, false, &(question){.limit = &quick}, error));
+    GN_TRY(ask(ctx, dem, boundary, false, &(question){.limit = &quick}, error));
     if (!bound_suffices(ctx, dem, boundary, quick.bound))
-        return ask(ctx, dem, boundary, solids, zones, false, &sharp, error);
+        return ask(ctx, dem, boundary, false, &sharp, error);
     dem->limit = quick;
     dem->limit.sharp = quick.bound;
     dem->limit.sharp_id = quick.bound_id;
@@ -239,13 +233,12 @@ static double trusted(const gn_step_context *ctx, const gn_step_limit *limit) {
  * is worst of all. The last only has to give a step to start with: whatever comes near is listed,
  * and looked at as it is, before it touches (gn_world_check_lists). */
 static gneiss_status usable_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                  const gn_boundary *boundary, const gn_solids *solids,
-                                  const gn_zones *zones, double *limit, gneiss_error *error) {
+                                  const gn_boundary *boundary, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};
     gn_resolution unused;
     *limit = trusted(ctx, &dem->limit);
     if (*limit < INFINITY) return GNEISS_OK;
-    GN_TRY(ask(ctx, dem, boundary, solids, zones, true,
+    GN_TRY(ask(ctx, dem, boundary, true,
                &(question){.tolerance = tolerance_of(ctx), .limit = &listed}, error));
     *limit = trusted(ctx, &listed);
     if (*limit < INFINITY) return GNEISS_OK;
@@ -265,7 +258,7 @@ static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of,
     *q->verdict = (gn_step_verdict){.holds = true};
     /* They were raised to hold more than that, within what a block is left alone for. */
     if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
-    return ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, &about, error);
+    return ask(&w->ctx, &w->dem, &w->boundary, listed, &about, error);
 }
 
 /* About what has other springs than at the last look. */
@@ -273,10 +266,9 @@ static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
                                    gneiss_error *error) {
     uint8_t *others = NULL;
     if (!(w->ctx.effects & GN_FX_MASS_SCALING))
-        return ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, q, error);
+        return ask(&w->ctx, &w->dem, &w->boundary, listed, q, error);
     question who = {.step = q->step, .verdict = q->verdict, .others = &others};
-    gneiss_status status =
-        ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, listed, &who, error);
+    gneiss_status status = ask(&w->ctx, &w->dem, &w->boundary, listed, &who, error);
     if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
     gn_free(others);
     return status;
@@ -298,12 +290,10 @@ gneiss_status gn_dem_limit(gn_world *w, bool full, bool *due, gneiss_error *erro
     bool fell = full;
     GN_TRY(gn_loose_find(&w->ctx, &w->dem, error));
     if (!full) GN_TRY(limit_fell(w, &fell, error));
-    GN_TRY(
-        gn_boundary_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, fell, due, error));
+    GN_TRY(gn_boundary_limit(&w->ctx, &w->dem, &w->boundary, fell, due, error));
     if (!*due) return GNEISS_OK;
-    if (fell) GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->dem.stable,
-                        error);
+    if (fell) GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, error));
+    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->dem.stable, error);
 }
 
 /* --- what may happen before the lists are made again --- */
@@ -330,7 +320,7 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
     if (q.changed)
         GN_TRY(ask_of_others(w, true, &q, error));
     else
-        GN_TRY(ask(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, true, &q, error));
+        GN_TRY(ask(&w->ctx, &w->dem, &w->boundary, true, &q, error));
     *fine = finite && verdict.holds;
     if (*fine && all) w->dem.listed_holds = needed;
     if (*fine) return GNEISS_OK;
@@ -354,7 +344,7 @@ gneiss_status gn_dem_limit_far(const gn_step_context *ctx, const gn_dem *dem,
                   .verdict = &verdict};
     *far = false;
     if (ctx->dt > 0.5 * dem->stable || !(q.step < INFINITY)) return GNEISS_OK;
-    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, solids, zones, true, by_sums, &q, error));
+    GN_TRY(gn_dem_with_spectrum(ctx, dem, boundary, true, by_sums, &q, error));
     *far = verdict.holds;
     return GNEISS_OK;
 }
@@ -429,7 +419,6 @@ gneiss_status gn_dem_limit_turned(gn_world *w, bool *due, gneiss_error *error) {
     gn_free(turned);
     *due = status == GNEISS_OK && !hold;
     if (!*due) return status;
-    GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &w->dem.stable,
-                        error);
+    GN_TRY(find_limit(&w->ctx, &w->dem, &w->boundary, error));
+    return usable_limit(&w->ctx, &w->dem, &w->boundary, &w->dem.stable, error);
 }

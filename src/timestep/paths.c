@@ -12,6 +12,7 @@
 #include "scene/values.h"
 #include "soa/records.h"
 #include "solids/elements.h"
+#include "timestep/body_paths.h"
 
 #include <math.h>
 

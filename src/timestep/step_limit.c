@@ -15,6 +15,7 @@
 #include "solids/elements.h"
 #include "timestep/body_paths.h"
 #include "timestep/collisions.h"
+#include "timestep/particle_limit.h"
 #include "timestep/timestep_private.h"
 #include "world/world.h"
 #include "zones/zone_state.h"
@@ -341,7 +342,7 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     *fine = true;
     if (!w->ctx.scene.has_specimen) return GNEISS_OK;
     GN_TRY(look_at_lighter(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
-    gn_pressed_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones);
+    gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
     follow_flight(&w->ctx, &w->dem, &w->boundary);
     gn_world_follow_bodies(&w->ctx, &w->dem, &w->boundary);
     GN_TRY(resolve_listed(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
@@ -384,8 +385,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false, turn_faster = false;
     gneiss_status status = GNEISS_OK;
-    if (w->ctx.scene.has_specimen)
-        gn_pressed_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones);
+    if (w->ctx.scene.has_specimen) gn_pressed_look(&w->ctx, &w->dem, &w->boundary);
     if (w->ctx.scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK)
         status = gn_elements_limit(&w->ctx, &w->solids, full, &elements_due, error);

@@ -59,15 +59,14 @@ static gn_extra_spring spring_of(const gn_step_context *ctx, const gn_dem *dem,
 }
 
 gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, double reach, gn_extra_spring **springs,
-                                 size_t *count, gneiss_error *error) {
+                                 const gn_boundary *boundary, double reach,
+                                 gn_extra_spring **springs, size_t *count, gneiss_error *error) {
     size_t rows = boundary->contacts.soa.count;
     *springs = NULL;
     *count = 0;
     if (!boundary->surface_count) return GNEISS_OK;
-    GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, solids, zones, error));
-    GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, solids, zones, error));
+    GN_TRY(gn_surfaces_check_centres(ctx, dem, boundary, error));
+    GN_TRY(gn_surfaces_check_patches(ctx, dem, boundary, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
@@ -77,7 +76,7 @@ gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, reach, found, &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, reach, found, &many);
         /* Near several facets: they may yet be joined, into one contact. */
         for (size_t k = 0; k < many; k++)
             (*springs)[(*count)++] = spring_of(
@@ -415,8 +414,7 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
 }
 
 static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
-                                  const gn_boundary *boundary, const gn_solids *solids,
-                                  const gn_zones *zones, const gn_surface *s, double *rate,
+                                  const gn_boundary *boundary, const gn_surface *s, double *rate,
                                   gneiss_error *error) {
     const int32_t *wall = boundary->contacts.wall;
     int32_t begin = (int32_t)ctx->scene.wall_count + s->first,
@@ -434,8 +432,7 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(ctx, dem, boundary, solids, zones, c, dem->verlet.skin, found,
-                                   &many);
+        c = gn_surface_contacts_at(ctx, dem, boundary, c, dem->verlet.skin, found, &many);
         if (many && found[0].patch)
             add_patch(ctx, dem, found, many, &sums);
         else
@@ -455,15 +452,13 @@ static gneiss_status surface_rate(const gn_step_context *ctx, const gn_dem *dem,
 /* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
  * be at their limit, from above; the elasticity of what vertices belong to is left out. */
 static gneiss_status find_rates(const gn_step_context *ctx, const gn_dem *dem,
-                                const gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, double *bodies, double *vertices,
+                                const gn_boundary *boundary, double *bodies, double *vertices,
                                 gneiss_error *error) {
     *bodies = *vertices = 0.0;
     for (size_t k = 0; k < boundary->surface_count; k++) {
         const gn_surface *s = &boundary->surfaces[k];
         if (!gn_surface_yields(boundary, s)) continue;
-        GN_TRY(surface_rate(ctx, dem, boundary, solids, zones, s, s->body >= 0 ? bodies : vertices,
-                            error));
+        GN_TRY(surface_rate(ctx, dem, boundary, s, s->body >= 0 ? bodies : vertices, error));
     }
     return GNEISS_OK;
 }
@@ -473,19 +468,18 @@ static bool are_more(const gn_boundary *b, double bodies, double vertices) {
 }
 
 gneiss_status gn_boundary_yields_more(const gn_step_context *ctx, const gn_dem *dem,
-                                      const gn_boundary *boundary, const gn_solids *solids,
-                                      const gn_zones *zones, bool *more, gneiss_error *error) {
+                                      const gn_boundary *boundary, bool *more,
+                                      gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *more = are_more(boundary, bodies, vertices);
     return GNEISS_OK;
 }
 
 gneiss_status gn_boundary_limit(const gn_step_context *ctx, const gn_dem *dem,
-                                gn_boundary *boundary, const gn_solids *solids,
-                                const gn_zones *zones, bool anew, bool *due, gneiss_error *error) {
+                                gn_boundary *boundary, bool anew, bool *due, gneiss_error *error) {
     double bodies, vertices;
-    GN_TRY(find_rates(ctx, dem, boundary, solids, zones, &bodies, &vertices, error));
+    GN_TRY(find_rates(ctx, dem, boundary, &bodies, &vertices, error));
     *due = anew || are_more(boundary, bodies, vertices);
     if (!*due) return GNEISS_OK;
     boundary->surface_rate = bodies;

@@ -14,12 +14,10 @@
 /* Springs of the particles that touch surfaces, or are up to `reach` from them, for the stability
  * limit; the caller frees them. */
 gneiss_status gn_surface_springs(const gn_step_context *ctx, const gn_dem *dem,
-                                 const gn_boundary *boundary, const gn_solids *solids,
-                                 const gn_zones *zones, double reach, gn_extra_spring **springs,
-                                 size_t *count, gneiss_error *error);
+                                 const gn_boundary *boundary, double reach,
+                                 gn_extra_spring **springs, size_t *count, gneiss_error *error);
 /* Finds the expected overlaps of the present contacts (indentation.c). */
-void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
-                     const gn_solids *solids, const gn_zones *zones);
+void gn_pressed_look(gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary);
 /* Marks in dem->loose the particles that were not bonded at the start (collisions.c). */
 gneiss_status gn_loose_find(const gn_step_context *ctx, gn_dem *dem, gneiss_error *error);
 /* Tells whether the ledger of a measured step misses more than debris may (debris.c). */
@@ -41,9 +39,8 @@ gneiss_status gn_resolution_masses(const gn_step_context *ctx, const gn_dem *dem
 /* The factor, likewise, with which the springs of the particles are stable at `step`
  * (gn_step_masses): the springs that act or, with `listed`, all that the lists hold. */
 gneiss_status gn_dem_masses(const gn_step_context *ctx, const gn_dem *dem,
-                            const gn_boundary *boundary, const gn_solids *solids,
-                            const gn_zones *zones, bool listed, double step, const uint8_t *changed,
-                            double *factor, gneiss_error *error);
+                            const gn_boundary *boundary, bool listed, double step,
+                            const uint8_t *changed, double *factor, gneiss_error *error);
 /* After springs have come that ask for a smaller step than masses were raised for, of those that
  * act or of all that are listed: raises the masses of these particles [particles] and their
  * neighbours as far as their own blocks ask for more, at the velocities that they have (their

@@ -16,7 +16,9 @@
 #include "soa/field.h"
 #include "soa/records.h"
 #include "soa/single.h"
+#include "timestep/particle_limit.h"
 #include "timestep/step_limit.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -302,9 +304,8 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary,
-                              &t->world->solids, &t->world->zones, slips, t->rate, t->load,
-                              tolerance, &t->made, u, found, error);
+        status = gn_dem_relax(&t->world->ctx, &t->world->dem, &t->world->boundary, slips, t->rate,
+                              t->load, tolerance, &t->made, u, found, error);
     if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);

@@ -160,7 +160,7 @@ static bool has_specimen(const gn_world *w) {
 
 GN_HOOK(look_at_depth) {
     if (!w->ctx.measure) return GNEISS_OK;
-    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error);
+    return gn_depth_look_again(&w->ctx, &w->dem, &w->boundary, error);
 }
 
 const gn_feature gn_feature_depth = {

@@ -9,6 +9,7 @@
 #include "timestep/depth.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -17,10 +18,9 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     const double start = gn_now();
     const bool first = w->dem.verlet.rebuilds == 0;
     GN_TRY(gn_dem_refresh(w, error));
-    GN_TRY(
-        gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, first, error));
+    GN_TRY(gn_boundary_refresh(&w->ctx, &w->dem, &w->boundary, first, error));
     GN_TRY(gn_features_follow_lists(w, error));
-    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, error));
+    GN_TRY(gn_depth_look(&w->ctx, &w->dem, &w->boundary, error));
     gn_world_assert_lists(&w->ctx, &w->dem, &w->boundary);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
@@ -36,8 +36,7 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     bool more = false;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
-    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &w->solids, &w->zones, &more,
-                                   error));
+    GN_TRY(gn_boundary_yields_more(&w->ctx, &w->dem, &w->boundary, &more, error));
     if (more) GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
 }

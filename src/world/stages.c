@@ -16,6 +16,7 @@
 #include "timestep/body_paths.h"
 #include "timestep/step_limit.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <math.h>

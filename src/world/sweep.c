@@ -8,6 +8,7 @@
 #include "particles/active_pairs.h"
 #include "particles/dem.h"
 #include "sched/deal.h"
+#include "world/particle_step.h"
 #include "world/world.h"
 
 #include <omp.h>
@@ -73,13 +74,6 @@ static void move(void *context, size_t block) {
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);
-}
-
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error) {
-    gn_deal_list lists[GN_LIST_COUNT];
-    for (int l = 0; l < GN_LIST_COUNT; l++)
-        lists[l] = (gn_deal_list){&dem->list[l].partials, dem->list[l].contacts.i};
-    return gn_deal_lists(&dem->deal, lists, GN_LIST_COUNT, dem->motion_blocks, error);
 }
 
 void gn_dem_sweep(gn_world *w, const gn_contact_args contacts[GN_LIST_COUNT],

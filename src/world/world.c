@@ -32,9 +32,11 @@
 #include "soa/particle_state.h"
 #include "soa/records.h"
 #include "solids/elements.h"
+#include "timestep/mass_scaling.h"
 #include "timestep/step_limit.h"
 #include "world/features.h"
 #include "world/origin.h"
+#include "world/particle_step.h"
 #include "zones/zones.h"
 
 #include <math.h>

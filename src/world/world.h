@@ -135,15 +135,6 @@ gneiss_status gn_stages_check_first(const gn_step_context *ctx, const gn_dem *de
 /* The wave that the scene begins with, when lists have been made (pulse.c). */
 gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
 
-/* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
-gneiss_status gn_dem_deal(gn_dem *dem, gneiss_error *error);
-
-void gn_dem_sweep(gn_world *world, const gn_contact_args contacts[GN_LIST_COUNT],
-                  const gn_motion_args *motion);
-
-/* Moves the particles that an exchange had wait. */
-void gn_dem_sweep_held(gn_dem *dem, const gn_motion_args *motion);
-
 /* Seconds are booked under phases in one step of so many, which counts for the others: looking at
  * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
  * readings. */

@@ -63,7 +63,7 @@ def lattice(kind, cells, **changes):
     return {"lattice": {"radius": 1e-3, **changes, "kind": kind, "cells": cells}}
 
 
-def thrown(name, ids, velocity=None, spin=None):
+def launched(name, ids, velocity=None, spin=None):
     """A set with a velocity or a spin at the start."""
     one = {"name": name, "select": {"all": True} if ids is None else {"ids": ids}}
     if velocity is not None:

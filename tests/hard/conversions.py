@@ -58,9 +58,9 @@ def out_of_what_is_packed(folder):
 def says_where_it_stopped(one):
     halted = [w["text"] for w in one.summary["warnings"] if w["name"] == "conversion_halted"]
     assert len(halted) == 1 and re.search(r"which is not in couple\.convert\.box but beyond its upper y side", halted[0]), one.summary["warnings"]
-    awake = one.summary["counts"]["particles"] - one.summary["counts"]["asleep"]
-    assert one.summary["time"] < 5e-5 and awake > 0, (one.summary["time"], awake)
-    return keeps_ledger(1e-3)(one) + f"; ended at {one.summary['time']:.2e} s with {awake} particles active"
+    active = one.summary["counts"]["particles"] - one.summary["counts"]["asleep"]
+    assert one.summary["time"] < 5e-5 and active > 0, (one.summary["time"], active)
+    return keeps_ledger(1e-3)(one) + f"; ended at {one.summary['time']:.2e} s with {active} particles active"
 
 
 def line(x, y, size):
@@ -117,8 +117,8 @@ def relaxing(folder):
 def relaxed_on_both_sides(one):
     """Conversions before and after the half of the run, at which another takes it up; all of them in balance."""
     rows, relaxation = one.history, one.summary["relaxation"]
-    awake, half = rows["particles"], int((rows["time"] < 0.5 * one.summary["time"]).sum())
-    assert 0 < awake[half] < awake[-1], (awake[half], awake[-1])
+    active, half = rows["particles"], int((rows["time"] < 0.5 * one.summary["time"]).sum())
+    assert 0 < active[half] < active[-1], (active[half], active[-1])
     assert relaxation["count"] > 2 and relaxation["worst"] <= 1e-3, relaxation
     return keeps_ledger(1e-3)(one) + f"; {relaxation['count']} relaxations, to {relaxation['worst']:.1e} of the mean force"
 

@@ -25,7 +25,7 @@ def sliding(start, velocity, triangles, **changes):
     def scene(folder):
         stl(folder, "plate.stl", triangles)
         made = spheres([[*start, 1e-3 - SINK, 1e-3]], 0.02, {"normal_stiffness": K, "kratio": 0, "friction": 0},
-                       gravity=[0, 0, -WEIGHT], bodies=[body("plate", "plate.stl")], sets=[thrown("ball", [0], [*velocity, 0])],
+                       gravity=[0, 0, -WEIGHT], bodies=[body("plate", "plate.stl")], sets=[launched("ball", [0], [*velocity, 0])],
                        domain={"min": [-1] * 3, "max": [1] * 3})
         made.update(changes)
         return made
@@ -75,7 +75,7 @@ def corner_of_segments(folder):
     """A disc slides at 0.1 m/s off a table whose edge is a corner of 90 degrees; it falls."""
     k = math.pi * 1e-6 * DENSITY * WEIGHT
     return spheres([[0, 1e-3 - k / 1e6, 1e-3]], 0.03, {"kratio": 0, "friction": 0}, gravity=[0, -WEIGHT],
-                   sets=[thrown("disc", [0], [0.3, 0])], domain={"min": [-1, -1], "max": [1, 1]},
+                   sets=[launched("disc", [0], [0.3, 0])], domain={"min": [-1, -1], "max": [1, 1]},
                    bodies=[{"name": "table", "polyline": [[-0.01, 0], [1e-3, 0], [2e-3, 0], [2e-3, -0.02]],
                             "stiffness": 1e6}])
 
@@ -98,7 +98,7 @@ def groove(angle):
     def scene(folder):
         slope = math.tan(angle / 2)
         made = spheres([[0, 1e-3 / math.cos(angle / 2) + 1e-5, 1e-3]], 1e-3, {"kratio": 0, "friction": 0},
-                       sets=[thrown("disc", [0], [0, -0.1])],
+                       sets=[launched("disc", [0], [0, -0.1])],
                        bodies=[{"name": "groove", "polyline": [[-0.02, 0.02 * slope], [0, 0], [0.02, 0.02 * slope]],
                                 "stiffness": 1e6}])
         made["output"]["history_rows"] = 1000
@@ -123,7 +123,7 @@ def comes_back(angle):
 def thin_plate(folder):
     """A plate of 1e-7 m, thinner than the overlaps, between two spheres that press from both sides."""
     return spheres([[0, 0, 1.01e-3, 1e-3], [0, 0, -1.01e-3 - 1e-7, 1e-3]], 2e-3, {"normal_stiffness": K, "kratio": 0},
-                   sets=[thrown("upper", [0], [0, 0, -0.1]), thrown("lower", [1], [0, 0, 0.1])],
+                   sets=[launched("upper", [0], [0, 0, -0.1]), launched("lower", [1], [0, 0, 0.1])],
                    bodies=[{"name": "plate", "box": {"size": [0.02, 0.02, 1e-7]}, "origin": [-0.01, -0.01, -1e-7],
                             "stiffness": K}])
 

@@ -55,7 +55,7 @@ def periodic_gas(place):
 
 
 def one_ball(place, speed, **changes):
-    return spheres([[*place, 1e-3]], 1e-3, sets=[thrown("ball", [0], [speed, 0, 0])], **changes)
+    return spheres([[*place, 1e-3]], 1e-3, sets=[launched("ball", [0], [speed, 0, 0])], **changes)
 
 
 def flies_as_far_as_it_should(one):

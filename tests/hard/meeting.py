@@ -33,7 +33,7 @@ def through_each_other(folder):
     """Half as fast again as the springs could stop, a hundredth of a radius off centre, with dashpots."""
     speed = 1.5 * 2e-3 * math.sqrt(1e6 / (2 * sphere_mass(1e-3)))
     return spheres([[0, 0, 0, 1e-3], [1e-5, 0, 2.1e-3, 1e-3]], 2e-5, {"kratio": 0}, damping={"contact": {"restitution": 0.9}},
-                   sets=[thrown("a", [0], [0, 0, speed]), thrown("b", [1], [0, 0, -speed])])
+                   sets=[launched("a", [0], [0, 0, speed]), launched("b", [1], [0, 0, -speed])])
 
 
 def comes_out_behind(one):
@@ -90,7 +90,7 @@ def dropped(restitution):
     """Each sphere meets the floor in another phase of a step."""
     def scene(folder):
         rows = [[5e-3 * k, 0, 1e-3 + 1e-5 * (1 + 0.618 * k % 1), 1e-3] for k in range(40)]
-        return spheres(rows, 1e-4, {"kratio": 0}, sets=[thrown("all", None, [0, 0, -1])],
+        return spheres(rows, 1e-4, {"kratio": 0}, sets=[launched("all", None, [0, 0, -1])],
                        damping={"contact": {"restitution": restitution}},
                        walls=[wall("floor", [0, 0, 0], [0, 0, 1], 1e6)])
     return scene
@@ -130,8 +130,8 @@ def torn(folder):
              for a in range(3) for k, (side, s) in enumerate(((low, 1), (high, -1)))]
     return spheres(rows, 5e-3, {"normal_stiffness": 1e5, "kratio": 0, "bond_tension_limit": 1e-6, "bond_shear_limit": 1e-6},
                    bonds={}, walls=walls,
-                   sets=[thrown("left", list(range(0, 64, 2)), [-1, 0.3, 0.2]),
-                         thrown("right", list(range(1, 64, 2)), [1, 0.1, -0.4])])
+                   sets=[launched("left", list(range(0, 64, 2)), [-1, 0.3, 0.2]),
+                         launched("right", list(range(1, 64, 2)), [1, 0.1, -0.4])])
 
 
 def in_pieces(one):
@@ -144,7 +144,7 @@ def in_pieces(one):
 def heavy_and_light(folder):
     """Two heavy spheres that press set the step; a light one flies at them. Masses 1 to 1000."""
     return spheres([[0, 0, 0, 1e-2], [0.01999, 0, 0, 1e-2], [0, 0.015, 0, 1e-3]], 0.012,
-                   {"normal_stiffness": 1e5, "kratio": 0}, sets=[thrown("light", [2], [0, -1, 0])],
+                   {"normal_stiffness": 1e5, "kratio": 0}, sets=[launched("light", [2], [0, -1, 0])],
                    domain={"min": [-1] * 3, "max": [1] * 3})
 
 
@@ -164,7 +164,7 @@ def bullet(speed):
     """A row of spheres is hit by one that passes a diameter in a few steps or less."""
     def scene(folder):
         rows = [[2e-3 * k, 0, 0, 1e-3] for k in range(5)] + [[-0.01, 0, 0, 1e-3]]
-        return spheres(rows, 1e-4, {"kratio": 0}, sets=[thrown("bullet", [5], [speed, 0, 0])],
+        return spheres(rows, 1e-4, {"kratio": 0}, sets=[launched("bullet", [5], [speed, 0, 0])],
                        domain={"min": [-1] * 3, "max": [1] * 3})
     return scene
 

@@ -27,7 +27,7 @@ def cell(text):
     return text.replace("|", "\\|").replace("\n", " ") or "-"
 
 
-def told(case):
+def reported(case):
     """The row of a case on the page, without its figures."""
     return f"| {cell(case.name)} | {cell(case.hard)} | {cell(case.should)} |"
 
@@ -38,7 +38,7 @@ def kept(case):
 
 
 def row(case, figures):
-    return f"{told(case)} {cell(figures)} {kept(case)}"
+    return f"{reported(case)} {cell(figures)} {kept(case)}"
 
 
 def text_of(families, seen):

@@ -11,7 +11,7 @@ def collision(speed_light, heavy_speed, ratio):
 def light_and_heavy(folder):
     scene = spheres([[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]], 3e-4, {"density": 1.0, "kratio": 0})
     add_material(scene, name="heavy", density=1e9, kratio=0)
-    scene["sets"] = [thrown("light", [0], [1, 0, 0]), {"name": "other", "select": {"ids": [1]}, "material": "heavy"}]
+    scene["sets"] = [launched("light", [0], [1, 0, 0]), {"name": "other", "select": {"ids": [1]}, "material": "heavy"}]
     return scene
 
 
@@ -31,7 +31,7 @@ def small_and_large(folder):
     small, large = 1e-6, 1e-2
     return spheres([[0, 0, 0, small], [large + 1.1 * small, 0, 0, large]], 1e-6,
                    {"contact_modulus": 1e8, "normal_stiffness": "none", "kratio": 0}, law={"stiffness": "harmonic"},
-                   sets=[thrown("small", [0], [1, 0, 0])])
+                   sets=[launched("small", [0], [1, 0, 0])])
 
 
 def settles_on_a_large_one(folder):
@@ -51,7 +51,7 @@ def stay_outside(one):
 def soft_between_plates(folder):
     """A loose sphere of 1 N/m bounces between plates of 1e6 N/m."""
     return spheres([[0, 0, 0, 1e-3], [2.2e-3, 0, 0, 1e-3]], 2e-2, {"normal_stiffness": 1.0, "kratio": 0},
-                   sets=[thrown("a", [0], [0.1, 0, 0])],
+                   sets=[launched("a", [0], [0.1, 0, 0])],
                    walls=[wall("left", [-1.1e-3, 0, 0], [1, 0, 0]), wall("right", [3.3e-3, 0, 0], [-1, 0, 0])])
 
 
@@ -76,14 +76,14 @@ def rattles_on_platens(folder):
     del scene["damping"]
     for one in scene["walls"]:
         del one["motion"]
-    scene["sets"] = [thrown("middle", [1], [0, 0, 1e-3])]
+    scene["sets"] = [launched("middle", [1], [0, 0, 1e-3])]
     return scene
 
 
 def bonded_that_rattles(folder):
     """The bonded body between plates that it does not touch yet: 20 times as stiff as its bonds."""
     return spheres(lattice("fcc", [2, 2, 2]), 0.02, {"normal_stiffness": 1e4, "kratio": 2, "friction": 0, **STRONG},
-                   bonds={}, sets=[thrown("all", None, [0, 0, -0.1])],
+                   bonds={}, sets=[launched("all", None, [0, 0, -0.1])],
                    walls=[wall("lower", [0, 0, -1e-5], [0, 0, 1], 1e6), wall("upper", [0, 0, 6e-3], [0, 0, -1], 1e6)])
 
 
@@ -92,7 +92,7 @@ def stiff_bond(folder):
     scene = spheres([[2e-3 * k, 0, 0, 1e-3] for k in range(4)], 2e-3, {"normal_stiffness": 1e3, "kratio": 0, **STRONG},
                     bonds={})
     add_material(scene, name="stiff", normal_stiffness=1e9, kratio=0, **STRONG)
-    scene["sets"] = [thrown("first", [0], [0.01, 0, 0]), {"name": "s", "select": {"ids": [2, 3]}, "material": "stiff"}]
+    scene["sets"] = [launched("first", [0], [0.01, 0, 0]), {"name": "s", "select": {"ids": [2, 3]}, "material": "stiff"}]
     return scene
 
 
@@ -121,7 +121,7 @@ def thousand(folder, around=1000):
     shell = [[*map(float, (large + small) * d), small] for d in way]
     scene = spheres([[0, 0, 0, large], *shell], 1e-4, {"friction": 0, **STRONG}, bonds={"interaction_range": 1e-3})
     add_material(scene, name="light", density=DENSITY * (small / large)**3, **STRONG)
-    scene["sets"] = [{**thrown("core", [0], [0.01, 0, 0]), "material": "light"}]
+    scene["sets"] = [{**launched("core", [0], [0.01, 0, 0]), "material": "light"}]
     return scene
 
 

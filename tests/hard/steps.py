@@ -67,7 +67,7 @@ def hinge(folder):
     rows = [[0, 0, 1e-3], [2e-3, 0, 1e-3], [2e-3, 2e-3, 1e-3]]
     scene = spheres(rows, 0.9, {"kratio": 10, **STRONG}, bonds={})
     speed = [[7.52e-3, -15.04e-3], [7.52e-3, 7.52e-3], [-15.04e-3, 7.52e-3]]
-    scene["sets"] = [{**thrown(f"s{k}", [k], v), "initial_spin": 11.28} for k, v in enumerate(speed)]
+    scene["sets"] = [{**launched(f"s{k}", [k], v), "initial_spin": 11.28} for k, v in enumerate(speed)]
     return scene
 
 
@@ -118,7 +118,7 @@ def lies_on(one):
 def stiff_on_elements(folder):
     """Penalty 1000 times as stiff as an element of the soft block below: a sphere falls on its nodes."""
     return spheres([[0.0101, 0.0201 + 1e-3, 1e-3]], 2e-3, {"normal_stiffness": 1e9, "kratio": 0},
-                   sets=[thrown("ball", [0], [0, -1])],
+                   sets=[launched("ball", [0], [0, -1])],
                    elements={"rectangle": {"size": [0.02, 0.02], "cells": [8, 8]},
                              "materials": [{"young": 1e6, "poisson": 0.3, "density": 1000}],
                              "motions": [{"name": "foot", "group": "y_lower", "motion": {"vx": 0, "vy": 0}}],

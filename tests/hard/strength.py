@@ -46,7 +46,7 @@ def on_a_floor(friction, speed, spin, end, kratio=2, k=1e4):
     def scene(folder):
         sink = sphere_mass(1e-3) * 10 / k
         return spheres([[0, 0, 1e-3 - sink, 1e-3]], end, {"normal_stiffness": k}, gravity=[0, 0, -10],
-                       sets=[thrown("ball", [0], [speed, 0, 0], [0, spin, 0])],
+                       sets=[launched("ball", [0], [speed, 0, 0], [0, spin, 0])],
                        walls=[wall("floor", [0, 0, 0], [0, 0, 1], k, kratio=kratio, friction=friction)])
     return scene
 
@@ -72,7 +72,7 @@ def soft_and_stiff_shear(kratio):
     """A pair of loose spheres that meet off centre, sticking."""
     def scene(folder):
         return spheres([[0, 0, 0, 1e-3], [1.2e-3, 0, 1.7e-3, 1e-3]], 2e-4, {"kratio": kratio, "friction": 0.5},
-                       sets=[thrown("a", [0], [0, 0, 1]), thrown("b", [1], [0, 0, -1])])
+                       sets=[launched("a", [0], [0, 0, 1]), launched("b", [1], [0, 0, -1])])
     return scene
 
 
@@ -144,7 +144,7 @@ def fast_wall(folder):
 
 
 def fast_spin(folder):
-    return spheres([[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3]], 1e-4, sets=[thrown("ball", [0], None, [0, 0, 1e7])])
+    return spheres([[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3]], 1e-4, sets=[launched("ball", [0], None, [0, 0, 1e7])])
 
 
 RANGE = "every key has a range"

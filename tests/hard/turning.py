@@ -9,7 +9,7 @@ def turning(places, spin, end, radius=1e-3, ball=None, **changes):
     places = np.asarray(places, float)
     places = places - places.mean(0)
     scene = spheres([[*map(float, x), radius] for x in places], end, {**STRONG, **(ball or {})}, bonds={}, **changes)
-    scene["sets"] = [thrown(f"s{k}", [k], list(map(float, np.cross(spin, x))), list(map(float, spin)))
+    scene["sets"] = [launched(f"s{k}", [k], list(map(float, np.cross(spin, x))), list(map(float, spin)))
                      for k, x in enumerate(places)]
     return scene
 
@@ -139,7 +139,7 @@ def spinning_top(folder):
     """A sphere pressed on a floor, pushed aside, that spins: its tangential spring turns with half its spin."""
     return spheres([[0, 0, 0.99e-3, 1e-3]], 0.02,
                    walls=[wall("floor", [0, 0, 0], [0, 0, 1], kratio=2, friction=100)],
-                   sets=[{**thrown("top", [0], [0.01, 0, 0], [0, 0, 2000]), "force": [0, 0, -10]}])
+                   sets=[{**launched("top", [0], [0.01, 0, 0], [0, 0, 2000]), "force": [0, 0, -10]}])
 
 
 def stands(one):

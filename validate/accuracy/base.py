@@ -34,17 +34,17 @@ def plan(study, scene_file, again=AGAIN):
     """As `gneiss plan` tells it; of costs the least, as others on the machine make them larger."""
     said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-1])
             for _ in range(again)]
-    told = said[0]
-    told["cost"] = {name: min(one["cost"][name] for one in said) for name in told["cost"]}
-    return told
+    reported = said[0]
+    reported["cost"] = {name: min(one["cost"][name] for one in said) for name in reported["cost"]}
+    return reported
 
 
-def particle_step(told):
-    return told["cost"]["particle"] + told["cost"]["contact"] * told["contacts"] / told["particles"]
+def particle_step(reported):
+    return reported["cost"]["particle"] + reported["cost"]["contact"] * reported["contacts"] / reported["particles"]
 
 
-def lattice_seconds(told, steps, rows):
-    return told["particles"] * (steps * particle_step(told) + rows * told["cost"]["row"])
+def lattice_seconds(reported, steps, rows):
+    return reported["particles"] * (steps * particle_step(reported) + rows * reported["cost"]["row"])
 
 
 def first_break(row):
@@ -54,7 +54,7 @@ def first_break(row):
 
 
 def power_of_strain(study, kind, c):
-    """How the strain at the peak goes with the number of particles, beside what uniform strain says of the same packings: the means are
+    """The strain at the peak over the number of particles, beside that by uniform strain of the same packings: the means are
     of three packings, loaded at four times the speed."""
     counts = [100, 200] if study.quick else [500, 1000, 2000, 4000]
     fast = c.motion(4 * c.closing)
@@ -82,11 +82,11 @@ def run_over_lattice(study, kind, scene_file):
     """Seconds of a run over those predicted from a lattice, measured in turns, as other programs may use the machine."""
     ratios = []
     for _ in range(AGAIN):
-        told, out = plan(study, scene_file, 1), study.path(kind, "base-timed")
+        reported, out = plan(study, scene_file, 1), study.path(kind, "base-timed")
         study.call(["run", scene_file, "--out", out, "--force", "--quiet", "--threads", 1])
         summary = json.loads((out / "summary.json").read_text())
-        rows = summary["steps"] // max(1, int(told["estimate"]["path"] * cylinder.HEIGHT / told["estimate"]["closing"] / told["dt"] / 2000))
-        ratios.append((summary["seconds"]["cpu"] - FIXED - told["cost"]["setup"]) / lattice_seconds(told, summary["steps"], rows))
+        rows = summary["steps"] // max(1, int(reported["estimate"]["path"] * cylinder.HEIGHT / reported["estimate"]["closing"] / reported["dt"] / 2000))
+        ratios.append((summary["seconds"]["cpu"] - FIXED - reported["cost"]["setup"]) / lattice_seconds(reported, summary["steps"], rows))
     return np.median(ratios)
 
 
@@ -108,21 +108,21 @@ def of_case(study, kind):
     shaken = Axis("base", [0, 1, 2], lambda k: {"specimen.file": str(study.packed(name, shape, k))}, [0, 1, 2])
     rows = study.axis(kind, scene, shaken)
     started = study.axis(kind, scene, Axis("base at the first break", ["first_break"], lambda s: {"time.start": s}, ["first_break"]))
-    told = plan(study, study.file(f"{kind}/base-plan.yaml", json.dumps(scene, indent=1)))
+    reported = plan(study, study.file(f"{kind}/base-plan.yaml", json.dumps(scene, indent=1)))
     mean = {r: np.mean([row[r] for row in rows]) for r in ("peak_stress", "peak_strain", "young_modulus", "young_modulus_average", "time", "steps")}
-    estimate, seconds = told["estimate"], min(row.seconds for row in rows)
+    estimate, seconds = reported["estimate"], min(row.seconds for row in rows)
     # More particles come to press on the walls than at the start: of both moduli the ends' own share.
     ends = 1 / mean["young_modulus"] - 1 / mean["young_modulus_average"] if estimate["compliance"] > 0 else 0.0
     body = mean["peak_strain"] - mean["peak_stress"] * ends
-    run = seconds - FIXED - told["cost"]["setup"]
-    found = {"particles": told["particles"],
+    run = seconds - FIXED - reported["cost"]["setup"]
+    found = {"particles": reported["particles"],
              "modulus over uniform strain": mean["young_modulus_average"] / estimate["uniform_modulus"],
              "strain at the peak over breaking strain": body / estimate["breaking_strain"],
              "power of strain over particles": power_of_strain(study, kind, c),
              "strength over modulus and strain": mean["peak_stress"] / mean["young_modulus_average"] / body,
              "end over peak": mean["time"] * c.closing / cylinder.HEIGHT / mean["peak_strain"],
              "first break over peak": np.mean([first_break(row) for row in rows]) / mean["peak_strain"],
-             "steps over those of the first": mean["steps"] * told["dt"] / mean["time"],
+             "steps over those of the first": mean["steps"] * reported["dt"] / mean["time"],
              "run over lattice": run_over_lattice(study, kind, study.path(kind, "base-plan.yaml"))}
     found.update(scatter_over_law(study, kind, c))
     if estimate["compliance"] > 0:
@@ -134,7 +134,7 @@ def of_case(study, kind):
         s = started[0]
         stood_for = s.summary["first_break"]["steps"]
         per_step = run / mean["steps"]
-        found["statics in steps"] = (s.seconds - FIXED - told["cost"]["setup"]) / per_step - (s["steps"] - stood_for)
+        found["statics in steps"] = (s.seconds - FIXED - reported["cost"]["setup"]) / per_step - (s["steps"] - stood_for)
     return {name: float(value) for name, value in found.items()}
 
 
@@ -145,11 +145,11 @@ def of_packing(study):
     scene = {**c.scene({**c.shape(), "particles": count}), "time": {"end": 1e-9}}
     request = study.file("packing/base-plan.yaml", json.dumps({**scene, "time": c.scene({})["time"]}))
     for seed in range(1, 1 + AGAIN):
-        told, out = plan(study, request, 1), study.path("packing", "base-timed")
+        reported, out = plan(study, request, 1), study.path("packing", "base-timed")
         once = study.file("packing/base-run.yaml", json.dumps({**scene, "run": {"threads": 1, "seed": seed}}))
         study.call(["run", once, "--out", out, "--force", "--quiet"])
         seconds = json.loads((out / "summary.json").read_text())["seconds"]["cpu"]
-        found.append((seconds - FIXED - told["cost"]["setup"]) / count / particle_step(told))
+        found.append((seconds - FIXED - reported["cost"]["setup"]) / count / particle_step(reported))
     return {"particle steps": np.median(found)}
 
 

@@ -450,21 +450,21 @@ def sentence_masses(m):
     rows = {row.value: row for row in m.found["mass scaling"]}
     if 1 not in rows or len(rows) < 2:
         return ""
-    told = [f"{value:g}: {words.signed(row['peak_stress'] / rows[1]['peak_stress'] - 1)}, {words.signed(row['young_modulus_average'] / rows[1]['young_modulus_average'] - 1)}, "
+    reported = [f"{value:g}: {words.signed(row['peak_stress'] / rows[1]['peak_stress'] - 1)}, {words.signed(row['young_modulus_average'] / rows[1]['young_modulus_average'] - 1)}, "
             f"{row['steps'] / rows[1]['steps']:.2f}" for value, row in sorted(rows.items()) if value != 1]
     beyond = [value for value, row in rows.items() if abs(row["peak_stress"] / rows[1]["peak_stress"] - 1) > m.noise["strength"]]
-    return (f"**Mass scaling** (`time.mass_scaling.factor`: change of strength, of E, steps over those without) " + "; ".join(told) + ". " +
+    return (f"**Mass scaling** (`time.mass_scaling.factor`: change of strength, of E, steps over those without) " + "; ".join(reported) + ". " +
             (f"Strength is changed by more than round-off does to two runs with {', '.join(f'{x:g}' for x in sorted(beyond))}." if beyond
              else "None changes strength by more than round-off does to two runs."))
 
 
 def sentence_start(m):
-    told = []
+    reported = []
     for speed in sorted({row.value[1] for row in m.found["start"]}, reverse=True):
-        told += [f"at {speed:g} m/s strength by {words.signed(b['peak_stress'] / a['peak_stress'] - 1)}, E by "
+        reported += [f"at {speed:g} m/s strength by {words.signed(b['peak_stress'] / a['peak_stress'] - 1)}, E by "
                  f"{words.signed(b['young_modulus_average'] / a['young_modulus_average'] - 1)}, seconds by "
                  f"{words.signed(b.seconds / a.seconds - 1)}" for a, b in started(m, speed)]
-    return f"**Start at the first break** (`time.start: first_break`) changes " + "; ".join(told) + "." if told else ""
+    return f"**Start at the first break** (`time.start: first_break`) changes " + "; ".join(reported) + "." if reported else ""
 
 
 def sentence_gap(m):

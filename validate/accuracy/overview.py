@@ -27,7 +27,7 @@ def section(pictures, measured):
 
 
 def distant(measured):
-    """How far the largest runs are from their limits, where that is far."""
+    """The distance of the largest runs from their limits, where it is large."""
     far = []
     for m in measured:
         for reading in ("strength", "E"):

@@ -111,7 +111,7 @@ def places(arguments, quick):
 
 
 def main(arguments):
-    study.told(arguments, __doc__, ("--quick", "--only", "--out"))
+    study.reported(arguments, __doc__, ("--quick", "--only", "--out"))
     quick, known = "--quick" in arguments, cases()
     wanted = wanted_cases(arguments, known)
     folder, path, pictures, table = places(arguments, quick)

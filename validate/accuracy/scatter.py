@@ -1,4 +1,4 @@
-"""How much packings scatter by the law of the bonds: many packings of one number, made as a scene makes them that says nothing of packing, over the
+"""Scatter of packings by the law of the bonds: many packings of one number, made as a scene makes them that says nothing of packing, over the
 study's law of scatter, whose packings hold by overlapping spheres and one law. Rows of base.csv: `scatter over its law: READING, LAW`.
 
 Loaded at four times the speed of the study.

@@ -156,7 +156,7 @@ class Contacts:
         self.stretch, self.path = self.distance - self.length0, dt * self.speed
 
     def twist(self, axis):
-        """How far the pair twists about a direction in the step, by its mean spin."""
+        """The twist of the pair about a direction in the step, by its mean spin."""
         return 0.5 * dt * dot(self.spins[0] + self.spins[1], axis)
 
     def increment(self, at):

@@ -160,7 +160,7 @@ def broken(run):
 
 
 def calm(job, own, peer):
-    """How long two runs are held together: all the time, or half way to the first break where many bonds break, after
+    """The time over which two runs are compared: all of it, or half way to the first break where many bonds break, after
     which round-off decides what breaks next."""
     many = [run["step"][np.argmax(run["broken_tension"] + run["broken_shear"] > 0)] for run in (own, peer)
             if sum(broken(run)) > 10]
@@ -168,7 +168,7 @@ def calm(job, own, peer):
 
 
 def order(increment):
-    """How the difference shrinks with the step: [(dt, difference at the end)]. With "middle" the one that remains, YADE's
+    """The difference over the step: [(dt, difference at the end)]. With "middle" the one that remains, YADE's
     turn of the shear force, of first order; with "end" that of the increments beside it."""
     found = []
     for halvings in range(3):

@@ -1,8 +1,8 @@
 /* The springs of rigid bodies on plane walls and on each other: those of both one behind the other,
  * along and across. By Hertz's law, where walls and bodies have materials or are rigid, a body may
  * have a stiffness for these contacts besides; what has none is rigid in them. */
-#ifndef GN_BOUNDARY_BODY_SPRINGS_H
-#define GN_BOUNDARY_BODY_SPRINGS_H
+#ifndef GN_PARTICLES_BODY_SPRINGS_H
+#define GN_PARTICLES_BODY_SPRINGS_H
 
 #include "kernels/law.h"
 #include "scene/scene.h"
@@ -16,7 +16,7 @@ typedef struct gn_body_spring {
 } gn_body_spring;
 gn_body_spring gn_body_spring_of(const gn_scene *scene, size_t place, size_t other);
 
-/* Of critical, of any of these contacts. */
+/* Returns the largest damping fraction of these contacts. */
 double gn_body_damping_most(const gn_scene *scene);
 
 #endif

@@ -1,5 +1,5 @@
 /* Loads on every particle, for output: the sums of motion_template.c in plain C. */
-#include "particles/loads.h"
+#include "boundary/loads.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "boundary/boundary.h"

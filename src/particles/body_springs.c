@@ -1,4 +1,4 @@
-#include "boundary/body_springs.h"
+#include "particles/body_springs.h"
 
 #include "kernels/law.h"
 #include "particles/law.h"
@@ -34,7 +34,7 @@ static double damping_of(const gn_scene *s, size_t place) {
                                       : gn_contact_damping_fraction(s);
 }
 
-/* Of two rigid ones nothing. */
+/* Combines the springs of two bodies; two rigid ones have none. */
 static gn_touch_side springs_of(const gn_scene *s, size_t a, size_t b) {
     double p = stiffness_of(s, a), q = stiffness_of(s, b), sum = p + q;
     double pk = kratio_of(s, a), qk = kratio_of(s, b);

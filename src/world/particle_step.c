@@ -1,10 +1,12 @@
 /* The particles' part of a step: forces, motion, and what both sum up to. */
+#include "world/particle_step.h"
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "boundary/boundary.h"
 #include "frame/balance.h"
 #include "frame/ledger.h"
 #include "frame/periodic_box.h"
+#include "frame/step_change.h"
 #include "frame/step_context.h"
 #include "kernels/contact.h"
 #include "kernels/motion.h"
@@ -21,41 +23,6 @@
 
 #include <math.h>
 #include <string.h>
-
-/* --- what kernels get --- */
-
-gn_contact_args gn_dem_contact_args(const gn_step_context *ctx, const gn_dem *dem,
-                                    const gn_periodic_box *box, const gn_contact_list *list,
-                                    bool measure) {
-    gn_contact_args a = {0};
-    a.pos = dem->particles.pos;
-    a.vel = dem->particles.vel;
-    a.spin = dem->particles.spin;
-    a.pos_f = dem->particles.travel_f;
-    a.vel_f = dem->particles.vel_f;
-    a.spin_f = dem->particles.spin_f;
-    a.contacts = &list->contacts;
-    a.uniform = list->uniform;
-    a.partials = &list->partials;
-    a.dt = ctx->dt_past;
-    a.speed_most = dem->speed_most;
-    a.flows = gn_box_moved(box);
-    memcpy(a.flow, box->flow, sizeof a.flow);
-    if (a.flows && a.speed_most > 0.0) a.speed_most += 0.5 * gn_box_speed(box);
-    a.arm_factor = ctx->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
-    memcpy(a.period, ctx->period, sizeof a.period);
-    for (int k = 0; k < 3; k++)
-        a.inverse_period[k] = ctx->period[k] > 0.0 ? 1.0 / ctx->period[k] : 0.0;
-    memcpy(a.gravity, ctx->scene.gravity, sizeof a.gravity);
-    if (ctx->effects & GN_FX_GRAVITY) a.own = dem->particles.own_share;
-    if (dem->prescribed.count) {
-        a.slot = dem->particles.slot;
-        a.held = dem->prescribed.mask;
-    }
-    a.time = ctx->time;
-    a.measure = measure;
-    return a;
-}
 
 gn_motion_args gn_dem_motion_args(const gn_step_context *ctx, gn_dem *dem, gn_boundary *boundary,
                                   bool measure) {
@@ -85,15 +52,6 @@ static void list_args(const gn_world *w, bool measure, gn_contact_args args[GN_L
 
 /* --- forces and motion --- */
 
-/* Rows as they are before a step of another length than the last. Without memory for them what the
- * change adds to the energy shows in the residual. */
-double *gn_dem_kept(const gn_particles *of, const double *rows) {
-    const size_t count = of->soa.count;
-    double *copy = rows ? gn_alloc_array(count, 4 * sizeof *copy) : NULL;
-    if (copy) memcpy(copy, rows, count * 4 * sizeof *copy);
-    return copy;
-}
-
 void gn_dem_forces(gn_world *w, bool measure) {
     gn_dem *d = &w->dem;
     if (w->ctx.effects & GN_FX_PRESCRIBED)
@@ -101,8 +59,8 @@ void gn_dem_forces(gn_world *w, bool measure) {
     if (!d->particles.soa.count) return;
     gn_dem_confine(&w->ctx, &w->dem, &w->dem.bonds.contacts);
     if (w->ctx.dt_past > 0.0 && w->ctx.dt != w->ctx.dt_past && w->ctx.effects & GN_FX_ENERGY) {
-        d->vel_past = gn_dem_kept(&d->particles, d->particles.vel);
-        d->spin_past = gn_dem_kept(&d->particles, d->particles.spin);
+        d->vel_past = gn_rows_copy(&d->particles, d->particles.vel);
+        d->spin_past = gn_rows_copy(&d->particles, d->particles.spin);
     }
     gn_contact_args contacts[GN_LIST_COUNT];
     list_args(w, measure, contacts);
@@ -139,32 +97,14 @@ static void add_up(const gn_step_context *ctx, const gn_dem *dem, const gn_bound
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 
-/* The energy that leap-frog conserves, 1/2 m v(-) v(+) and that of springs, depends on its step:
- * the kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the
- * difference are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 -
- * dt+^2)/(8 m): an oscillation goes on with more energy when the step becomes shorter. */
-void gn_dem_add_change(const gn_step_context *ctx, const double *past, const double *now,
-                       size_t count, double halves[2]) {
-    const double factor = 0.5 * (ctx->dt_past - ctx->dt) / (ctx->dt_past + ctx->dt);
-    for (size_t p = 0; past && p < count; p++) {
-        const double *a = past + 4 * p, *b = now + 4 * p;
-        if (!(b[3] > 0.0)) continue;
-        for (int k = 0; k < 3; k++) {
-            double change = factor / b[3] * (b[k] - a[k]);
-            halves[GN_HALF_BEFORE] -= change * a[k];
-            halves[GN_HALF_AFTER] += change * b[k];
-        }
-    }
-}
-
 static void follow_change(const gn_step_context *ctx, gn_dem *dem) {
     gn_dem *d = dem;
     const size_t count = d->particles.soa.count;
     double *halves = d->done.step_change;
     halves[0] = halves[1] = 0.0;
     if (!d->vel_past) return;
-    gn_dem_add_change(ctx, d->vel_past, d->particles.vel, count, halves);
-    gn_dem_add_change(ctx, d->spin_past, d->particles.spin, count, halves);
+    gn_rows_add_step_change(ctx, d->vel_past, d->particles.vel, count, halves);
+    gn_rows_add_step_change(ctx, d->spin_past, d->particles.spin, count, halves);
     gn_free(d->vel_past);
     gn_free(d->spin_past);
     d->vel_past = d->spin_past = NULL;

@@ -1,6 +1,6 @@
 /* Loads on particles, for output. */
-#ifndef GN_PARTICLES_LOADS_H
-#define GN_PARTICLES_LOADS_H
+#ifndef GN_BOUNDARY_LOADS_H
+#define GN_BOUNDARY_LOADS_H
 
 #include "base/error.h"
 #include "frame/parts.h"

@@ -1,0 +1,50 @@
+#include "particles/expected_overlap.h"
+
+#include "base/vec3.h"
+#include "frame/step_context.h"
+#include "particles/dem.h"
+
+#include <math.h>
+
+/* J/kg that gravity and applied forces add while the lists last. */
+static double fall(const gn_step_context *ctx, const gn_dem *dem) {
+    const double *g = ctx->scene.gravity;
+    double pull = ctx->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
+    return (pull + dem->push) * dem->verlet.skin;
+}
+
+/* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
+ * things meet at a speed of square `speed2`. That is 4/15 kn u^(5/2). */
+double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
+                           double inverse_mass, double speed2, double radius, double known) {
+    if (!(inverse_mass > 0.0)) return known;
+    if (dem->gain > 0.0) speed2 = (sqrt(speed2) + dem->gain) * (sqrt(speed2) + dem->gain);
+    double energy = (0.5 * speed2 + fall(ctx, dem)) / inverse_mass, u = known * radius;
+    if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
+    return pow(3.75 * energy / kn, 0.4) / radius;
+}
+
+double gn_pair_radius(const gn_particles *q, size_t i, size_t j) {
+    double ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
+    return ri * rj / (ri + rj);
+}
+
+double gn_relative_speed2(const double *a, const double *b) {
+    double v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    return gn_dot3(v, v);
+}
+
+double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                          double kn) {
+    const gn_particles *q = &dem->particles;
+    const double *vi = q->vel + 4 * i, *vj = q->vel + 4 * j;
+    double radius = gn_pair_radius(q, i, j),
+           known = fmax(fmax(q->pressed[i], q->pressed[j]), GN_OVERLAP_LEAST);
+    return radius * gn_expected_overlap(ctx, dem, kn, vi[3] + vj[3], gn_relative_speed2(vi, vj),
+                                        radius, known);
+}
+
+double gn_pressed_touch(const gn_dem *dem, size_t p) {
+    const gn_particles *q = &dem->particles;
+    return q->pos[4 * p + 3] * fmax(q->pressed[p], GN_OVERLAP_LEAST);
+}

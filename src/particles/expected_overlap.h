@@ -1,0 +1,28 @@
+/* Overlaps that contacts of Hertz's law are expected to reach. */
+#ifndef GN_PARTICLES_EXPECTED_OVERLAP_H
+#define GN_PARTICLES_EXPECTED_OVERLAP_H
+
+#include "frame/parts.h"
+#include "soa/records.h"
+
+#include <stddef.h>
+
+/* Least expected overlap over the radius of a contact: with less a step has no bound at the start.
+ */
+#define GN_OVERLAP_LEAST 1e-6
+
+/* Returns the radius of a contact of two particles, m: r_i r_j/(r_i + r_j). */
+double gn_pair_radius(const gn_particles *particles, size_t i, size_t j);
+/* Returns the square of the relative velocity of two rows, m2/s2. */
+double gn_relative_speed2(const double *first, const double *second);
+/* Returns the overlap over `radius` at which a contact of stiffness kn sqrt(overlap) holds the
+ * energy of a collision at the square `speed2` of a speed; `known` where that is larger. */
+double gn_expected_overlap(const gn_step_context *ctx, const gn_dem *dem, double kn,
+                           double inverse_mass, double speed2, double radius, double known);
+/* How far contacts of Hertz's law are expected to be pressed, m: of two particles
+ * whose stiffness is kn sqrt(overlap), and of one with walls and surfaces. */
+double gn_pressed_meeting(const gn_step_context *ctx, const gn_dem *dem, size_t i, size_t j,
+                          double kn);
+double gn_pressed_touch(const gn_dem *dem, size_t particle);
+
+#endif
