@@ -52,7 +52,7 @@ typedef struct gn_near_kept {
 
 typedef struct gn_near {
     bool on;        /* for the present lists */
-    bool barred;    /* forced off, for reference comparisons */
+    bool disabled;  /* forced off, for reference comparisons */
     bool fresh;     /* no sweep yet over these lists */
     bool packed;    /* the columns of those found */
     bool unsettled; /* columns of the list that the kernel writes are not up to date */

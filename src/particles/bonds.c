@@ -108,9 +108,9 @@ typedef struct free_overlaps {
     double *rest; /* [pairs.count] m */
 } free_overlaps;
 
-static void free_overlaps_free(free_overlaps *o) {
-    gn_pair_list_free(&o->pairs);
-    gn_free(o->rest);
+static void free_overlaps_free(free_overlaps *overlaps) {
+    gn_pair_list_free(&overlaps->pairs);
+    gn_free(overlaps->rest);
 }
 
 static gneiss_status make_room(free_overlaps *o, size_t count, gneiss_error *error) {
@@ -120,10 +120,10 @@ static gneiss_status make_room(free_overlaps *o, size_t count, gneiss_error *err
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu overlaps", count);
 }
 
-static void add_overlap(free_overlaps *o, int32_t i, int32_t j, double rest) {
-    o->pairs.pair[o->pairs.count][0] = i;
-    o->pairs.pair[o->pairs.count][1] = j;
-    o->rest[o->pairs.count++] = rest;
+static void add_overlap(free_overlaps *overlaps, int32_t i, int32_t j, double rest) {
+    overlaps->pairs.pair[overlaps->pairs.count][0] = i;
+    overlaps->pairs.pair[overlaps->pairs.count][1] = j;
+    overlaps->rest[overlaps->pairs.count++] = rest;
 }
 
 /* Overlaps below this share of r_i + r_j are rounding of the places. */
@@ -143,18 +143,18 @@ static bool overlaps_are_free(const gn_step_context *ctx) {
 /* Pairs that overlap and will have no bond: of other groups, of none, or by more than
  * bonds.overlap_range. */
 static gneiss_status find_overlaps(const gn_step_context *ctx, const gn_dem *dem,
-                                   const gn_pair_list *pairs, free_overlaps *o,
+                                   const gn_pair_list *pairs, free_overlaps *overlaps,
                                    gneiss_error *error) {
     const bool bonds = ctx->scene.bonds == GN_SWITCH_ON;
     if (!overlaps_are_free(ctx)) return GNEISS_OK;
-    GN_TRY(make_room(o, pairs->count, error));
+    GN_TRY(make_room(overlaps, pairs->count, error));
     for (size_t c = 0; c < pairs->count; c++) {
         const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         const double *pos = dem->particles.pos,
                      sum = pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
         double distance;
         if (bondable(ctx, dem, i, j, &distance) && bonds) continue;
-        if (distance < sum * (1.0 - overlap_least)) add_overlap(o, i, j, distance);
+        if (distance < sum * (1.0 - overlap_least)) add_overlap(overlaps, i, j, distance);
     }
     return GNEISS_OK;
 }

@@ -101,7 +101,7 @@ static gn_law_pair pair_of(const gn_step_context *ctx, const gn_dem *dem, int32_
 
 /* Returns the random seed of a bond, from the ids of its ends, so that neither the order nor the
  * number of threads matters. */
-static uint64_t lot_of(const gn_dem *dem, int32_t i, int32_t j) {
+static uint64_t seed_of(const gn_dem *dem, int32_t i, int32_t j) {
     uint64_t a = (uint64_t)dem->particles.id[i], b = (uint64_t)dem->particles.id[j];
     return 1 + (a < b ? a << 32 | b : b << 32 | a);
 }
@@ -112,7 +112,7 @@ static gn_law_pair pair_of_contact(const gn_step_context *ctx, const gn_dem *dem
     if (!list->rn) return pair;
     pair.area = list->area ? list->area[c] : 0.0;
     pair.length = list->length0[c];
-    pair.draw_id = lot_of(dem, list->i[c], list->j[c]);
+    pair.draw_id = seed_of(dem, list->i[c], list->j[c]);
     return pair;
 }
 

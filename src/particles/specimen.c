@@ -133,11 +133,12 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius) {
     }
 }
 
-static void add_lattice(const gn_lattice *l, gn_extent *extent) {
-    unit_cell cell = cell_of(l->kind);
-    double upper[3], a = 2.0 * l->radius * l->spacing;
-    for (int d = 0; d < 3; d++) upper[d] = l->origin[d] + a * cell.edge[d] * (double)l->cells[d];
-    gn_extent_add(extent, l->origin, 0.0);
+static void add_lattice(const gn_lattice *lattice, gn_extent *extent) {
+    unit_cell cell = cell_of(lattice->kind);
+    double upper[3], a = 2.0 * lattice->radius * lattice->spacing;
+    for (int d = 0; d < 3; d++)
+        upper[d] = lattice->origin[d] + a * cell.edge[d] * (double)lattice->cells[d];
+    gn_extent_add(extent, lattice->origin, 0.0);
     gn_extent_add(extent, upper, 0.0);
 }
 

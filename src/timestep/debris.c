@@ -122,7 +122,7 @@ gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint
     bool some = false;
     *any = false;
     for (size_t p = 0; p < n && !some; p++) some = adrift[p];
-    if (!some || !dem->debris_told) return GNEISS_OK;
+    if (!some || !dem->debris_suspected) return GNEISS_OK;
     const double least = MATTERS * held_at_most(dem);
     if (!(least > 0.0 && least < INFINITY)) return GNEISS_OK;
     slot *of = gn_alloc_array(n + 1, sizeof *of);

@@ -205,10 +205,10 @@ static gneiss_status make_room(const gn_dem *dem, wanted *q, gneiss_error *error
 }
 
 /* The largest factor is the square of the step over that of the bound. */
-gneiss_status gn_dem_foretell_masses(const gn_step_context *ctx, const gn_dem *dem,
-                                     const gn_boundary *boundary, const gn_solids *solids,
-                                     const gn_zones *zones, double step, double *of_bound,
-                                     double *added, gneiss_error *error) {
+gneiss_status gn_dem_predict_masses(const gn_step_context *ctx, const gn_dem *dem,
+                                    const gn_boundary *boundary, const gn_solids *solids,
+                                    const gn_zones *zones, double step, double *of_bound,
+                                    double *added, gneiss_error *error) {
     const gn_particles *q = &dem->particles;
     const double limit =
         gn_limit_needed(ctx, dem, boundary, solids, zones, step / ctx->scene.safety);

@@ -422,9 +422,9 @@ static gneiss_status look_again(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_world_check_debris(gn_world *w, gneiss_error *error) {
     if (!gn_debris_told(&w->ledger)) return GNEISS_OK;
-    w->dem.debris_told = true;
+    w->dem.debris_suspected = true;
     gneiss_status status = look_again(w, error);
-    w->dem.debris_told = false;
+    w->dem.debris_suspected = false;
     return status;
 }
 

@@ -26,8 +26,8 @@ bool gn_debris_told(const gn_ledger *ledger);
  * for more. */
 void gn_bonds_left(const gn_dem *dem, uint8_t *left);
 /* Reduces the particles with one bond at most (`adrift` 1, [particles]) to those that are wedged
- * and store a relevant energy, if dem->debris_told. *any tells whether there are some; otherwise
- * `adrift` may be unchanged. */
+ * and store a relevant energy, if dem->debris_suspected. *any tells whether there are some;
+ * otherwise `adrift` may be unchanged. */
 gneiss_status gn_wedged_find(const gn_step_context *ctx, const gn_dem *dem, uint8_t *adrift,
                              bool *any, gneiss_error *error);
 /* By what factor own masses [particles] have to be multiplied for `step` to resolve these contacts:

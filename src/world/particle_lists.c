@@ -122,9 +122,9 @@ static double largest_speed(const double *rows, size_t count) {
     return sqrt(most);
 }
 
-static double surface_speed(const gn_boundary *boundary, const gn_surface *s) {
-    if (s->body < 0) return largest_speed(s->velocity, s->vertices);
-    const gn_rigid *b = &boundary->bodies[s->body];
+static double surface_speed(const gn_boundary *boundary, const gn_surface *surface) {
+    if (surface->body < 0) return largest_speed(surface->velocity, surface->vertices);
+    const gn_rigid *b = &boundary->bodies[surface->body];
     return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
 }
 

@@ -23,9 +23,9 @@ typedef struct span {
     double now, start;   /* 0: there are none */
 } span;
 
-static int find_wall(const gn_scene *s, int axis, double sense) {
-    for (size_t k = 0; k < s->wall_count; k++)
-        if (sense * s->walls[k].normal[axis] > 0.999) return (int)k;
+static int find_wall(const gn_scene *scene, int axis, double sense) {
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (sense * scene->walls[k].normal[axis] > 0.999) return (int)k;
     return -1;
 }
 
